@@ -1,0 +1,38 @@
+"""How a declared model becomes an FMI 2.0 co-simulation FMU; knows no robot.
+
+Declare a `ContinuousModel` or a `SampledModel`, then `build` it.
+"""
+
+from adaptimp_fmu.errors import DefinitionError, ToolchainError
+from adaptimp_fmu.model import (
+    ANY,
+    NOT_NEGATIVE,
+    POSITIVE,
+    ContinuousModel,
+    Limits,
+    Model,
+    SampledModel,
+)
+from adaptimp_fmu.package import build, default_cache
+from adaptimp_fmu.toolchain import PLATFORMS, Platform, host_platform
+from adaptimp_fmu.variables import Role, Type, Variable
+
+__all__ = [
+    "ANY",
+    "NOT_NEGATIVE",
+    "PLATFORMS",
+    "POSITIVE",
+    "ContinuousModel",
+    "DefinitionError",
+    "Limits",
+    "Model",
+    "Platform",
+    "Role",
+    "SampledModel",
+    "ToolchainError",
+    "Type",
+    "Variable",
+    "build",
+    "default_cache",
+    "host_platform",
+]

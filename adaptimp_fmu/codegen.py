@@ -1,0 +1,152 @@
+"""C code of a model: CasADi's functions, one table, and the runtime it includes."""
+
+import importlib.resources
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import casadi as ca
+import jinja2
+
+from adaptimp_fmu.errors import DefinitionError
+from adaptimp_fmu.lowering import lower
+from adaptimp_fmu.model import Model, SampledModel
+
+GUID_PLACEHOLDER = "{guid}"
+MAIN_SOURCE = "model.c"
+EQUATIONS_SOURCE = "equations.h"
+
+# C parameters of each function of the seam (runtime/model.h): name of the CasADi argument or
+# result, and its C declaration.
+_IN = {"t": "double t", "r": "const double *r"} | {
+    name: f"const double *{name}" for name in ("x", "u", "p", "c", "m", "w")
+}
+_SEAM = {
+    "calibrate": (("p",), ("c", "checks", "active")),
+    "initial": (("t", "u", "p", "c"), ("x",)),
+    "tick": (("t", "x", "u", "p", "c", "w"), ("y", "next", "checks")),
+    "noise": (("r", "p", "c"), ("w",)),
+    "derivative": (("t", "x", "u", "p", "c", "m"), ("dx",)),
+    "output": (("t", "x", "u", "p", "c", "m"), ("y", "checks")),
+    "event_indicators": (("t", "x", "p", "c"), ("z",)),
+}
+
+
+@dataclass(frozen=True)
+class Adapter:
+    """A C function of the seam that calls CasADi's function of the same purpose."""
+
+    name: str
+    signature: str
+    arguments: str
+    results: str
+
+
+def runtime_sources() -> dict[str, str]:
+    """Files of the runtime by name."""
+    folder = importlib.resources.files("adaptimp_fmu") / "runtime"
+    names = sorted(entry.name for entry in folder.iterdir() if entry.name.endswith((".c", ".h")))
+    return {name: (folder / name).read_text(encoding="utf-8") for name in names}
+
+
+def generate(model: Model) -> dict[str, str]:
+    """Generate all C sources of a model, the runtime's included.
+
+    Returns
+    -------
+    dict
+        File name to text. ``model.c`` is the one to compile; it holds `GUID_PLACEHOLDER` where the
+        GUID belongs, because the GUID is a hash of these sources.
+    """
+    lowered = lower(model)
+    template = _environment().get_template("model.c.j2")
+    main = template.render(
+        model=model,
+        sampled=isinstance(model, SampledModel),
+        n=_sizes(model, lowered.n_constants),
+        period=model.reference(model.period_name),
+        guid=GUID_PLACEHOLDER,
+        variables=[(v, 0.0 if v.start is None else v.start) for v in model.ordered_variables()],
+        sentences=_sentences(model),
+        equations=EQUATIONS_SOURCE,
+        functions=[_adapter(function) for function in lowered.functions],
+        seed=_seed_reference(model),
+    )
+    return {MAIN_SOURCE: main, EQUATIONS_SOURCE: _equations(lowered.functions), **runtime_sources()}
+
+
+def _environment() -> jinja2.Environment:
+    environment = jinja2.Environment(
+        loader=jinja2.PackageLoader("adaptimp_fmu"),
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+        autoescape=False,  # the output is C, not HTML
+    )
+    environment.filters["c_number"] = _c_number
+    environment.filters["c_string"] = _c_string
+    return environment
+
+
+def _sizes(model: Model, n_constants: int) -> dict[str, int]:
+    noise = model.noise if isinstance(model, SampledModel) else None
+    return {
+        "PARAMETERS": sum(symbol.numel() for symbol in model.parameter_symbols),
+        "INPUTS": sum(symbol.numel() for symbol in model.input_symbols),
+        "OUTPUTS": sum(value.numel() for value in model.output_values),
+        "STATES": sum(state.symbol.numel() for state in model.states),
+        "CONSTANTS": n_constants,
+        "EVENTS": len(getattr(model, "events", ())),
+        "NOISE": noise.symbol.numel() if noise else 0,
+        "STATIC_CHECKS": len(model.static_checks),
+        "CHECKS": len(model.checks),
+    }
+
+
+def _sentences(model: Model) -> dict[str, list[str]]:
+    return {
+        "model_static_checks": [check.sentence for check in model.static_checks],
+        "model_checks": [check.sentence for check in model.checks],
+        "model_events": [event.name for event in getattr(model, "events", ())],
+    }
+
+
+def _seed_reference(model: Model) -> int | None:
+    if isinstance(model, SampledModel) and model.noise:
+        return model.reference(model.noise.seed_name)
+    return None
+
+
+def _adapter(function: ca.Function) -> Adapter:
+    name = function.name()
+    arguments, results = _SEAM[name]
+    declarations = [_IN[a] for a in arguments] + [f"double *{_result(r)}" for r in results]
+    return Adapter(
+        name=name,
+        signature=", ".join(declarations),
+        arguments=", ".join("&t" if a == "t" else a for a in function.name_in()),
+        results=", ".join(_result(r) for r in function.name_out()),
+    )
+
+
+def _result(name: str) -> str:
+    """Results that share a name with an argument cannot; in C they are told apart."""
+    return {"c": "constants", "x": "states", "w": "drawn"}.get(name, name)
+
+
+def _equations(functions: Sequence[ca.Function]) -> str:
+    generator = ca.CodeGenerator("equations.c", {"with_mem": False, "with_header": False})
+    for function in functions:
+        generator.add(function)
+    return generator.dump()
+
+
+def _c_number(value: float) -> str:
+    if math.isinf(value):
+        return "INFINITY" if value > 0 else "-INFINITY"
+    return repr(float(value))
+
+
+def _c_string(text: str) -> str:
+    return '"' + text.replace("\\", "\\\\").replace('"', '\\"') + '"'

@@ -1,0 +1,165 @@
+"""modelDescription.xml of a model (FMI 2.0.5, chapter 2.2 and 4.3)."""
+
+import importlib.resources
+import math
+from collections.abc import Iterable
+from functools import cache
+from typing import Any
+
+from lxml import etree
+
+from adaptimp_fmu.errors import DefinitionError
+from adaptimp_fmu.model import Model, SampledModel
+from adaptimp_fmu.structure import dependencies
+from adaptimp_fmu.units import base_exponents
+from adaptimp_fmu.variables import Role, Type, Variable
+
+GENERATION_TOOL = "adaptimp_fmu"
+LOG_CATEGORIES = {
+    "logStatusError": "Why a call returned fmi2Error",
+    "logStatusWarning": "What a user should know although the call succeeded",
+    "logAll": "All messages",
+}
+DEFAULT_EXPERIMENT = {"startTime": "0", "stopTime": "2", "stepSize": "0.0001"}
+_CAUSALITY = {
+    Role.FIXED_PARAMETER: "parameter",
+    Role.TUNABLE_PARAMETER: "parameter",
+    Role.INPUT: "input",
+    Role.OUTPUT: "output",
+}
+
+
+def model_description(model: Model, guid: str, sources: Iterable[str]) -> bytes:
+    """Write modelDescription.xml.
+
+    Parameters
+    ----------
+    guid
+        Shared with the binary.
+    sources
+        Names of the C files in ``sources/`` that are compiled.
+
+    Raises
+    ------
+    DefinitionError
+        If the result does not validate against FMI's schema.
+    """
+    root = etree.Element(
+        "fmiModelDescription",
+        fmiVersion="2.0",
+        modelName=model.name,
+        guid=guid,
+        description=model.description,
+        version="1",
+        license="MIT",
+        generationTool=GENERATION_TOOL,
+        variableNamingConvention="structured",
+        numberOfEventIndicators="0",
+    )
+    variables = model.ordered_variables()
+    _co_simulation(root, model, sources)
+    _units(root, variables)
+    categories = etree.SubElement(root, "LogCategories")
+    for name, description in LOG_CATEGORIES.items():
+        etree.SubElement(categories, "Category", name=name, description=description)
+    etree.SubElement(root, "DefaultExperiment", DEFAULT_EXPERIMENT)
+    listing = etree.SubElement(root, "ModelVariables")
+    for reference, variable in enumerate(variables):
+        _variable(listing, variable, reference, sampled=isinstance(model, SampledModel))
+    _structure(root, model, variables)
+    _validate(root, model.name)
+    return etree.tostring(root, xml_declaration=True, encoding="UTF-8", pretty_print=True)
+
+
+def number(value: float, type: Type) -> str:
+    """A value as XML Schema writes it."""
+    if type is Type.BOOLEAN:
+        return "true" if value else "false"
+    if type is Type.INTEGER or value.is_integer():
+        return str(int(value)) if abs(value) < 1e15 else repr(value)
+    return repr(value)
+
+
+def _co_simulation(root: Any, model: Model, sources: Iterable[str]) -> None:
+    element = etree.SubElement(
+        root,
+        "CoSimulation",
+        modelIdentifier=model.name,
+        canHandleVariableCommunicationStepSize="true",
+        canInterpolateInputs="false",
+        maxOutputDerivativeOrder="0",
+        canBeInstantiatedOnlyOncePerProcess="false",
+        canNotUseMemoryManagementFunctions="true",
+        canGetAndSetFMUstate="true",
+        canSerializeFMUstate="true",
+        providesDirectionalDerivative="false",
+    )
+    files = etree.SubElement(element, "SourceFiles")
+    for name in sources:
+        etree.SubElement(files, "File", name=name)
+
+
+def _units(root: Any, variables: Iterable[Variable]) -> None:
+    definitions = etree.SubElement(root, "UnitDefinitions")
+    for unit in sorted({variable.unit for variable in variables if variable.unit}):
+        exponents = {base: str(power) for base, power in base_exponents(unit).items()}
+        etree.SubElement(etree.SubElement(definitions, "Unit", name=unit), "BaseUnit", exponents)
+
+
+def _variable(listing: Any, variable: Variable, reference: int, *, sampled: bool) -> None:
+    element = etree.SubElement(
+        listing,
+        "ScalarVariable",
+        name=variable.name,
+        valueReference=str(reference),
+        description=variable.description,
+        causality=_CAUSALITY[variable.role],
+        variability=_variability(variable, sampled=sampled),
+    )
+    if variable.role is Role.OUTPUT:
+        element.set("initial", "calculated")
+    elif variable.role.is_parameter:
+        element.set("initial", "exact")
+    typed = etree.SubElement(element, variable.type.value)
+    if variable.unit:
+        typed.set("unit", variable.unit)
+    if variable.type is not Type.BOOLEAN:
+        for attribute, bound in (("min", variable.minimum), ("max", variable.maximum)):
+            if math.isfinite(bound):
+                typed.set(attribute, number(bound, variable.type))
+    if variable.start is not None:
+        typed.set("start", number(variable.start, variable.type))
+
+
+def _variability(variable: Variable, *, sampled: bool) -> str:
+    if variable.role is Role.FIXED_PARAMETER:
+        return "fixed"
+    if variable.role is Role.TUNABLE_PARAMETER:
+        return "tunable"
+    if variable.type is not Type.REAL or (sampled and variable.role is Role.OUTPUT):
+        return "discrete"
+    return "continuous"
+
+
+def _structure(root: Any, model: Model, variables: list[Variable]) -> None:
+    depends = dependencies(model)
+    first = next(i for i, variable in enumerate(variables) if variable.role is Role.OUTPUT)
+    structure = etree.SubElement(root, "ModelStructure")
+    for tag, rows in (("Outputs", depends.in_step), ("InitialUnknowns", depends.initial)):
+        listing = etree.SubElement(structure, tag)
+        for i, row in enumerate(rows):
+            known = " ".join(str(reference + 1) for reference in row)
+            etree.SubElement(listing, "Unknown", index=str(first + i + 1), dependencies=known)
+
+
+@cache
+def _schema() -> Any:
+    path = importlib.resources.files("fmpy") / "schema" / "fmi2" / "fmi2ModelDescription.xsd"
+    return etree.XMLSchema(etree.parse(str(path)))
+
+
+def _validate(root: Any, name: str) -> None:
+    schema = _schema()
+    if not schema.validate(root):
+        msg = f"{name}: modelDescription.xml is invalid: {schema.error_log.last_error}"
+        raise DefinitionError(msg)

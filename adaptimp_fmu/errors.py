@@ -1,0 +1,9 @@
+"""What can go wrong between a definition and a built FMU."""
+
+
+class DefinitionError(ValueError):
+    """A model's declaration contradicts itself or FMI 2.0."""
+
+
+class ToolchainError(RuntimeError):
+    """The compiler is missing or refused the generated code."""

@@ -1,0 +1,358 @@
+"""A model, declared once.
+
+Order of variables, value references, XML, C tables, dependencies and GUID follow from the
+declaration. There are two kinds: a `ContinuousModel` has derivatives, which the runtime
+integrates; a `SampledModel` is updated every ``sample_time``.
+
+Every symbol is a CasADi ``SX`` column vector (a scalar is of length one).
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+
+import casadi as ca
+
+from adaptimp_fmu.errors import DefinitionError
+from adaptimp_fmu.variables import INTEGER_LIMIT, Role, Type, Variable, element_names
+
+Start = float | Sequence[float]
+PerElement = str | Sequence[str]
+
+
+@dataclass(frozen=True)
+class Limits:
+    """Closed range of a parameter, in its unit."""
+
+    minimum: float = -float("inf")
+    maximum: float = float("inf")
+
+
+ANY = Limits()
+POSITIVE = Limits(minimum=1e-12)
+NOT_NEGATIVE = Limits(minimum=0.0)
+
+
+@dataclass
+class State:
+    """A state vector: its symbol, its first value, and what becomes of it."""
+
+    name: str
+    symbol: ca.SX
+    initial: ca.SX
+    evolution: ca.SX | None = None
+
+
+@dataclass(frozen=True)
+class Check:
+    """A demand on numbers: `value` must be positive, else `sentence` is the error."""
+
+    value: ca.SX
+    sentence: str
+
+
+@dataclass(frozen=True)
+class Event:
+    """A quantity whose change of sign interrupts the integration; `mode` is 1 while it is > 0."""
+
+    name: str
+    mode: ca.SX
+    indicator: ca.SX
+
+
+@dataclass(frozen=True)
+class Noise:
+    """Random numbers, drawn anew at each tick: a function of four uniform numbers in (0, 1)."""
+
+    symbol: ca.SX
+    uniforms: ca.SX
+    value: ca.SX
+    active: ca.SX
+    seed_name: str
+
+
+@dataclass
+class Model:
+    """What both kinds have in common. Use `ContinuousModel` or `SampledModel`.
+
+    Parameters
+    ----------
+    name
+        Model identifier, a C identifier.
+    description
+        One sentence for modelDescription.xml.
+    """
+
+    name: str
+    description: str
+    variables: list[Variable] = field(default_factory=list)
+    parameter_symbols: list[ca.SX] = field(default_factory=list)
+    input_symbols: list[ca.SX] = field(default_factory=list)
+    output_values: list[ca.SX] = field(default_factory=list)
+    states: list[State] = field(default_factory=list)
+    static_checks: list[Check] = field(default_factory=list)
+    checks: list[Check] = field(default_factory=list)
+    time: ca.SX = field(default_factory=lambda: ca.SX.sym("t"))
+
+    def parameter(
+        self,
+        name: str,
+        start: Start,
+        *,
+        unit: PerElement = "",
+        description: PerElement,
+        limits: Limits = ANY,
+        tunable: bool = False,
+        type: Type = Type.REAL,
+    ) -> ca.SX:
+        """Declare a parameter.
+
+        Parameters
+        ----------
+        start
+            A number for a scalar, a sequence for a vector.
+        unit, description
+            One for all elements, or one each.
+        tunable
+            Whether it may change between steps.
+
+        Returns
+        -------
+        SX
+            Its symbol, shape (n,).
+        """
+        role = Role.TUNABLE_PARAMETER if tunable else Role.FIXED_PARAMETER
+        if type is Type.INTEGER and limits.maximum == float("inf"):
+            limits = Limits(max(limits.minimum, -INTEGER_LIMIT), INTEGER_LIMIT)
+        symbol = self._declare(name, role, type, start, unit, description, limits)
+        self.parameter_symbols.append(symbol)
+        return symbol
+
+    def input(
+        self,
+        name: str,
+        start: Start,
+        *,
+        unit: PerElement = "",
+        description: PerElement,
+        type: Type = Type.REAL,
+    ) -> ca.SX:
+        """Declare an input; see `parameter`."""
+        symbol = self._declare(name, Role.INPUT, type, start, unit, description, ANY)
+        self.input_symbols.append(symbol)
+        return symbol
+
+    def output(
+        self,
+        name: str,
+        value: ca.SX,
+        *,
+        unit: PerElement = "",
+        description: PerElement,
+        type: Type = Type.REAL,
+        scalar: bool = False,
+    ) -> None:
+        """Declare an output and its value, shape (n,); `scalar` names one element without index."""
+        value = ca.vec(ca.SX(value))
+        shape = None if scalar else value.numel()
+        self._add_variables(name, Role.OUTPUT, type, [None] * value.numel(), shape, unit, description, ANY)
+        self.output_values.append(value)
+
+    def state(self, name: str, initial: ca.SX) -> ca.SX:
+        """Declare a state, shape (n,), from its first value; returns its symbol.
+
+        The first value may depend on parameters and, in a sampled model, on the first tick's inputs.
+        """
+        initial = ca.vec(ca.SX(initial))
+        symbol = ca.SX.sym(name, initial.numel())
+        self.states.append(State(name, symbol, initial))
+        return symbol
+
+    def require(self, value: ca.SX, sentence: str) -> None:
+        """Demand that `value` is positive.
+
+        A demand on parameters alone is checked when they change, any other at every evaluation
+        of the outputs.
+        """
+        static = not _depends(value, [self.time, *self.input_symbols, *(s.symbol for s in self.states)])
+        (self.static_checks if static else self.checks).append(Check(ca.SX(value), sentence))
+
+    def with_role(self, *roles: Role) -> list[Variable]:
+        """The variables of the given roles, in order."""
+        return [variable for variable in self.variables if variable.role in roles]
+
+    def ordered_variables(self) -> list[Variable]:
+        """All variables in the order of their value references: parameters, inputs, outputs."""
+        parameters = [variable for variable in self.variables if variable.role.is_parameter]
+        return [*parameters, *self.with_role(Role.INPUT), *self.with_role(Role.OUTPUT)]
+
+    def reference(self, name: str) -> int:
+        """Value reference of a variable."""
+        names = [variable.name for variable in self.ordered_variables()]
+        if name not in names:
+            msg = f"{self.name} has no variable {name}; it has {', '.join(names)}."
+            raise DefinitionError(msg)
+        return names.index(name)
+
+    def _evolve(self, symbol: ca.SX, value: ca.SX) -> None:
+        """Record what becomes of a state."""
+        for state in self.states:
+            if state.symbol is symbol:
+                state.evolution = ca.vec(ca.SX(value))
+                if state.evolution.numel() != symbol.numel():
+                    msg = f"{self.name}.{state.name} has {symbol.numel()} elements, its evolution {state.evolution.numel()}."
+                    raise DefinitionError(msg)
+                return
+        msg = f"{self.name}: {symbol} is no state of this model."
+        raise DefinitionError(msg)
+
+    def _declare(
+        self,
+        name: str,
+        role: Role,
+        type: Type,
+        start: Start,
+        unit: PerElement,
+        description: PerElement,
+        limits: Limits,
+    ) -> ca.SX:
+        """Add the scalars of a variable; returns its symbol."""
+        scalar = isinstance(start, int | float)
+        starts = [float(start)] if scalar else [float(s) for s in start]
+        shape = None if scalar else len(starts)
+        self._add_variables(name, role, type, starts, shape, unit, description, limits)
+        return ca.SX.sym(name, len(starts))
+
+    def _add_variables(
+        self,
+        name: str,
+        role: Role,
+        type: Type,
+        starts: Sequence[float | None],
+        shape: int | None,
+        unit: PerElement,
+        description: PerElement,
+        limits: Limits,
+    ) -> None:
+        names = element_names(name, shape)
+        taken = {variable.name for variable in self.variables}
+        if taken & {name, *names}:
+            msg = f"{self.name} already has a variable {name}."
+            raise DefinitionError(msg)
+        units = _per_element(unit, names, "units")
+        descriptions = _per_element(description, names, "descriptions")
+        for element, start, u, text in zip(names, starts, units, descriptions, strict=True):
+            self.variables.append(
+                Variable(element, role, type, u, text, start, limits.minimum, limits.maximum)
+            )
+
+
+@dataclass
+class ContinuousModel(Model):
+    """A model with derivatives, integrated by Runge-Kutta 4 with steps of at most ``dt_max``.
+
+    Parameters
+    ----------
+    dt_max
+        Start of the parameter ``dt_max``, s.
+    """
+
+    dt_max: float = 1e-4
+    events: list[Event] = field(default_factory=list)
+    period_name: str = field(default="dt_max", init=False)
+
+    def __post_init__(self) -> None:
+        """Declare ``dt_max``."""
+        self.parameter(
+            "dt_max",
+            self.dt_max,
+            unit="s",
+            limits=POSITIVE,
+            description="Longest sub-step of the integrator (Runge-Kutta 4)",
+        )
+
+    def derivative(self, state: ca.SX, value: ca.SX) -> None:
+        """Give the time derivative of a state."""
+        self._evolve(state, value)
+
+    def event(self, name: str, indicator: ca.SX) -> ca.SX:
+        """Declare an event at the sign change of `indicator`, a function of states and parameters.
+
+        Returns
+        -------
+        SX
+            Its mode: 1 while the indicator is positive, else 0. Laws that switch use the mode, so
+            that they are smooth between events.
+        """
+        if _depends(indicator, self.input_symbols):
+            msg = f"{self.name}: event {name} depends on inputs; only states, time and parameters may."
+            raise DefinitionError(msg)
+        mode = ca.SX.sym(f"mode_{name}")
+        self.events.append(Event(name, mode, ca.SX(indicator)))
+        return mode
+
+
+@dataclass
+class SampledModel(Model):
+    """A model that is updated every ``sample_time`` and holds its outputs in between.
+
+    Parameters
+    ----------
+    sample_time
+        Start of the parameter ``sample_time``, s.
+    """
+
+    sample_time: float = 1e-4
+    noise: Noise | None = None
+    period: ca.SX = field(init=False)
+    period_name: str = field(default="sample_time", init=False)
+
+    def __post_init__(self) -> None:
+        """Declare ``sample_time``."""
+        self.period = self.parameter(
+            "sample_time", self.sample_time, unit="s", limits=POSITIVE, description="Sampling period"
+        )
+
+    def update(self, state: ca.SX, value: ca.SX) -> None:
+        """Give the value of a state at the next tick."""
+        self._evolve(state, value)
+
+    def random(self, value: Callable[[ca.SX], ca.SX], *, active: ca.SX, seed: str) -> ca.SX:
+        """Declare noise that is drawn at every tick.
+
+        Parameters
+        ----------
+        value
+            Maps four independent uniform numbers in (0, 1), shape (4,), to the noise, shape (n,).
+        active
+            The noise is zero, and costs nothing, unless this function of parameters is positive.
+        seed
+            Name of the Integer parameter that is the generator's key.
+
+        Returns
+        -------
+        SX
+            The noise, shape (n,).
+        """
+        if self.noise is not None:
+            msg = f"{self.name} already declares noise."
+            raise DefinitionError(msg)
+        uniforms = ca.SX.sym("uniforms", 4)
+        drawn = ca.vec(ca.SX(value(uniforms)))
+        symbol = ca.SX.sym("noise", drawn.numel())
+        self.noise = Noise(symbol, uniforms, drawn, ca.SX(active), seed)
+        return symbol
+
+
+def _per_element(texts: PerElement, names: Sequence[str], what: str) -> list[str]:
+    """One text per element."""
+    if isinstance(texts, str):
+        return [texts] * len(names)
+    if len(texts) != len(names):
+        msg = f"{names[0]}: {len(names)} elements but {len(texts)} {what}."
+        raise DefinitionError(msg)
+    return list(texts)
+
+
+def _depends(expression: ca.SX, symbols: Sequence[ca.SX]) -> bool:
+    """Whether an expression depends on any of the symbols."""
+    return bool(ca.depends_on(ca.SX(expression), ca.vertcat(*symbols)))

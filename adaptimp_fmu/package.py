@@ -1,0 +1,118 @@
+"""From a model to an .fmu file: hash, compile, zip; nothing is done twice.
+
+Same definition, same bytes: entries of the archive have a fixed order and date, and the GUID is a
+hash of the definition and the runtime.
+"""
+
+import hashlib
+import os
+import tempfile
+import uuid
+import zipfile
+from collections.abc import Iterable
+from pathlib import Path
+
+import platformdirs
+
+from adaptimp_fmu.codegen import GUID_PLACEHOLDER, MAIN_SOURCE, generate
+from adaptimp_fmu.description import model_description
+from adaptimp_fmu.model import Model
+from adaptimp_fmu.toolchain import Platform, compile_library, host_platform, identity
+
+_EPOCH = (1980, 1, 1, 0, 0, 0)
+_REGULAR_FILE = 0o100644 << 16
+
+
+def default_cache() -> Path:
+    """Where binaries are kept between builds: ``$ADAPTIMP_CACHE`` or the user's cache folder."""
+    folder = os.environ.get("ADAPTIMP_CACHE")
+    return Path(folder) if folder else Path(platformdirs.user_cache_path("adaptimp"))
+
+
+def build(
+    model: Model,
+    folder: Path,
+    platforms: Iterable[Platform] | None = None,
+    cache: Path | None = None,
+) -> Path:
+    """Build ``folder/NAME.fmu``.
+
+    Parameters
+    ----------
+    platforms
+        Platforms with a binary in the FMU; the host's if None.
+    cache
+        Folder of compiled binaries by content hash, see `default_cache`.
+
+    Returns
+    -------
+    Path
+        The file. It is only written when its content changes.
+
+    Raises
+    ------
+    DefinitionError, ToolchainError
+    """
+    sources, description = definition(model)
+    entries = {"modelDescription.xml": description}
+    for platform in sorted(platforms or [host_platform()], key=lambda p: p.name):
+        binary = _binary(sources, platform, cache or default_cache(), model.name)
+        entries[f"binaries/{platform.name}/{model.name}{platform.extension}"] = binary
+    for name, text in sources.items():
+        entries[f"sources/{name}"] = text.encode()
+    path = folder / f"{model.name}.fmu"
+    _write_if_changed(path, entries)
+    return path
+
+
+def definition(model: Model) -> tuple[dict[str, str], bytes]:
+    """C sources by name and modelDescription.xml, both with the GUID filled in."""
+    sources = generate(model)
+    draft = model_description(model, GUID_PLACEHOLDER, [MAIN_SOURCE])
+    digest = hashlib.sha256(draft)
+    for name, text in sorted(sources.items()):
+        digest.update(f"\0{name}\0{text}".encode())
+    guid = "{" + str(uuid.UUID(bytes=digest.digest()[:16])) + "}"
+    sources[MAIN_SOURCE] = sources[MAIN_SOURCE].replace(GUID_PLACEHOLDER, guid)
+    return sources, draft.replace(GUID_PLACEHOLDER.encode(), guid.encode())
+
+
+def _binary(sources: dict[str, str], platform: Platform, cache: Path, name: str) -> bytes:
+    """Compile, or take from the cache."""
+    key = hashlib.sha256(f"{identity()} {platform}".encode())
+    for file, text in sorted(sources.items()):
+        key.update(f"\0{file}\0{text}".encode())
+    cached = cache / "binaries" / key.hexdigest()[:32] / platform.name / f"{name}{platform.extension}"
+    if not cached.exists():
+        with tempfile.TemporaryDirectory(prefix="adaptimp-") as scratch:
+            folder = Path(scratch)
+            for file, text in sources.items():
+                (folder / file).write_text(text, encoding="utf-8", newline="\n")
+            output = folder / f"{name}{platform.extension}"
+            compile_library(folder / MAIN_SOURCE, output, platform)
+            _store(cached, output.read_bytes())
+    return cached.read_bytes()
+
+
+def _write_if_changed(path: Path, entries: dict[str, bytes]) -> None:
+    with tempfile.SpooledTemporaryFile() as buffer:
+        with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as archive:
+            for name, content in entries.items():
+                info = zipfile.ZipInfo(name, _EPOCH)
+                info.compress_type = zipfile.ZIP_DEFLATED
+                info.external_attr = _REGULAR_FILE
+                info.create_system = 3  # Unix, whatever the machine: same input, same bytes
+                archive.writestr(info, content)
+        buffer.seek(0)
+        content = buffer.read()
+    if not path.exists() or path.read_bytes() != content:
+        _store(path, content)
+
+
+def _store(path: Path, content: bytes) -> None:
+    """Write a file whole or not at all, also when two builds run at once."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with tempfile.NamedTemporaryFile(dir=path.parent, delete=False) as file:
+        file.write(content)
+    Path(file.name).chmod(0o644)
+    Path(file.name).replace(path)

@@ -1,0 +1,106 @@
+/* Reading and writing variables. A call that is refused changes nothing. */
+#include <math.h>
+
+#include "instance.h"
+
+static const char *const type_names[] = {"Real", "Integer", "Boolean", "String"};
+
+static int is_variable(const Instance *instance, fmi2ValueReference reference, VariableType type,
+                       const char *function) {
+    if (reference < MODEL_N_VARIABLES && model_variables[reference].type == type) return 1;
+    if (reference >= MODEL_N_VARIABLES)
+        fail(instance, "%s: there is no variable with value reference %u.", function,
+             (unsigned)reference);
+    else
+        fail(instance, "%s: %s (value reference %u) is a %s, not a %s.", function,
+             model_variables[reference].name, (unsigned)reference,
+             type_names[model_variables[reference].type], type_names[type]);
+    return 0;
+}
+
+static int is_settable(const Instance *instance, const ModelVariable *variable, double value,
+                       const char *function) {
+    if (variable->role == ROLE_INPUT) return 1;
+    if (variable->role == ROLE_OUTPUT) {
+        fail(instance, "%s: %s is an output.", function, variable->name);
+        return 0;
+    }
+    if (variable->role == ROLE_FIXED_PARAMETER && instance->state.phase == STEP_COMPLETE) {
+        fail(instance, "%s: %s is a fixed parameter; it can be set until initialization ends.",
+             function, variable->name);
+        return 0;
+    }
+    if (!(isfinite(value) && value >= variable->min && value <= variable->max)) {
+        fail(instance, "%s: %s = %.17g is outside [%.17g, %.17g].", function, variable->name, value,
+             variable->min, variable->max);
+        return 0;
+    }
+    return 1;
+}
+
+/* Bookkeeping after values have been stored. */
+static void note_change(State *s, int parameter_changed) {
+    s->constants_stale |= parameter_changed;
+    s->outputs_stale = 1;
+}
+
+static int arrays_present(const Instance *instance, size_t n, const void *references,
+                          const void *values, const char *function) {
+    if (n == 0 || (references && values)) return 1;
+    fail(instance, "%s: an array is missing.", function);
+    return 0;
+}
+
+#define DEFINE_SETTER(FUNCTION, VALUE, TYPE, CONVERT)                                              \
+    fmi2Status FUNCTION(fmi2Component c, const fmi2ValueReference vr[], size_t nvr,                \
+                        const VALUE value[]) {                                                     \
+        Instance *instance = allowed(c, ALLOWED_SET, #FUNCTION);                                   \
+        int parameter_changed = 0;                                                                 \
+        if (!instance || !arrays_present(instance, nvr, vr, value, #FUNCTION)) return fmi2Error;   \
+        for (size_t i = 0; i < nvr; ++i) {                                                         \
+            if (!is_variable(instance, vr[i], TYPE, #FUNCTION) ||                                  \
+                !is_settable(instance, &model_variables[vr[i]], CONVERT(value[i]), #FUNCTION))     \
+                return fmi2Error;                                                                  \
+            parameter_changed |= vr[i] < MODEL_FIRST_INPUT;                                        \
+        }                                                                                          \
+        for (size_t i = 0; i < nvr; ++i) instance->state.values[vr[i]] = CONVERT(value[i]);        \
+        note_change(&instance->state, parameter_changed);                                          \
+        return fmi2OK;                                                                             \
+    }
+
+#define DEFINE_GETTER(FUNCTION, VALUE, TYPE)                                                       \
+    fmi2Status FUNCTION(fmi2Component c, const fmi2ValueReference vr[], size_t nvr,                \
+                        VALUE value[]) {                                                           \
+        Instance *instance = allowed(c, ALLOWED_GET, #FUNCTION);                                   \
+        if (!instance || !arrays_present(instance, nvr, vr, value, #FUNCTION)) return fmi2Error;   \
+        for (size_t i = 0; i < nvr; ++i)                                                           \
+            if (!is_variable(instance, vr[i], TYPE, #FUNCTION)) return fmi2Error;                  \
+        if (instance->state.phase == INITIALIZATION) refresh_outputs(instance);                    \
+        for (size_t i = 0; i < nvr; ++i) value[i] = (VALUE)instance->state.values[vr[i]];          \
+        return fmi2OK;                                                                             \
+    }
+
+#define AS_IT_IS(x) ((double)(x))
+#define AS_BOOLEAN(x) ((x) ? 1.0 : 0.0)
+
+DEFINE_SETTER(fmi2SetReal, fmi2Real, TYPE_REAL, AS_IT_IS)
+DEFINE_SETTER(fmi2SetInteger, fmi2Integer, TYPE_INTEGER, AS_IT_IS)
+DEFINE_SETTER(fmi2SetBoolean, fmi2Boolean, TYPE_BOOLEAN, AS_BOOLEAN)
+DEFINE_GETTER(fmi2GetReal, fmi2Real, TYPE_REAL)
+DEFINE_GETTER(fmi2GetInteger, fmi2Integer, TYPE_INTEGER)
+DEFINE_GETTER(fmi2GetBoolean, fmi2Boolean, TYPE_BOOLEAN)
+
+/* No unit has string variables: every reference is refused. */
+fmi2Status fmi2GetString(fmi2Component c, const fmi2ValueReference vr[], size_t nvr,
+                         fmi2String value[]) {
+    Instance *instance = allowed(c, ALLOWED_GET, "fmi2GetString");
+    if (!instance || !arrays_present(instance, nvr, vr, value, "fmi2GetString")) return fmi2Error;
+    return nvr && !is_variable(instance, vr[0], TYPE_STRING, "fmi2GetString") ? fmi2Error : fmi2OK;
+}
+
+fmi2Status fmi2SetString(fmi2Component c, const fmi2ValueReference vr[], size_t nvr,
+                         const fmi2String value[]) {
+    Instance *instance = allowed(c, ALLOWED_SET, "fmi2SetString");
+    if (!instance || !arrays_present(instance, nvr, vr, value, "fmi2SetString")) return fmi2Error;
+    return nvr && !is_variable(instance, vr[0], TYPE_STRING, "fmi2SetString") ? fmi2Error : fmi2OK;
+}

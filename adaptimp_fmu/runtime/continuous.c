@@ -1,0 +1,167 @@
+/* A continuous model: classical Runge-Kutta of order 4 with equal sub-steps no longer than dt_max,
+ * and event location.
+ *
+ * Between events the right-hand side is evaluated in fixed modes, so it is smooth there even when
+ * a stage lies beyond the event. When an indicator has changed sign at the end of a sub-step, the
+ * length of the sub-step that ends on the crossing is found by bracketing (Illinois' variant of
+ * regula falsi with a smallest step, so that both ends close in), the mode flips, and the rest of
+ * the sub-step follows. Each piece is a Runge-Kutta step of its own: order 4 survives the event.
+ */
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+#include "instance.h"
+
+/* 1e7 sub-steps take seconds; more than that in one doStep is a mistake, not a step. */
+#define MAX_SUBSTEPS 1e7
+#define MAX_EVENTS_PER_SUBSTEP 64
+#define MAX_ITERATIONS 200
+
+static void runge_kutta_4(State *s, double t, double dt, double *end) {
+    const double *x = s->states, *u = inputs(s), *p = parameters(s), *c = s->constants;
+    double k1[AT_LEAST_ONE(MODEL_N_STATES)], k2[AT_LEAST_ONE(MODEL_N_STATES)];
+    double k3[AT_LEAST_ONE(MODEL_N_STATES)], k4[AT_LEAST_ONE(MODEL_N_STATES)];
+    double stage[AT_LEAST_ONE(MODEL_N_STATES)];
+    model_derivative(t, x, u, p, c, s->modes, k1);
+    for (int i = 0; i < MODEL_N_STATES; ++i) stage[i] = x[i] + 0.5 * dt * k1[i];
+    model_derivative(t + 0.5 * dt, stage, u, p, c, s->modes, k2);
+    for (int i = 0; i < MODEL_N_STATES; ++i) stage[i] = x[i] + 0.5 * dt * k2[i];
+    model_derivative(t + 0.5 * dt, stage, u, p, c, s->modes, k3);
+    for (int i = 0; i < MODEL_N_STATES; ++i) stage[i] = x[i] + dt * k3[i];
+    model_derivative(t + dt, stage, u, p, c, s->modes, k4);
+    for (int i = 0; i < MODEL_N_STATES; ++i)
+        end[i] = x[i] + dt * ((k1[i] + k4[i]) + 2.0 * (k2[i] + k3[i])) / 6.0;
+}
+
+#if MODEL_N_EVENTS
+static double indicator(State *s, double t, const double *x, int event) {
+    double z[MODEL_N_EVENTS];
+    model_event_indicators(t, x, parameters(s), s->constants, z);
+    return z[event];
+}
+
+static void set_modes(State *s) {
+    double z[MODEL_N_EVENTS];
+    model_event_indicators(s->time, s->states, parameters(s), s->constants, z);
+    for (int i = 0; i < MODEL_N_EVENTS; ++i) s->modes[i] = z[i] > 0;
+}
+
+/* An event other than `known` whose indicator disagrees with its mode at (t, x), or -1. */
+static int crossed_event(State *s, double t, const double *x, int known) {
+    double z[MODEL_N_EVENTS];
+    model_event_indicators(t, x, parameters(s), s->constants, z);
+    for (int i = 0; i < MODEL_N_EVENTS; ++i)
+        if (i != known && (z[i] > 0) != (s->modes[i] > 0)) return i;
+    return -1;
+}
+
+/* The shortest step from (t, states), at most dt, after which `event` has just crossed; `end`
+ * holds the state after dt on entry and the state after the returned step on exit. */
+static double locate_crossing(State *s, double t, double dt, int event, double *end) {
+    const double smallest = 4 * DBL_EPSILON * dt;
+    double lower = 0, upper = dt, trial_end[AT_LEAST_ONE(MODEL_N_STATES)];
+    double z_lower = indicator(s, t, s->states, event), z_upper = indicator(s, t + dt, end, event);
+    int side = 0;
+    if ((z_lower > 0) != (s->modes[event] > 0)) {   /* already across: flip at once */
+        memcpy(end, s->states, sizeof s->states);
+        return 0;
+    }
+    for (int i = 0; i < MAX_ITERATIONS && upper - lower > smallest; ++i) {
+        double trial = (lower * z_upper - upper * z_lower) / (z_upper - z_lower);
+        if (i % 8 == 7 || !isfinite(trial)) trial = 0.5 * (lower + upper);
+        trial = fmin(fmax(trial, lower + 0.5 * smallest), upper - 0.5 * smallest);
+        runge_kutta_4(s, t, trial, trial_end);
+        double z = indicator(s, t + trial, trial_end, event);
+        if ((z > 0) == (s->modes[event] > 0)) {
+            lower = trial, z_lower = z;
+            if (side == 1) z_upper *= 0.5;
+            side = 1;
+        } else {
+            upper = trial, z_upper = z;
+            memcpy(end, trial_end, sizeof trial_end);
+            if (side == -1) z_lower *= 0.5;
+            side = -1;
+        }
+    }
+    return upper;
+}
+#endif
+
+#if MODEL_N_EVENTS
+/* The first event within the step, or -1; on return `step` and `end` stop at it. */
+static int first_event(State *s, double t, double *step, double *end) {
+    int first = -1;
+    for (int tries = 0; tries <= MODEL_N_EVENTS; ++tries) {
+        int event = crossed_event(s, t + *step, end, first);
+        if (event < 0) break;
+        *step = locate_crossing(s, t, *step, event, end);
+        first = event;
+    }
+    return first;
+}
+#endif
+
+static int substep(Instance *instance, double t, double dt) {
+    State *s = &instance->state;
+    double end[AT_LEAST_ONE(MODEL_N_STATES)];
+    double rest = dt;
+    for (int events = 0; events <= MAX_EVENTS_PER_SUBSTEP; ++events) {
+        runge_kutta_4(s, t, rest, end);
+        if (!all_finite(end, MODEL_N_STATES)) {
+            fail(instance, "The states diverge in the sub-step from t = %.17g s, length %.17g s.",
+                 t, rest);
+            return 0;
+        }
+#if MODEL_N_EVENTS
+        double step = rest;
+        const int event = first_event(s, t, &step, end);
+        memcpy(s->states, end, sizeof end);
+        if (event < 0) return 1;
+        s->modes[event] = !(s->modes[event] > 0);
+        t += step;
+        rest -= step;
+        if (!(rest > 0)) return 1;
+#else
+        memcpy(s->states, end, sizeof end);
+        return 1;
+#endif
+    }
+#if MODEL_N_EVENTS
+    fail(instance, "More than %d events between t = %.17g s and %.17g s: the model chatters; "
+                   "a smaller dt_max may separate them.",
+         MAX_EVENTS_PER_SUBSTEP, t, t + rest);
+#endif
+    return 0;
+}
+
+static void initialize_states(State *s) {
+    model_initial(s->time, inputs(s), parameters(s), s->constants, s->states);
+#if MODEL_N_EVENTS
+    set_modes(s);
+#endif
+}
+
+static void show_outputs(State *s, double t, double *checks) {
+    model_output(t, s->states, inputs(s), parameters(s), s->constants, s->modes, outputs(s), checks);
+}
+
+static void show_initial_outputs(State *s, double *checks) { show_outputs(s, s->time, checks); }
+
+static int advance(Instance *instance, double t, double h) {
+    State *s = &instance->state;
+    const double dt_max = s->values[MODEL_PERIOD];
+    const double n = fmax(1, ceil(h / dt_max - 1e-6));
+    double checks[AT_LEAST_ONE(MODEL_N_CHECKS)];
+    if (!(n <= MAX_SUBSTEPS)) {
+        fail(instance, "A step of %.17g s needs %g sub-steps of dt_max = %.17g s, more than %g.", h,
+             n, dt_max, MAX_SUBSTEPS);
+        return 0;
+    }
+    const double dt = h / n;
+    for (int64_t i = 0; i < (int64_t)n; ++i)
+        if (!substep(instance, t + (double)i * dt, dt)) return 0;
+    show_outputs(s, t + h, checks);
+    return checks_pass(instance, checks, MODEL_N_CHECKS, model_checks) &&
+           outputs_valid(instance, outputs(s), t + h);
+}

@@ -1,0 +1,55 @@
+/* One instance of a unit: everything it remembers, in memory of its own. */
+#ifndef INSTANCE_H
+#define INSTANCE_H
+
+#include <stdint.h>
+
+#include "fmi2Functions.h"
+#include "model.h"
+
+/* States of FMI 2.0.5, figure 11 (co-simulation); bits, so that a set of them is a mask. */
+typedef enum {
+    INSTANTIATED = 1 << 0,
+    INITIALIZATION = 1 << 1,
+    STEP_COMPLETE = 1 << 2,
+    TERMINATED = 1 << 3,
+    FAILED = 1 << 4
+} Phase;
+
+enum { LOG_ERROR = 1 << 0, LOG_WARNING = 1 << 1, LOG_ALL = LOG_ERROR | LOG_WARNING };
+
+/* All that a rollback restores. Plain numbers, so a copy is a snapshot. */
+typedef struct {
+    double values[MODEL_N_VARIABLES];              /* by value reference */
+    double states[AT_LEAST_ONE(MODEL_N_STATES)];
+    double constants[AT_LEAST_ONE(MODEL_N_CONSTANTS)];
+    double modes[AT_LEAST_ONE(MODEL_N_EVENTS)];
+    double noise_active;
+    double start_time, stop_time, time;
+    int64_t tick;                                  /* ticks run since the start */
+    double tick_fraction;                          /* position after the last tick, [0, 1) */
+    int32_t phase;
+    int32_t stop_time_defined;
+    int32_t experiment_defined;
+    int32_t constants_stale;                       /* a parameter was set since calibration */
+    int32_t outputs_stale;                         /* only during initialization */
+    int32_t reserved;
+} State;
+
+typedef struct {
+    State state;
+    fmi2CallbackFunctions callbacks;
+    char *name;
+    int logged;                                    /* categories that are on */
+} Instance;
+
+static double *parameters(State *s) { return s->values; }
+static double *inputs(State *s) { return s->values + MODEL_FIRST_INPUT; }
+static double *outputs(State *s) { return s->values + MODEL_FIRST_OUTPUT; }
+
+/* Implemented by sampled.c or continuous.c. They return 1, or 0 after logging what is wrong. */
+static void initialize_states(State *s);
+static void show_initial_outputs(State *s, double *checks);
+static int advance(Instance *instance, double t, double h);
+
+#endif

@@ -1,0 +1,64 @@
+/* The seam between a model and the runtime.
+ *
+ * A generated file defines, before anything else is included, the sizes MODEL_N_*, the index
+ * MODEL_PERIOD and MODEL_SAMPLED; after this header it defines the tables and functions declared
+ * here. The model never sees FMI, the runtime never sees physics.
+ *
+ * A variable's value reference is its index in model_variables; parameters come first, then
+ * inputs, then outputs, so each group is one run of doubles. Booleans and Integers are stored as
+ * doubles too (both are exact).
+ */
+#ifndef MODEL_H
+#define MODEL_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+/* Arrays in C have at least one element. */
+#define AT_LEAST_ONE(n) ((n) > 0 ? (n) : 1)
+
+#define MODEL_N_VARIABLES (MODEL_N_PARAMETERS + MODEL_N_INPUTS + MODEL_N_OUTPUTS)
+#define MODEL_FIRST_INPUT MODEL_N_PARAMETERS
+#define MODEL_FIRST_OUTPUT (MODEL_N_PARAMETERS + MODEL_N_INPUTS)
+
+typedef enum { TYPE_REAL, TYPE_INTEGER, TYPE_BOOLEAN, TYPE_STRING } VariableType;
+typedef enum { ROLE_FIXED_PARAMETER, ROLE_TUNABLE_PARAMETER, ROLE_INPUT, ROLE_OUTPUT } VariableRole;
+
+typedef struct {
+    const char *name;
+    VariableType type;
+    VariableRole role;
+    double start, min, max;
+} ModelVariable;
+
+static const char *const model_guid;
+static const ModelVariable model_variables[MODEL_N_VARIABLES];
+
+/* One sentence per check; a check fails when its value is not > 0. */
+static const char *const model_static_checks[AT_LEAST_ONE(MODEL_N_STATIC_CHECKS)];
+static const char *const model_checks[AT_LEAST_ONE(MODEL_N_CHECKS)];
+static const char *const model_events[AT_LEAST_ONE(MODEL_N_EVENTS)];
+
+/* t: time, x: states, u: inputs, p: parameters, c: constants derived from p alone,
+ * m: modes of the events (1 while the indicator is positive), w: noise, y: outputs. */
+static void model_calibrate(const double *p, double *c, double *checks, double *noise_active);
+static void model_initial(double t, const double *u, const double *p, const double *c, double *x);
+#if MODEL_SAMPLED
+static void model_tick(double t, const double *x, const double *u, const double *p, const double *c,
+                       const double *w, double *y, double *next, double *checks);
+#if MODEL_N_NOISE
+static uint64_t model_seed(const double *p);
+static void model_noise(const double *uniforms, const double *p, const double *c, double *w);
+#endif
+#else
+static void model_derivative(double t, const double *x, const double *u, const double *p,
+                             const double *c, const double *m, double *dx);
+static void model_output(double t, const double *x, const double *u, const double *p,
+                         const double *c, const double *m, double *y, double *checks);
+#if MODEL_N_EVENTS
+static void model_event_indicators(double t, const double *x, const double *p, const double *c,
+                                   double *z);
+#endif
+#endif
+
+#endif

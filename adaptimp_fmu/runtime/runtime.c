@@ -1,0 +1,15 @@
+/* The whole runtime, in order of use. A generated file includes this one after its model, so that
+ * model and runtime are one translation unit and nothing but FMI's functions is exported. */
+#include "instance.h"
+
+#include "log.c"
+#include "validate.c"
+#if MODEL_SAMPLED
+#include "sampled.c"
+#else
+#include "continuous.c"
+#endif
+#include "lifecycle.c"
+#include "access.c"
+#include "step.c"
+#include "snapshot.c"

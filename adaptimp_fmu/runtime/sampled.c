@@ -1,0 +1,92 @@
+/* A sampled model: update every sample_time, outputs held in between.
+ *
+ * The instance keeps its own position in ticks, since a host's clock is summed or rounded: k ticks
+ * have run, and `tick_fraction` in [0, 1) says how far behind the last one the present lies. A
+ * step of h covers h / sample_time ticks; a position within rounding of a whole tick is that tick.
+ * A tick at the start of a step uses the inputs just set.
+ */
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+#include "instance.h"
+#if MODEL_N_NOISE
+#include "philox.h"
+#endif
+
+/* 1e7 ticks take seconds; more than that in one doStep is a mistake, not a step. */
+#define MAX_TICKS 1e7
+
+static double tick_time(const State *s) {
+    return s->start_time + (double)s->tick * s->values[MODEL_PERIOD];
+}
+
+/* Noise of the present tick: a function of seed and tick alone, so a rollback replays it. */
+static void draw_noise(State *s, double *w) {
+#if MODEL_N_NOISE
+    double uniforms[4];
+    uint64_t block[4];
+    if (!(s->noise_active > 0)) {
+        memset(w, 0, MODEL_N_NOISE * sizeof *w);
+        return;
+    }
+    philox4x64((uint64_t)s->tick, model_seed(parameters(s)), block);
+    for (int i = 0; i < 4; ++i) uniforms[i] = uniform(block[i]);
+    model_noise(uniforms, parameters(s), s->constants, w);
+#else
+    (void)s;
+    (void)w;
+#endif
+}
+
+static void compute_tick(State *s, double *y, double *next, double *checks) {
+    double w[AT_LEAST_ONE(MODEL_N_NOISE)];
+    draw_noise(s, w);
+    model_tick(tick_time(s), s->states, inputs(s), parameters(s), s->constants, w, y, next, checks);
+}
+
+static void initialize_states(State *s) {
+    model_initial(tick_time(s), inputs(s), parameters(s), s->constants, s->states);
+}
+
+/* What the first tick would give; the state does not advance. */
+static void show_initial_outputs(State *s, double *checks) {
+    double next[AT_LEAST_ONE(MODEL_N_STATES)];
+    compute_tick(s, outputs(s), next, checks);
+}
+
+static int run_tick(Instance *instance) {
+    State *s = &instance->state;
+    double y[AT_LEAST_ONE(MODEL_N_OUTPUTS)], next[AT_LEAST_ONE(MODEL_N_STATES)];
+    double checks[AT_LEAST_ONE(MODEL_N_CHECKS)];
+    if (s->tick == 0) initialize_states(s);
+    compute_tick(s, y, next, checks);
+    if (!checks_pass(instance, checks, MODEL_N_CHECKS, model_checks)) return 0;
+    if (!outputs_valid(instance, y, tick_time(s))) return 0;
+    if (!all_finite(next, MODEL_N_STATES)) {
+        fail(instance, "The state after the tick at t = %.17g s is not finite.", tick_time(s));
+        return 0;
+    }
+    memcpy(outputs(s), y, MODEL_N_OUTPUTS * sizeof *y);
+    memcpy(s->states, next, MODEL_N_STATES * sizeof *next);
+    ++s->tick;
+    return 1;
+}
+
+static int advance(Instance *instance, double t, double h) {
+    State *s = &instance->state;
+    const double period = s->values[MODEL_PERIOD];
+    double end = s->tick_fraction + h / period;
+    const double nearest = rint(end);
+    if (fabs(end - nearest) <= 1e-9 + 4 * DBL_EPSILON * fabs(t + h) / period) end = nearest;
+    const double ticks = ceil(end) - ceil(s->tick_fraction);
+    if (!(ticks <= MAX_TICKS)) {
+        fail(instance, "A step of %.17g s holds %g ticks of sample_time = %.17g s, more than %g.", h,
+             ticks, period, MAX_TICKS);
+        return 0;
+    }
+    for (int64_t i = 0; i < (int64_t)ticks; ++i)
+        if (!run_tick(instance)) return 0;
+    s->tick_fraction = end - floor(end);
+    return 1;
+}

@@ -1,0 +1,117 @@
+/* Saving, restoring and serializing the state of an instance.
+ *
+ * A serialized state is a header (format, GUID, size, checksum) and the bytes of State, which
+ * holds numbers only: it works in another instance or process of the same FMU. All platforms are
+ * little-endian.
+ */
+#include <stdlib.h>
+#include <string.h>
+
+#include "instance.h"
+
+#define SNAPSHOT_MARK 0x54415453494D4946u   /* "FIMISTAT" */
+#define GUID_LENGTH 40
+
+typedef struct {
+    uint64_t mark;
+    char guid[GUID_LENGTH];
+    uint64_t size;
+    uint64_t checksum;
+    State state;
+} Snapshot;
+
+/* FNV-1a, 64 bits: finds corruption, not malice. */
+static uint64_t checksum_of(const State *state) {
+    const unsigned char *bytes = (const unsigned char *)state;
+    uint64_t hash = 0xCBF29CE484222325u;
+    for (size_t i = 0; i < sizeof *state; ++i) hash = (hash ^ bytes[i]) * 0x100000001B3u;
+    return hash;
+}
+
+static const char *snapshot_fault(const Snapshot *snapshot) {
+    if (snapshot->mark != SNAPSHOT_MARK) return "it is not a state of such a unit";
+    if (strncmp(snapshot->guid, model_guid, GUID_LENGTH) != 0) return "it is of another FMU (GUID)";
+    if (snapshot->size != sizeof snapshot->state) return "its size is wrong";
+    if (snapshot->checksum != checksum_of(&snapshot->state)) return "its checksum is wrong";
+    return NULL;
+}
+
+fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate *FMUstate) {
+    Instance *instance = allowed(c, ALLOWED_ALWAYS, "fmi2GetFMUstate");
+    if (!instance) return fmi2Error;
+    if (!FMUstate) return fail(instance, "fmi2GetFMUstate: no place for the state.");
+    Snapshot *snapshot = *FMUstate ? (Snapshot *)*FMUstate : calloc(1, sizeof *snapshot);
+    if (!snapshot) return fail(instance, "fmi2GetFMUstate: out of memory.");
+    if (*FMUstate && snapshot->mark != SNAPSHOT_MARK)
+        return fail(instance, "fmi2GetFMUstate: the given state is none of this unit's.");
+    snapshot->mark = SNAPSHOT_MARK;
+    strncpy(snapshot->guid, model_guid, GUID_LENGTH);
+    snapshot->size = sizeof snapshot->state;
+    snapshot->state = instance->state;
+    *FMUstate = snapshot;
+    return fmi2OK;
+}
+
+fmi2Status fmi2SetFMUstate(fmi2Component c, fmi2FMUstate FMUstate) {
+    Instance *instance = allowed(c, ALLOWED_ALWAYS, "fmi2SetFMUstate");
+    if (!instance) return fmi2Error;
+    const Snapshot *snapshot = (const Snapshot *)FMUstate;
+    if (!snapshot || snapshot->mark != SNAPSHOT_MARK)
+        return fail(instance, "fmi2SetFMUstate: the given state is none of this unit's.");
+    instance->state = snapshot->state;
+    return fmi2OK;
+}
+
+fmi2Status fmi2FreeFMUstate(fmi2Component c, fmi2FMUstate *FMUstate) {
+    Instance *instance = allowed(c, ALLOWED_ALWAYS, "fmi2FreeFMUstate");
+    if (!instance) return fmi2Error;
+    if (!FMUstate || !*FMUstate) return fmi2OK;
+    free(*FMUstate);
+    *FMUstate = NULL;
+    return fmi2OK;
+}
+
+fmi2Status fmi2SerializedFMUstateSize(fmi2Component c, fmi2FMUstate FMUstate, size_t *size) {
+    Instance *instance = allowed(c, ALLOWED_ALWAYS, "fmi2SerializedFMUstateSize");
+    if (!instance) return fmi2Error;
+    if (!FMUstate || !size)
+        return fail(instance, "fmi2SerializedFMUstateSize: no state, or no place for its size.");
+    *size = sizeof(Snapshot);
+    return fmi2OK;
+}
+
+fmi2Status fmi2SerializeFMUstate(fmi2Component c, fmi2FMUstate FMUstate,
+                                 fmi2Byte serializedState[], size_t size) {
+    Instance *instance = allowed(c, ALLOWED_ALWAYS, "fmi2SerializeFMUstate");
+    Snapshot *snapshot = (Snapshot *)FMUstate;
+    if (!instance) return fmi2Error;
+    if (!snapshot || snapshot->mark != SNAPSHOT_MARK || !serializedState)
+        return fail(instance, "fmi2SerializeFMUstate: no state of this unit, or no place for it.");
+    if (size < sizeof *snapshot)
+        return fail(instance, "fmi2SerializeFMUstate: %zu bytes are too few, %zu are needed.", size,
+                    sizeof *snapshot);
+    snapshot->checksum = checksum_of(&snapshot->state);
+    memcpy(serializedState, snapshot, sizeof *snapshot);
+    return fmi2OK;
+}
+
+fmi2Status fmi2DeSerializeFMUstate(fmi2Component c, const fmi2Byte serializedState[], size_t size,
+                                   fmi2FMUstate *FMUstate) {
+    Instance *instance = allowed(c, ALLOWED_ALWAYS, "fmi2DeSerializeFMUstate");
+    if (!instance) return fmi2Error;
+    if (!serializedState || !FMUstate)
+        return fail(instance, "fmi2DeSerializeFMUstate: no bytes, or no place for the state.");
+    if (size != sizeof(Snapshot))
+        return fail(instance, "fmi2DeSerializeFMUstate: %zu bytes given, a state has %zu.", size,
+                    sizeof(Snapshot));
+    Snapshot *snapshot = malloc(sizeof *snapshot);
+    if (!snapshot) return fail(instance, "fmi2DeSerializeFMUstate: out of memory.");
+    memcpy(snapshot, serializedState, sizeof *snapshot);
+    const char *fault = snapshot_fault(snapshot);
+    if (fault) {
+        free(snapshot);
+        return fail(instance, "fmi2DeSerializeFMUstate: the bytes are refused: %s.", fault);
+    }
+    *FMUstate = snapshot;
+    return fmi2OK;
+}

@@ -1,0 +1,126 @@
+/* Stepping, and what can be asked about it. */
+#include <math.h>
+
+#include "instance.h"
+
+/* A host's clock is summed or rounded to a nanosecond: so much may its time differ from ours. */
+static double time_tolerance(double t, double h) { return 1e-6 * h + 1e-9 * fmax(1, fabs(t)); }
+
+static int step_valid(const Instance *instance, double t, double h) {
+    const State *s = &instance->state;
+    if (!(h > 0 && isfinite(h) && isfinite(t))) {
+        fail(instance, "fmi2DoStep: the step from t = %.17g s of h = %.17g s is not a positive finite "
+                       "step.",
+             t, h);
+        return 0;
+    }
+    if (!(fabs(t - s->time) <= time_tolerance(t, h))) {
+        fail(instance, "fmi2DoStep: the communication point %.17g s is not the end of the previous "
+                       "step, %.17g s.",
+             t, s->time);
+        return 0;
+    }
+    if (s->stop_time_defined && t + h > s->stop_time + time_tolerance(s->stop_time, h)) {
+        fail(instance, "fmi2DoStep: the step ends at %.17g s, after the stop time %.17g s.", t + h,
+             s->stop_time);
+        return 0;
+    }
+    return 1;
+}
+
+/* A step that cannot be made for its arguments or inputs changes nothing; one that fails on the
+ * way leaves the instance in the error state, from which reset and fmi2SetFMUstate lead back. */
+fmi2Status fmi2DoStep(fmi2Component c, fmi2Real currentCommunicationPoint,
+                      fmi2Real communicationStepSize,
+                      fmi2Boolean noSetFMUStatePriorToCurrentPoint) {
+    Instance *instance = allowed(c, ALLOWED_STEP, "fmi2DoStep");
+    const double t = currentCommunicationPoint, h = communicationStepSize;
+    (void)noSetFMUStatePriorToCurrentPoint;
+    if (!instance || !step_valid(instance, t, h)) return fmi2Error;
+    if (!inputs_valid(instance) || !calibrated(instance)) return fmi2Error;
+    if (!advance(instance, t, h)) {
+        instance->state.phase = FAILED;
+        return fmi2Error;
+    }
+    instance->state.time = t + h;
+    return fmi2OK;
+}
+
+/* doStep is synchronous: there is never a step to cancel. */
+fmi2Status fmi2CancelStep(fmi2Component c) {
+    Instance *instance = allowed(c, ALLOWED_ALWAYS, "fmi2CancelStep");
+    if (!instance) return fmi2Error;
+    return fail(instance, "fmi2CancelStep: no step is in progress (fmi2DoStep is synchronous).");
+}
+
+fmi2Status fmi2GetStatus(fmi2Component c, const fmi2StatusKind s, fmi2Status *value) {
+    Instance *instance = allowed(c, ALLOWED_STATUS, "fmi2GetStatus");
+    if (!instance) return fmi2Error;
+    if (s != fmi2DoStepStatus || !value)
+        return fail(instance, "fmi2GetStatus: only fmi2DoStepStatus is of this type.");
+    *value = instance->state.phase == FAILED ? fmi2Error : fmi2OK;
+    return fmi2OK;
+}
+
+fmi2Status fmi2GetRealStatus(fmi2Component c, const fmi2StatusKind s, fmi2Real *value) {
+    Instance *instance = allowed(c, ALLOWED_STATUS, "fmi2GetRealStatus");
+    if (!instance) return fmi2Error;
+    if (s != fmi2LastSuccessfulTime || !value)
+        return fail(instance, "fmi2GetRealStatus: only fmi2LastSuccessfulTime is of this type.");
+    *value = instance->state.time;
+    return fmi2OK;
+}
+
+fmi2Status fmi2GetIntegerStatus(fmi2Component c, const fmi2StatusKind s, fmi2Integer *value) {
+    Instance *instance = allowed(c, ALLOWED_STATUS, "fmi2GetIntegerStatus");
+    (void)s;
+    (void)value;
+    if (!instance) return fmi2Error;
+    return fail(instance, "fmi2GetIntegerStatus: FMI 2.0 defines no status of this type.");
+}
+
+fmi2Status fmi2GetBooleanStatus(fmi2Component c, const fmi2StatusKind s, fmi2Boolean *value) {
+    Instance *instance = allowed(c, ALLOWED_STATUS, "fmi2GetBooleanStatus");
+    if (!instance) return fmi2Error;
+    if (s != fmi2Terminated || !value)
+        return fail(instance, "fmi2GetBooleanStatus: only fmi2Terminated is of this type.");
+    *value = fmi2False;
+    return fmi2OK;
+}
+
+fmi2Status fmi2GetStringStatus(fmi2Component c, const fmi2StatusKind s, fmi2String *value) {
+    Instance *instance = allowed(c, ALLOWED_STATUS, "fmi2GetStringStatus");
+    if (!instance) return fmi2Error;
+    if (s != fmi2PendingStatus || !value)
+        return fail(instance, "fmi2GetStringStatus: only fmi2PendingStatus is of this type.");
+    *value = "";
+    return fmi2OK;
+}
+
+/* Capabilities that modelDescription.xml declares as absent. */
+fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference vr[], size_t nvr,
+                                       const fmi2Integer order[], const fmi2Real value[]) {
+    Instance *instance = allowed(c, ALLOWED_SET, "fmi2SetRealInputDerivatives");
+    (void)vr, (void)nvr, (void)order, (void)value;
+    if (!instance) return fmi2Error;
+    return fail(instance, "fmi2SetRealInputDerivatives: canInterpolateInputs is false.");
+}
+
+fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReference vr[], size_t nvr,
+                                        const fmi2Integer order[], fmi2Real value[]) {
+    Instance *instance = allowed(c, ALLOWED_STATUS, "fmi2GetRealOutputDerivatives");
+    (void)vr, (void)nvr, (void)order, (void)value;
+    if (!instance) return fmi2Error;
+    return fail(instance, "fmi2GetRealOutputDerivatives: maxOutputDerivativeOrder is 0.");
+}
+
+fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReference vUnknown_ref[],
+                                        size_t nUnknown, const fmi2ValueReference vKnown_ref[],
+                                        size_t nKnown, const fmi2Real dvKnown[],
+                                        fmi2Real dvUnknown[]) {
+    Instance *instance = allowed(c, ALLOWED_GET, "fmi2GetDirectionalDerivative");
+    (void)vUnknown_ref, (void)nUnknown, (void)vKnown_ref, (void)nKnown, (void)dvKnown,
+        (void)dvUnknown;
+    if (!instance) return fmi2Error;
+    return fail(instance, "fmi2GetDirectionalDerivative: providesDirectionalDerivative is false.");
+}

@@ -1,0 +1,57 @@
+/* What a model demands of its numbers, and the sentence that says which one is at fault. */
+#include <math.h>
+
+#include "instance.h"
+
+/* 1 if every number is finite: NaN and Inf times zero are NaN, and NaN propagates. */
+static int all_finite(const double *values, size_t n) {
+    double sum = 0;
+    for (size_t i = 0; i < n; ++i) sum += values[i] * 0.0;
+    return sum == 0;
+}
+
+static size_t first_not_finite(const double *values, size_t n) {
+    size_t i = 0;
+    while (i < n && isfinite(values[i])) ++i;
+    return i;
+}
+
+static int inputs_valid(const Instance *instance) {
+    const double *u = instance->state.values + MODEL_FIRST_INPUT;
+    if (all_finite(u, MODEL_N_INPUTS)) return 1;
+    size_t i = first_not_finite(u, MODEL_N_INPUTS);
+    fail(instance, "Input %s is %g; it must be finite.", model_variables[MODEL_FIRST_INPUT + i].name,
+         u[i]);
+    return 0;
+}
+
+static int checks_pass(const Instance *instance, const double *checks, size_t n,
+                       const char *const *sentences) {
+    for (size_t i = 0; i < n; ++i) {
+        if (!(checks[i] > 0)) {
+            fail(instance, "%s (value %.17g, must be positive).", sentences[i], checks[i]);
+            return 0;
+        }
+    }
+    return 1;
+}
+
+static int outputs_valid(const Instance *instance, const double *y, double t) {
+    if (all_finite(y, MODEL_N_OUTPUTS)) return 1;
+    size_t i = first_not_finite(y, MODEL_N_OUTPUTS);
+    fail(instance, "Output %s is %g at t = %.17g s; the inputs describe a state the model cannot "
+                   "compute (divergence or a singular configuration).",
+         model_variables[MODEL_FIRST_OUTPUT + i].name, y[i], t);
+    return 0;
+}
+
+/* Derives the constants if a parameter has changed. Returns 0 if the parameters contradict. */
+static int calibrated(Instance *instance) {
+    State *s = &instance->state;
+    double checks[AT_LEAST_ONE(MODEL_N_STATIC_CHECKS)];
+    if (!s->constants_stale) return 1;
+    model_calibrate(parameters(s), s->constants, checks, &s->noise_active);
+    if (!checks_pass(instance, checks, MODEL_N_STATIC_CHECKS, model_static_checks)) return 0;
+    s->constants_stale = 0;
+    return 1;
+}

@@ -1,0 +1,99 @@
+"""The C compiler: ``python -m ziglang cc``, the same on every machine, for every platform."""
+
+import importlib.metadata
+import importlib.resources
+import platform
+import subprocess
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+from adaptimp_fmu.errors import ToolchainError
+
+FLAGS = ("-std=c11", "-O2", "-ffp-contract=off", "-fvisibility=hidden", "-fno-sanitize=all", "-g0", "-s")
+WARNINGS = ("-Wall", "-Wextra", "-Werror", "-Wno-unused-function", "-Wno-unused-parameter", "-Wno-unused-const-variable")
+
+
+@dataclass(frozen=True)
+class Platform:
+    """Where a binary runs.
+
+    Attributes
+    ----------
+    name
+        Folder under ``binaries/`` in the FMU.
+    target
+        Compiler's target; Linux with glibc 2.17, macOS 11.
+    """
+
+    name: str
+    target: str
+    extension: str
+    flags: tuple[str, ...] = ()
+
+
+PLATFORMS = {
+    platform.name: platform
+    for platform in (
+        Platform("linux64", "x86_64-linux-gnu.2.17", ".so", ("-fPIC",)),
+        Platform("win64", "x86_64-windows-gnu", ".dll"),
+        Platform("darwin64", "x86_64-macos.11.0", ".dylib", ("-fPIC",)),
+        Platform("aarch64-linux", "aarch64-linux-gnu.2.17", ".so", ("-fPIC",)),
+        Platform("aarch64-darwin", "aarch64-macos.11.0", ".dylib", ("-fPIC",)),
+    )
+}
+
+
+def host_platform() -> Platform:
+    """The platform this Python runs on.
+
+    Raises
+    ------
+    ToolchainError
+        If FMUs cannot be built for it.
+    """
+    machine = "aarch64" if platform.machine().lower() in ("arm64", "aarch64") else "x86_64"
+    names = {
+        ("linux", "x86_64"): "linux64",
+        ("linux", "aarch64"): "aarch64-linux",
+        ("darwin", "x86_64"): "darwin64",
+        ("darwin", "aarch64"): "aarch64-darwin",
+        ("win32", "x86_64"): "win64",
+    }
+    name = names.get((sys.platform, machine))
+    if name is None:
+        msg = f"No FMU platform for {sys.platform} on {machine}; known: {', '.join(PLATFORMS)}."
+        raise ToolchainError(msg)
+    return PLATFORMS[name]
+
+
+def fmi_headers() -> Path:
+    """Folder of FMI's header files, from the installed fmpy."""
+    return Path(str(importlib.resources.files("fmpy") / "c-code"))
+
+
+def identity() -> str:
+    """What besides the sources decides the bytes of a binary: compiler, flags, headers."""
+    versions = [f"{name} {importlib.metadata.version(name)}" for name in ("ziglang", "fmpy")]
+    return " ".join((*versions, *FLAGS))
+
+
+def compile_library(source: Path, output: Path, target: Platform) -> None:
+    """Compile one C file into a shared library.
+
+    Raises
+    ------
+    ToolchainError
+        With the compiler's messages.
+    """
+    command = [
+        *(sys.executable, "-m", "ziglang", "cc", "-shared", "-target", target.target),
+        *FLAGS,
+        *WARNINGS,
+        *target.flags,
+        *("-I", str(fmi_headers()), source.name, "-o", str(output.resolve()), "-lm"),
+    ]
+    run = subprocess.run(command, cwd=source.parent, capture_output=True, text=True, check=False)
+    if run.returncode != 0 or not output.exists():
+        msg = f"{source.name} does not compile for {target.name}:\n{run.stderr.strip()}"
+        raise ToolchainError(msg)

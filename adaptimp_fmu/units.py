@@ -1,0 +1,57 @@
+"""Physical units as FMI 2.0 writes them: a name and its exponents of the SI base units.
+
+A unit is a product of symbols with optional integer exponents, at most one ``/`` and factors
+joined by ``.``: ``N.m``, ``rad/s2``, ``N.m.s/rad``, ``1/s``. All are coherent, so the factor to
+base units is 1.
+"""
+
+import re
+
+from adaptimp_fmu.errors import DefinitionError
+
+BASE_EXPONENTS: dict[str, dict[str, int]] = {
+    "1": {},
+    "kg": {"kg": 1},
+    "m": {"m": 1},
+    "s": {"s": 1},
+    "rad": {"rad": 1},
+    "A": {"A": 1},
+    "K": {"K": 1},
+    "N": {"kg": 1, "m": 1, "s": -2},
+    "J": {"kg": 1, "m": 2, "s": -2},
+    "W": {"kg": 1, "m": 2, "s": -3},
+}
+_FACTOR = re.compile(r"([A-Za-z]+|1)(\d*)")
+
+
+def base_exponents(unit: str) -> dict[str, int]:
+    """Exponents of the SI base units.
+
+    Parameters
+    ----------
+    unit
+        For example ``"N.m.s/rad"``.
+
+    Returns
+    -------
+    dict
+        Base unit to non-zero exponent, in the order of the schema's attributes.
+
+    Raises
+    ------
+    DefinitionError
+        If a symbol is unknown or the text is no unit.
+    """
+    numerator, _, denominator = unit.partition("/")
+    exponents: dict[str, int] = {}
+    for sign, product in ((1, numerator), (-1, denominator)):
+        for factor in filter(None, product.split(".")):
+            match = _FACTOR.fullmatch(factor)
+            if match is None or match[1] not in BASE_EXPONENTS:
+                known = ", ".join(BASE_EXPONENTS)
+                msg = f'Unit "{unit}": "{factor}" is no known symbol with exponent; known: {known}.'
+                raise DefinitionError(msg)
+            power = sign * int(match[2] or 1)
+            for base, exponent in BASE_EXPONENTS[match[1]].items():
+                exponents[base] = exponents.get(base, 0) + power * exponent
+    return {base: exponents[base] for base in ("kg", "m", "s", "A", "K", "rad") if exponents.get(base)}

@@ -1,0 +1,79 @@
+"""Variables of a model: what FMI needs to know of each scalar."""
+
+import enum
+import math
+import re
+from dataclasses import dataclass
+
+from adaptimp_fmu.errors import DefinitionError
+
+INTEGER_LIMIT = 2**31 - 1
+_NAME = re.compile(r"[A-Za-z_]\w*(\[[1-9]\d*\])?")
+
+
+class Role(enum.Enum):
+    """What a variable is for; the value is the runtime's name of it."""
+
+    FIXED_PARAMETER = "ROLE_FIXED_PARAMETER"
+    TUNABLE_PARAMETER = "ROLE_TUNABLE_PARAMETER"
+    INPUT = "ROLE_INPUT"
+    OUTPUT = "ROLE_OUTPUT"
+
+    @property
+    def is_parameter(self) -> bool:
+        """Whether the variable is a parameter."""
+        return self in (Role.FIXED_PARAMETER, Role.TUNABLE_PARAMETER)
+
+
+class Type(enum.Enum):
+    """FMI 2.0 type; the value is the element's name in modelDescription.xml."""
+
+    REAL = "Real"
+    INTEGER = "Integer"
+    BOOLEAN = "Boolean"
+
+
+@dataclass(frozen=True)
+class Variable:
+    """A scalar variable.
+
+    Attributes
+    ----------
+    name
+        Structured name, elements 1-based: ``q[1]``.
+    start
+        Start value in `unit`; ``None`` for outputs, which are calculated.
+    minimum, maximum
+        Closed range in `unit`, infinite where there is no bound.
+    """
+
+    name: str
+    role: Role
+    type: Type
+    unit: str
+    description: str
+    start: float | None = None
+    minimum: float = -math.inf
+    maximum: float = math.inf
+
+    def __post_init__(self) -> None:
+        """Refuse what FMI 2.0 or a reader could not use."""
+        if not _NAME.fullmatch(self.name):
+            msg = f"{self.name!r} is no structured FMI name such as q or q[1]."
+            raise DefinitionError(msg)
+        if not self.description:
+            msg = f"{self.name}: a description is missing."
+            raise DefinitionError(msg)
+        if self.unit and self.type is not Type.REAL:
+            msg = f"{self.name}: only a Real has a unit, this is a {self.type.value} in {self.unit}."
+            raise DefinitionError(msg)
+        if self.start is not None and not self.minimum <= self.start <= self.maximum:
+            msg = (
+                f"{self.name}: start {self.start!r} is outside [{self.minimum!r}, {self.maximum!r}]."
+            )
+            raise DefinitionError(msg)
+
+
+def element_names(name: str, shape: int | None) -> list[str]:
+    """Names of a variable's scalars: itself if `shape` is None, else ``name[1]`` to ``name[n]``."""
+    return [name] if shape is None else [f"{name}[{i + 1}]" for i in range(shape)]

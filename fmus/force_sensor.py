@@ -1,0 +1,72 @@
+"""ForceSensor: samples the tip force, with bounded noise of a truncated normal distribution.
+
+The error has the density of two independent normal components of standard deviation `noise_std`,
+truncated where its Euclidean norm exceeds `noise_bound`, so |F_hat - F_ext| <= noise_bound (the
+delta of eq. (21)):
+
+    r = noise_std sqrt(-2 ln(1 - u0 (1 - exp(-noise_bound^2 / (2 noise_std^2)))))
+    error = r (cos 2 pi u1, sin 2 pi u1)
+
+with u0, u1 uniform in (0, 1), drawn anew at each tick from (seed, tick). With `contact_gated` the
+error is zero while no force acts.
+"""
+
+import math
+
+import casadi as ca
+
+from adaptimp_fmu import NOT_NEGATIVE, SampledModel, Type
+
+
+def force_sensor() -> SampledModel:
+    """Wrist force sensor; ideal by default."""
+    model = SampledModel("ForceSensor", "Wrist force sensor with bounded noise")
+    F_ext = model.input("F_ext", [0.0, 0.0], unit="N", description="Force of the tip on the wall")
+    std = model.parameter(
+        "noise_std",
+        0.0,
+        unit="N",
+        limits=NOT_NEGATIVE,
+        tunable=True,
+        description="Standard deviation of each component of the noise before truncation; 0 = no noise",
+    )
+    bound = model.parameter(
+        "noise_bound",
+        0.0,
+        unit="N",
+        limits=NOT_NEGATIVE,
+        tunable=True,
+        description="Largest Euclidean norm of the noise",
+    )
+    gated = model.parameter(
+        "contact_gated",
+        True,
+        type=Type.BOOLEAN,
+        description="Whether the noise is zero while the force is exactly zero",
+    )
+    model.parameter(
+        "seed",
+        0,
+        type=Type.INTEGER,
+        limits=NOT_NEGATIVE,
+        description="Key of the noise; the same seed gives the same noise at the same tick",
+    )
+    model.require(
+        ca.if_else(std > 0, bound, 1),
+        "noise_bound must be positive where noise_std is",
+    )
+    noise = model.random(
+        lambda u: truncated_normal(u[0], u[1], std, bound), active=std, seed="seed"
+    )
+    free = ca.logic_and(gated, ca.logic_and(F_ext[0] == 0, F_ext[1] == 0))
+    model.output(
+        "F_hat", F_ext + ca.if_else(free, 0, noise), unit="N", description="Measured force"
+    )
+    return model
+
+
+def truncated_normal(u0: ca.SX, u1: ca.SX, std: ca.SX, bound: ca.SX) -> ca.SX:
+    """A plane normal vector of norm at most `bound`, from two uniform numbers; shape (2,)."""
+    inside = 1 - ca.exp(-(bound**2) / (2 * std**2))
+    r = std * ca.sqrt(-2 * ca.log(1 - u0 * inside))
+    return r * ca.vertcat(ca.cos(2 * math.pi * u1), ca.sin(2 * math.pi * u1))

@@ -1,0 +1,128 @@
+"""Plant: the arm, eq. (1), against a compliant wall.
+
+    H(q) ddq + C(q, dq) dq + g(q) + f(dq) = tau - J' F_ext
+
+States are q and dq. Contact begins and ends at located events, so the integrator never steps
+across the corner of the contact force. Equations: `fmus.arm`, `fmus.contact`.
+"""
+
+import casadi as ca
+
+from adaptimp_fmu import NOT_NEGATIVE, POSITIVE, ContinuousModel
+from fmus import start
+from fmus.algebra import solve_spd
+from fmus.arm import PlanarArm
+from fmus.contact import Wall, require_unit_normal
+
+
+def plant() -> ContinuousModel:
+    """The paper's two-joint arm and wall."""
+    model = ContinuousModel("Plant", "Planar arm with point masses against a compliant wall")
+    arm = PlanarArm(2)
+    tau = model.input("tau", [0.0] * arm.n, unit="N.m", description="Joint torque")
+    q_start = model.parameter(
+        "q_start", start.JOINT_ANGLES, unit="rad", description="Joint angle at the start"
+    )
+    dq_start = model.parameter(
+        "dq_start", start.JOINT_RATES, unit="rad/s", description="Joint rate at the start"
+    )
+    m = model.parameter(
+        "m", start.MASSES, unit="kg", limits=POSITIVE, description="Point mass at the end of a link"
+    )
+    l = model.parameter(
+        "l", start.LINK_LENGTHS, unit="m", limits=POSITIVE, description="Length of a link"
+    )
+    viscous = model.parameter(
+        "viscous",
+        [0.0] * arm.n,
+        unit="N.m.s/rad",
+        limits=NOT_NEGATIVE,
+        description="Coefficient of viscous joint friction",
+    )
+    coulomb = model.parameter(
+        "coulomb",
+        [0.0] * arm.n,
+        unit="N.m",
+        limits=NOT_NEGATIVE,
+        description="Coulomb joint friction torque",
+    )
+    coulomb_velocity = model.parameter(
+        "coulomb_velocity",
+        start.COULOMB_VELOCITY,
+        unit="rad/s",
+        limits=POSITIVE,
+        description="Joint rate over which Coulomb friction changes sign (tanh)",
+    )
+    gravity = model.parameter(
+        "gravity", 0.0, unit="m/s2", description="Gravitational acceleration along -x2"
+    )
+    wall = _wall(model)
+
+    q, dq = model.state("q", q_start), model.state("dq", dq_start)
+    x = arm.forward_kinematics(q, l)
+    J = arm.jacobian(q, l)
+    dx = ca.mtimes(J, dq)
+    in_contact = model.event("contact", wall.gap(x))
+    pushing = model.event("pushing", wall.damping_factor(dx))
+    F_ext = wall.force(x, dx, in_contact, pushing)
+    bias = (
+        ca.mtimes(arm.coriolis(q, dq, m, l), dq)
+        + arm.gravity_torque(q, m, l, gravity)
+        + arm.friction_torque(dq, viscous, coulomb, coulomb_velocity)
+    )
+    ddq = solve_spd(arm.inertia(q, m, l), tau - bias - ca.mtimes(J.T, F_ext))
+    model.derivative(q, dq)
+    model.derivative(dq, ddq)
+
+    model.output("q", q, unit="rad", description="Joint angle, relative to the previous link")
+    model.output("dq", dq, unit="rad/s", description="Joint rate")
+    model.output(
+        "ddq", ddq, unit="rad/s2", description="Joint acceleration; at a communication point its left limit"
+    )
+    model.output("x", x, unit="m", description="Tip position")
+    model.output("dx", dx, unit="m/s", description="Tip velocity")
+    model.output("F_ext", F_ext, unit="N", description="Force of the tip on the wall")
+    gap = wall.gap(x)
+    model.output(
+        "gap", gap, unit="m", description="Signed depth of the tip in the wall, n.x - wall_offset", scalar=True
+    )
+    model.output(
+        "penetration", ca.fmax(gap, 0), unit="m", description="Depth of the tip in the wall, 0 outside", scalar=True
+    )
+    return model
+
+
+def _wall(model: ContinuousModel) -> Wall:
+    """Declare the wall's parameters."""
+    normal = model.parameter(
+        "wall_normal", start.WALL_NORMAL, description="Unit normal of the wall, pointing into it"
+    )
+    offset = model.parameter(
+        "wall_offset",
+        start.WALL_OFFSET,
+        unit="m",
+        description="Distance of the wall's surface from the origin along the normal",
+    )
+    K_f = model.parameter(
+        "K_f", 1e5, unit="N/m", limits=NOT_NEGATIVE, description="Stiffness of the wall"
+    )
+    D_f = model.parameter(
+        "D_f",
+        0.0,
+        unit="s/m",
+        limits=NOT_NEGATIVE,
+        description="Hunt-Crossley damping: relative gain of the normal force per penetration rate",
+    )
+    mu = model.parameter(
+        "mu", 0.0, limits=NOT_NEGATIVE, description="Coefficient of friction along the wall"
+    )
+    friction_velocity = model.parameter(
+        "friction_velocity",
+        1e-2,
+        unit="m/s",
+        limits=POSITIVE,
+        description="Sliding speed over which friction along the wall changes sign (tanh)",
+    )
+    require_unit_normal(model, normal)
+    return Wall(normal, offset, K_f, D_f, mu, friction_velocity)
+

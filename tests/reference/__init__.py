@@ -1,0 +1,1 @@
+"""An independent monolithic reference of the sampled-data loop, and its own checks."""
