@@ -78,7 +78,7 @@ def lower(model: Model) -> Lowered:
     for routine in routines:
         results = {}
         for name, value in routine.results.items():
-            results[name] = flat[offset : offset + value.numel()]
+            results[name] = flat[offset : offset + value.numel(), 0]  # a bare slice of one element is a row
             offset += value.numel()
         functions.append(_function(routine.name, {**routine.arguments, "p": p, "c": constants}, results))
     return Lowered(tuple(functions), constants.numel())

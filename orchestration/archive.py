@@ -1,0 +1,123 @@
+"""The gate: nothing is unpacked, read or loaded from an archive before it was screened here.
+
+FMUs and SSPs come from strangers. Unpacking one may overwrite files (``../`` entries, links), fill
+the disk (a 2 MB archive of 2 GB), and its model identifier may name a library outside the archive.
+"""
+
+import hashlib
+import os
+import stat
+import tempfile
+import zipfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path, PurePosixPath
+
+from orchestration.errors import ArchiveError
+
+MAX_ENTRIES = 20_000
+MAX_BYTES = 2 * 1024**3  # unpacked
+MAX_RATIO = 1000  # of one entry; source code and tables reach 30, a zip bomb 1000
+RATIO_FREE_BYTES = 1024**2  # entries below may compress as they like
+
+
+def screen(path: Path) -> None:
+    """Refuse an archive that is unsafe to unpack.
+
+    Raises
+    ------
+    ArchiveError
+        Naming the file, the entry and the rule.
+    """
+    with _opened(path) as archive:
+        _screen(path, archive)
+
+
+@contextmanager
+def unpacked(path: Path) -> Iterator[Path]:
+    """Unpack a screened archive into a temporary folder, removed at the end.
+
+    Raises
+    ------
+    ArchiveError
+    """
+    with tempfile.TemporaryDirectory(prefix="adaptimp-") as folder:
+        unpack(path, Path(folder))
+        yield Path(folder)
+
+
+def unpack(path: Path, folder: Path) -> None:
+    """Screen an archive and unpack it into an existing folder.
+
+    Raises
+    ------
+    ArchiveError
+    """
+    with _opened(path) as archive:
+        _screen(path, archive)
+        try:
+            archive.extractall(folder)
+        except (zipfile.BadZipFile, EOFError, OSError) as error:
+            msg = f"{path}: cannot be unpacked: {error}"
+            raise ArchiveError(msg) from error
+
+
+def file_hash(path: Path) -> str:
+    """SHA-256 of a file, hexadecimal."""
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
+
+
+@contextmanager
+def _opened(path: Path) -> Iterator[zipfile.ZipFile]:
+    if not path.is_file():
+        msg = f"{path}: there is no such file."
+        raise ArchiveError(msg)
+    try:
+        archive = zipfile.ZipFile(path)
+    except (zipfile.BadZipFile, OSError, ValueError) as error:
+        msg = f"{path} is no readable zip archive: {error}"
+        raise ArchiveError(msg) from error
+    with archive:
+        yield archive
+
+
+def _screen(path: Path, archive: zipfile.ZipFile) -> None:
+    entries = archive.infolist()
+    if len(entries) > MAX_ENTRIES:
+        msg = f"{path} has {len(entries)} entries, more than {MAX_ENTRIES}."
+        raise ArchiveError(msg)
+    total = sum(entry.file_size for entry in entries)
+    if total > MAX_BYTES:
+        msg = f"{path} would unpack to {total} bytes, more than {MAX_BYTES}."
+        raise ArchiveError(msg)
+    seen: set[str] = set()
+    for entry in entries:
+        fault = _fault(entry)
+        if fault:
+            msg = f"{path}: entry {entry.filename!r} {fault}."
+            raise ArchiveError(msg)
+        key = os.path.normcase(entry.filename).casefold().rstrip("/")
+        if key in seen:
+            msg = f"{path}: entry {entry.filename!r} occurs more than once."
+            raise ArchiveError(msg)
+        seen.add(key)
+
+
+def _fault(entry: zipfile.ZipInfo) -> str | None:
+    name = entry.orig_filename
+    parts = PurePosixPath(name).parts
+    if not name or "\\" in name or ":" in name or "\0" in name:
+        return "has a character that a path in an archive must not have"
+    if name.startswith("/") or ".." in parts:
+        return "leads outside the archive"
+    mode = entry.external_attr >> 16
+    if stat.S_IFMT(mode) not in (0, stat.S_IFREG, stat.S_IFDIR):
+        return "is a link or device"
+    if entry.flag_bits & 0x1:
+        return "is encrypted"
+    if entry.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
+        return f"uses compression method {entry.compress_type}; only store and deflate are allowed"
+    if entry.file_size > RATIO_FREE_BYTES and entry.file_size > MAX_RATIO * entry.compress_size:
+        return f"unpacks from {entry.compress_size} to {entry.file_size} bytes, a zip bomb"
+    return None

@@ -1,0 +1,34 @@
+"""What can go wrong in a co-simulation, each with what, where, both values and what to do."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from orchestration.result import Result
+
+
+class OrchestrationError(Exception):
+    """Base of all errors of this package."""
+
+
+class ArchiveError(OrchestrationError):
+    """An archive is missing, unsafe to unpack, or not what it claims to be."""
+
+
+class SystemDescriptionError(OrchestrationError):
+    """A system is described wrongly."""
+
+
+class SimulationError(OrchestrationError):
+    """A run failed.
+
+    Attributes
+    ----------
+    result
+        All rows that are complete, None if the run failed before the first.
+    """
+
+    def __init__(self, message: str, result: Result | None = None) -> None:
+        super().__init__(message)
+        self.result = result

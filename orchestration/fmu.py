@@ -1,0 +1,279 @@
+"""An FMU as the master sees it: its description, and instances with addresses of its functions."""
+
+import ctypes
+import math
+import platform
+import re
+import sys
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+from orchestration.archive import screen
+from orchestration.errors import ArchiveError, SimulationError
+
+REAL, INTEGER, BOOLEAN, STRING = "Real", "Integer", "Boolean", "String"
+STATUS_NAMES = ("fmi2OK", "fmi2Warning", "fmi2Discard", "fmi2Error", "fmi2Fatal", "fmi2Pending")
+SAMPLE_TIME = "sample_time"
+KEPT_MESSAGES = 5
+_IDENTIFIER = re.compile(r"[A-Za-z_]\w*", re.ASCII)
+
+
+@dataclass(frozen=True)
+class UnitDefinition:
+    """A physical unit: exponents of the SI base units, factor and offset to them."""
+
+    name: str
+    exponents: tuple[tuple[str, int], ...] = ()
+    factor: float = 1.0
+    offset: float = 0.0
+
+    def equivalent(self, other: "UnitDefinition") -> bool:
+        """Whether a number means the same in both units."""
+        mine = (self.exponents, self.factor, self.offset)
+        return mine == (other.exponents, other.factor, other.offset)
+
+
+@dataclass(frozen=True)
+class Variable:
+    """A scalar variable of an FMU; `unit` is empty where none is declared."""
+
+    name: str
+    reference: int
+    type: str
+    causality: str
+    variability: str
+    unit: str
+    start: float | None
+    description: str = ""
+
+
+@dataclass(frozen=True)
+class Description:
+    """What modelDescription.xml says, as far as a co-simulation needs it."""
+
+    path: Path
+    model_name: str
+    identifier: str
+    guid: str
+    variables: Mapping[str, Variable]
+    units: Mapping[str, UnitDefinition]
+
+    def of_causality(self, causality: str) -> list[Variable]:
+        """Variables of a causality, in their order, without strings."""
+        return [
+            v for v in self.variables.values() if v.causality == causality and v.type != STRING
+        ]
+
+
+def read_description(path: Path) -> Description:
+    """Screen an FMU and read its description; read again only when the file has changed.
+
+    Raises
+    ------
+    ArchiveError
+        If the archive is unsafe, or no FMI 2.0 co-simulation FMU.
+    """
+    path = path.resolve()
+    if not path.is_file():
+        msg = f"{path}: there is no such FMU."
+        raise ArchiveError(msg)
+    status = path.stat()
+    return _read_description(path, status.st_mtime_ns, status.st_size)
+
+
+@lru_cache(maxsize=256)
+def _read_description(path: Path, modified: int, size: int) -> Description:  # noqa: ARG001 - the cache's key
+    import fmpy  # noqa: PLC0415 - takes 0.5 s
+
+    screen(path)
+    try:
+        raw = fmpy.read_model_description(str(path))
+    except Exception as error:  # fmpy raises bare Exception
+        msg = f"{path} is no valid FMU: {error}"
+        raise ArchiveError(msg) from error
+    if raw.fmiVersion != "2.0" or raw.coSimulation is None:
+        msg = f"{path} is an FMI {raw.fmiVersion} FMU; an FMI 2.0 unit for co-simulation is needed."
+        raise ArchiveError(msg)
+    identifier = raw.coSimulation.modelIdentifier
+    if not _IDENTIFIER.fullmatch(identifier):
+        msg = f"{path}: the model identifier {identifier!r} is no C identifier."
+        raise ArchiveError(msg)
+    variables = {v.name: _variable(v) for v in raw.modelVariables}
+    units = {u.name: _unit(u) for u in raw.unitDefinitions}
+    return Description(path, raw.modelName, identifier, raw.guid, variables, units)
+
+
+def _variable(raw: Any) -> Variable:
+    unit = raw.unit or (raw.declaredType.unit if raw.declaredType is not None else None) or ""
+    kind = INTEGER if raw.type == "Enumeration" else raw.type
+    start = None if raw.start is None or kind == STRING else parse_value(raw.start, kind)
+    causality = raw.causality or "local"
+    variability = raw.variability or "continuous"
+    return Variable(
+        raw.name, raw.valueReference, kind, causality, variability, unit, start, raw.description or ""
+    )
+
+
+def _unit(raw: Any) -> UnitDefinition:
+    base = raw.baseUnit
+    if base is None:
+        return UnitDefinition(raw.name, ((f"={raw.name}", 1),))  # equal to itself alone
+    names = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
+    exponents = tuple((n, int(getattr(base, n))) for n in names if int(getattr(base, n) or 0))
+    return UnitDefinition(raw.name, exponents, float(base.factor or 1), float(base.offset or 0))
+
+
+def parse_value(text: Any, kind: str) -> float:
+    """A start value as a number; Booleans are 0 or 1.
+
+    Raises
+    ------
+    ValueError
+        If the text is no value of that type.
+    """
+    if kind == BOOLEAN:
+        values = {"true": 1.0, "1": 1.0, "false": 0.0, "0": 0.0}
+        return values[str(text).strip().lower()]
+    number = float(text)
+    if kind == INTEGER and not (math.isfinite(number) and number.is_integer()):
+        msg = f"{text!r} is no integer"
+        raise ValueError(msg)
+    return number
+
+
+def library_path(folder: Path, identifier: str) -> Path:
+    """The shared library for this machine in an unpacked FMU.
+
+    Raises
+    ------
+    ArchiveError
+        Naming the platforms that the FMU has.
+    """
+    arm = platform.machine().lower() in ("arm64", "aarch64")
+    names, extension = {
+        "linux": (("aarch64-linux",) if arm else ("linux64", "x86_64-linux"), ".so"),
+        "darwin": (("aarch64-darwin", "darwin64") if arm else ("darwin64", "x86_64-darwin"), ".dylib"),
+        "win32": (("win64", "x86_64-windows"), ".dll"),
+    }[sys.platform]
+    for name in names:
+        path = folder / "binaries" / name / f"{identifier}{extension}"
+        if path.is_file():
+            return path
+    binaries = folder / "binaries"
+    present = sorted(p.name for p in binaries.iterdir()) if binaries.is_dir() else []
+    msg = f"{identifier} has no binary for {names[0]}; it has {', '.join(present) or 'none'}."
+    raise ArchiveError(msg)
+
+
+@dataclass
+class Instance:
+    """An instance of an FMU in an unpacked folder.
+
+    Attributes
+    ----------
+    name
+        Of the component, used in messages.
+    messages
+        The last texts that the FMU logged.
+    """
+
+    name: str
+    description: Description
+    slave: Any = None
+    messages: list[str] = field(default_factory=list)
+    _callbacks: Any = None
+
+    @classmethod
+    def open(cls, name: str, description: Description, folder: Path) -> "Instance":
+        """Load the library and instantiate.
+
+        Raises
+        ------
+        ArchiveError, SimulationError
+        """
+        from fmpy.fmi2 import FMU2Slave  # noqa: PLC0415 - takes 0.5 s
+
+        instance = cls(name, description)
+        library = library_path(folder, description.identifier)
+        try:
+            instance.slave = FMU2Slave(
+                guid=description.guid,
+                modelIdentifier=description.identifier,
+                unzipDirectory=str(folder),
+                libraryPath=str(library),
+                instanceName=name,
+            )
+        except Exception as error:  # fmpy raises bare Exception
+            msg = f"{name}: {description.path.name} cannot be loaded: {error}"
+            raise ArchiveError(msg) from error
+        instance._instantiate()
+        return instance
+
+    @property
+    def component(self) -> int:
+        """Address of the instance."""
+        component = self.slave.component
+        return int(getattr(component, "value", component))
+
+    def address(self, function: str) -> int:
+        """Address of an FMI function."""
+        return int(ctypes.cast(getattr(self.slave.dll, function), ctypes.c_void_p).value or 0)
+
+    def call(self, function: str, *arguments: Any) -> None:
+        """Call an FMI function with the component as first argument.
+
+        Raises
+        ------
+        SimulationError
+            Unless the status is fmi2OK or fmi2Warning.
+        """
+        c_function = getattr(self.slave.dll, function)
+        c_function.restype = ctypes.c_int
+        status = c_function(ctypes.c_void_p(self.component), *arguments)
+        if status > 1:
+            raise SimulationError(self.failure(function, status))
+
+    def failure(self, function: str, status: int, where: str = "") -> str:
+        """The sentence that says which call returned what, and the instance's last message."""
+        name = STATUS_NAMES[status] if 0 <= status < len(STATUS_NAMES) else f"status {status}"
+        last = f'its last message: "{self.messages[-1]}"' if self.messages else "it logged nothing"
+        return f"{self.name}: {function} returned {name}{where}; {last}."
+
+    def close(self) -> None:
+        """Free the instance and the library."""
+        if self.slave is not None and self.slave.component:
+            self.slave.freeInstance()
+            self.slave.component = None
+
+    def _instantiate(self) -> None:
+        from fmpy.fmi2 import (  # noqa: PLC0415
+            calloc,
+            fmi2CallbackAllocateMemoryTYPE,
+            fmi2CallbackFreeMemoryTYPE,
+            fmi2CallbackFunctions,
+            fmi2CallbackLoggerTYPE,
+            free,
+        )
+        from fmpy.logging import addLoggerProxy  # noqa: PLC0415
+
+        callbacks = fmi2CallbackFunctions()
+        callbacks.logger = fmi2CallbackLoggerTYPE(self._log)
+        callbacks.allocateMemory = fmi2CallbackAllocateMemoryTYPE(calloc)
+        callbacks.freeMemory = fmi2CallbackFreeMemoryTYPE(free)
+        python_logger = callbacks.logger
+        addLoggerProxy(ctypes.byref(callbacks))  # formats printf arguments before calling ours
+        self._callbacks = (callbacks, python_logger)
+        try:
+            self.slave.instantiate(callbacks=callbacks, loggingOn=True)
+        except Exception as error:  # fmpy raises bare Exception
+            self.slave.component = None
+            last = self.messages[-1] if self.messages else "it logged nothing"
+            msg = f"{self.name}: fmi2Instantiate failed; {last}"
+            raise SimulationError(msg) from error
+
+    def _log(self, environment: Any, name: Any, status: int, category: Any, message: Any) -> None:  # noqa: ARG002
+        text = (message or b"").decode(errors="replace").strip()
+        self.messages[:] = [*self.messages, text][-KEPT_MESSAGES:]

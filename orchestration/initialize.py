@@ -1,0 +1,131 @@
+"""Instances of a system's components, brought through FMI 2.0's initialization."""
+
+import ctypes
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack, contextmanager
+
+import numpy as np
+
+from orchestration.archive import unpacked
+from orchestration.assembly import Assembly
+from orchestration.errors import SimulationError
+from orchestration.fmu import BOOLEAN, INTEGER, REAL, Instance
+from orchestration.loop import (
+    CALL_NAMES,
+    END_DISCRETE,
+    END_REAL,
+    FIRST_DISCRETE,
+    FIRST_REAL,
+    WORST_ACCEPTED,
+    copy_links,
+    get_outputs,
+    set_inputs,
+)
+from orchestration.system import Component, System
+
+_C_TYPES = {REAL: ctypes.c_double, INTEGER: ctypes.c_int32, BOOLEAN: ctypes.c_int32}
+
+
+@contextmanager
+def opened(system: System) -> Iterator[list[Instance]]:
+    """Instantiate every component, in order; all are freed at the end.
+
+    Raises
+    ------
+    ArchiveError, SimulationError
+    """
+    with ExitStack() as stack:
+        folders = {
+            path: stack.enter_context(unpacked(path))
+            for path in dict.fromkeys(c.description.path for c in system.components)
+        }
+        instances = []
+        for component in system.components:
+            folder = folders[component.description.path]
+            instance = Instance.open(component.name, component.description, folder)
+            stack.callback(instance.close)
+            instances.append(instance)
+        yield instances
+
+
+def initialize(system: System, instances: Sequence[Instance], assembly: Assembly, t0: float) -> None:
+    """Set start values, propagate outputs to inputs in initialization mode, and leave it.
+
+    Outputs are transferred until nothing changes, so a chain of any length settles; afterwards the
+    plan's outputs hold row 0.
+
+    Raises
+    ------
+    SimulationError
+        If a call fails, or the values do not settle: an algebraic loop.
+    """
+    for component, instance in zip(system.components, instances, strict=True):
+        _set_start(component, instance)
+        arguments = (ctypes.c_int(0), ctypes.c_double(0), ctypes.c_double(t0), ctypes.c_int(0), ctypes.c_double(0))
+        instance.call("fmi2SetupExperiment", *arguments)
+        instance.call("fmi2EnterInitializationMode")
+    _propagate(system, instances, assembly)
+    for instance in instances:
+        instance.call("fmi2ExitInitializationMode")
+    _get_all(instances, assembly)
+
+
+def _set_start(component: Component, instance: Instance) -> None:
+    for name, value in component.start.items():
+        variable = component.variable(name)
+        reference = ctypes.c_uint32(variable.reference)
+        number = int(value) if variable.type != REAL else value
+        c_value = _C_TYPES[variable.type](number)
+        instance.call(
+            f"fmi2Set{variable.type}", ctypes.byref(reference), ctypes.c_size_t(1), ctypes.byref(c_value)
+        )
+
+
+def _propagate(system: System, instances: Sequence[Instance], assembly: Assembly) -> None:
+    plan = assembly.plan
+    _get_all(instances, assembly)
+    # A chain passes through each connection at most once; anything longer is a loop.
+    for _ in range(len(system.connections) + 1):
+        before = plan.reals.copy(), plan.discretes.copy()
+        for i, instance in enumerate(instances):
+            _transfer(assembly, i)
+            _raise_failure(instance, *set_inputs(plan.table, i))
+        _get_all(instances, assembly)
+        if _same(before[0], plan.reals) and _same(before[1], plan.discretes):
+            return
+    unsettled = [
+        f"{name} ({before[0][i]!r}, then {plan.reals[i]!r})"
+        for name, i in assembly.real_outputs.items()
+        if before[0][i] != plan.reals[i]
+    ]
+    msg = (
+        f"System {system.name}: {', '.join(unsettled[:3])} do not settle during initialization: the"
+        " connections close an algebraic loop. Break it with a component whose outputs do not depend"
+        " on its inputs."
+    )
+    raise SimulationError(msg)
+
+
+def _transfer(assembly: Assembly, i: int) -> None:
+    """Copy what the sources of component i show to its inputs."""
+    plan = assembly.plan
+    row = plan.table[i]
+    copy_links(plan.real_links, row[FIRST_REAL], row[END_REAL], plan.reals)
+    copy_links(plan.discrete_links, row[FIRST_DISCRETE], row[END_DISCRETE], plan.discretes)
+
+
+def _get_all(instances: Sequence[Instance], assembly: Assembly) -> None:
+    for i, instance in enumerate(instances):
+        _raise_failure(instance, *get_outputs(assembly.plan.table, i))
+
+
+def _same(a: np.ndarray, b: np.ndarray) -> bool:
+    """Bitwise equality, so that NaN equals itself."""
+    return a.tobytes() == b.tobytes()
+
+
+def _raise_failure(instance: Instance, call: int, status: int) -> None:
+    if status > WORST_ACCEPTED:
+        raise SimulationError(instance.failure(CALL_NAMES[call], status, " during initialization"))
+
+

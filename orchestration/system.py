@@ -1,0 +1,348 @@
+"""A system: components, their start values, and connections between their variables.
+
+A `System` is a value: its methods return changed copies. Everything is checked when it is made, so
+a system that exists can be run.
+"""
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+from orchestration.errors import SystemDescriptionError
+from orchestration.fmu import (
+    BOOLEAN,
+    INTEGER,
+    SAMPLE_TIME,
+    Description,
+    Variable,
+    parse_value,
+    read_description,
+)
+
+RATIO_TOLERANCE = 1e-9  # by which a quotient of two times may miss an integer
+
+
+@dataclass(frozen=True)
+class Component:
+    """An FMU under a name, with the start values that differ from its own.
+
+    Attributes
+    ----------
+    start
+        Values by variable name; Booleans are 0 or 1.
+    """
+
+    name: str
+    description: Description
+    start: Mapping[str, float] = field(default_factory=dict)
+
+    def variable(self, name: str) -> Variable:
+        """A variable by name.
+
+        Raises
+        ------
+        SystemDescriptionError
+            Listing the known names.
+        """
+        try:
+            return self.description.variables[name]
+        except KeyError:
+            known = ", ".join(self.description.variables)
+            msg = f"{self.name} has no variable {name}; it has {known}."
+            raise SystemDescriptionError(msg) from None
+
+    @property
+    def sample_time(self) -> float | None:
+        """Sampling period, s, of a component that declares the parameter ``sample_time``."""
+        variable = self.description.variables.get(SAMPLE_TIME)
+        if variable is None or variable.causality != "parameter":
+            return None
+        return self.start.get(SAMPLE_TIME, variable.start)
+
+
+@dataclass(frozen=True, order=True)
+class Connection:
+    """From an output to an input, both scalar."""
+
+    source: str
+    output: str
+    target: str
+    input: str
+
+    def __str__(self) -> str:
+        """``plant.x[1] -> controller.x[1]``."""
+        return f"{self.source}.{self.output} -> {self.target}.{self.input}"
+
+
+@dataclass(frozen=True)
+class System:
+    """Components in their order, and connections.
+
+    Attributes
+    ----------
+    step, stop_time
+        Default communication step and stop time, s.
+    notices
+        What happened to the system that its user should know, for example dropped connections.
+    """
+
+    name: str
+    components: tuple[Component, ...]
+    connections: tuple[Connection, ...] = ()
+    step: float = 1e-4
+    stop_time: float = 2.0
+    notices: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        """Check names, connections and start values."""
+        names = [component.name for component in self.components]
+        if not names:
+            msg = f"System {self.name} has no components."
+            raise SystemDescriptionError(msg)
+        for name in names:
+            if names.count(name) > 1 or not name or "." in name:
+                msg = f"System {self.name}: the component name {name!r} is empty, has a dot, or is used twice."
+                raise SystemDescriptionError(msg)
+        for component in self.components:
+            for name in component.start:
+                _require_settable(component, component.variable(name))
+        driven: set[tuple[str, str]] = set()
+        for connection in self.connections:
+            self._check(connection)
+            target = (connection.target, connection.input)
+            if target in driven:
+                msg = f"Connection {connection}: {'.'.join(target)} already has a source."
+                raise SystemDescriptionError(msg)
+            driven.add(target)
+
+    @classmethod
+    def connected_by_name(
+        cls, name: str, fmus: Mapping[str, Path], *, step: float = 1e-4, stop_time: float = 2.0
+    ) -> "System":
+        """Connect every input to the output of the same name.
+
+        Parameters
+        ----------
+        fmus
+            Component name to FMU file; their order is the order of the components.
+
+        Raises
+        ------
+        SystemDescriptionError
+            If two components have an output of the same name that an input could take.
+        """
+        components = tuple(Component(n, read_description(Path(path))) for n, path in fmus.items())
+        connections = []
+        for target in components:
+            for variable in target.description.of_causality("input"):
+                sources = [c for c in components if _has_output(c, variable.name) and c is not target]
+                if len(sources) > 1:
+                    msg = f"{target.name}.{variable.name} could come from {' or '.join(s.name for s in sources)}; connect it by hand."
+                    raise SystemDescriptionError(msg)
+                if sources:
+                    connections.append(
+                        Connection(sources[0].name, variable.name, target.name, variable.name)
+                    )
+        return cls(name, components, tuple(connections), step, stop_time)
+
+    @classmethod
+    def read(cls, path: str | Path) -> "System":
+        """Read an SSP package; see `orchestration.ssp`."""
+        from orchestration.ssp import read_ssp  # noqa: PLC0415 - keeps lxml out of plain runs
+
+        return read_ssp(Path(path))
+
+    def write(self, path: str | Path) -> Path:
+        """Write an SSP package; see `orchestration.ssp`."""
+        from orchestration.ssp import write_ssp  # noqa: PLC0415
+
+        return write_ssp(self, Path(path))
+
+    def component(self, name: str) -> Component:
+        """A component by name.
+
+        Raises
+        ------
+        SystemDescriptionError
+            Listing the known names.
+        """
+        for component in self.components:
+            if component.name == name:
+                return component
+        known = ", ".join(component.name for component in self.components)
+        msg = f"System {self.name} has no component {name}; it has {known}."
+        raise SystemDescriptionError(msg)
+
+    def set(self, values: Mapping[str, float | bool | str]) -> "System":
+        """Give start values, by ``component.variable``.
+
+        Raises
+        ------
+        SystemDescriptionError
+            If a name is unknown, the variable cannot be set, or the value is none of its type.
+        """
+        changed: dict[str, dict[str, float]] = {}
+        for path, value in values.items():
+            component, variable = self.resolve(path)
+            _require_settable(component, variable)
+            changed.setdefault(component.name, {})[variable.name] = _number(path, variable, value)
+        components = tuple(
+            replace(c, start={**c.start, **changed.get(c.name, {})}) for c in self.components
+        )
+        return replace(self, components=components)
+
+    def replace(self, name: str, fmu: str | Path) -> "System":
+        """Put another FMU in the place of a component.
+
+        Start values and connections of variables that the new FMU has are kept; connections to
+        inputs that it lacks are dropped with a notice.
+
+        Raises
+        ------
+        SystemDescriptionError
+            If the new FMU lacks an output that is connected.
+        """
+        old = self.component(name)
+        description = read_description(Path(fmu))
+        known = description.variables
+        start = {n: v for n, v in old.start.items() if n in known and known[n].causality in _SETTABLE}
+        notices = [
+            f"{name}: start value of {n} dropped, {description.model_name} has no such variable."
+            for n in old.start
+            if n not in start
+        ]
+        connections = []
+        for connection in self.connections:
+            if connection.target == name and connection.input not in known:
+                notices.append(f"Connection {connection} dropped: {description.model_name} has no such input.")
+                continue
+            connections.append(connection)
+        components = tuple(
+            Component(name, description, start) if c.name == name else c for c in self.components
+        )
+        return replace(
+            self,
+            components=components,
+            connections=tuple(connections),
+            notices=(*self.notices, *notices),
+        )
+
+    def ordered(self, names: Sequence[str]) -> "System":
+        """The same system with its components in another order.
+
+        Raises
+        ------
+        SystemDescriptionError
+            Unless each component is named once.
+        """
+        present = [component.name for component in self.components]
+        if sorted(names) != sorted(present):
+            msg = f"The order {', '.join(names)} must name each of {', '.join(present)} once."
+            raise SystemDescriptionError(msg)
+        return replace(self, components=tuple(self.component(name) for name in names))
+
+    def with_sample_time(self, sample_time: float) -> "System":
+        """Set the step and every ``sample_time``, s."""
+        values = {
+            f"{c.name}.{SAMPLE_TIME}": sample_time
+            for c in self.components
+            if c.sample_time is not None
+        }
+        return replace(self.set(values), step=sample_time)
+
+    def unconnected_inputs(self) -> list[str]:
+        """Inputs that keep their start value, as ``component.input``."""
+        driven = {(c.target, c.input) for c in self.connections}
+        return [
+            f"{component.name}.{variable.name}"
+            for component in self.components
+            for variable in component.description.of_causality("input")
+            if (component.name, variable.name) not in driven
+        ]
+
+    def resolve(self, path: str) -> tuple[Component, Variable]:
+        """Component and variable of ``component.variable``."""
+        name, dot, variable = path.partition(".")
+        if not dot:
+            msg = f"{path!r} is no component.variable, such as {self.components[0].name}.{next(iter(self.components[0].description.variables), 'x')}."
+            raise SystemDescriptionError(msg)
+        component = self.component(name)
+        return component, component.variable(variable)
+
+    def steps_per_tick(self, step: float) -> dict[str, int]:
+        """How many steps each sampled component's period takes.
+
+        Raises
+        ------
+        SystemDescriptionError
+            If a period is no integer multiple of the step.
+        """
+        ratios = {}
+        for component in self.components:
+            period = component.sample_time
+            if period is None:
+                continue
+            ratio = period / step
+            nearest = round(ratio)
+            if nearest < 1 or abs(ratio - nearest) > RATIO_TOLERANCE * ratio:
+                below = period / max(1, -(-period // step))
+                msg = (
+                    f"{component.name}: sample time {period:g} s is no multiple of the step {step:g} s;"
+                    f" use a step of {below:.6g} s, or a sample time of {max(1, nearest) * step:.6g} s."
+                )
+                raise SystemDescriptionError(msg)
+            ratios[component.name] = nearest
+        return ratios
+
+    def _check(self, connection: Connection) -> None:
+        source, target = self.component(connection.source), self.component(connection.target)
+        output, input_ = source.variable(connection.output), target.variable(connection.input)
+        if output.causality != "output":
+            msg = f"Connection {connection}: {source.name}.{output.name} is a {output.causality}, not an output."
+            raise SystemDescriptionError(msg)
+        if input_.causality != "input":
+            msg = f"Connection {connection}: {target.name}.{input_.name} is a {input_.causality}, not an input."
+            raise SystemDescriptionError(msg)
+        if output.type != input_.type:
+            msg = f"Connection {connection}: types {output.type} and {input_.type} differ."
+            raise SystemDescriptionError(msg)
+        if not _same_unit(source, output, target, input_):
+            msg = f"Connection {connection}: units {output.unit} and {input_.unit} differ."
+            raise SystemDescriptionError(msg)
+
+
+_SETTABLE = ("parameter", "input")
+
+
+def connect(source: str, outputs: Iterable[str], target: str) -> list[Connection]:
+    """Connections between variables of equal names."""
+    return [Connection(source, name, target, name) for name in outputs]
+
+
+def _has_output(component: Component, name: str) -> bool:
+    variable = component.description.variables.get(name)
+    return variable is not None and variable.causality == "output"
+
+
+def _same_unit(source: Component, output: Variable, target: Component, input_: Variable) -> bool:
+    """Whether two ends of a connection agree; an end without a unit agrees with all."""
+    if not output.unit or not input_.unit or output.unit == input_.unit:
+        return True
+    a = source.description.units.get(output.unit)
+    b = target.description.units.get(input_.unit)
+    return a is not None and b is not None and a.equivalent(b)
+
+
+def _require_settable(component: Component, variable: Variable) -> None:
+    if variable.causality not in _SETTABLE:
+        msg = f"{component.name}.{variable.name} is a {variable.causality}; only parameters and inputs can be set."
+        raise SystemDescriptionError(msg)
+
+
+def _number(path: str, variable: Variable, value: float | bool | str) -> float:
+    try:
+        return parse_value(value, variable.type)
+    except (ValueError, KeyError, TypeError):
+        examples = {BOOLEAN: "true or false", INTEGER: "an integer"}
+        msg = f"{path} = {value!r}: {examples.get(variable.type, 'a number')} is needed."
+        raise SystemDescriptionError(msg) from None
