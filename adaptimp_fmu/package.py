@@ -5,6 +5,7 @@ hash of the definition and the runtime.
 """
 
 import hashlib
+import io
 import os
 import tempfile
 import uuid
@@ -31,14 +32,16 @@ def default_cache() -> Path:
 
 def build(
     model: Model,
-    folder: Path,
+    folder: Path | None = None,
     platforms: Iterable[Platform] | None = None,
     cache: Path | None = None,
 ) -> Path:
-    """Build ``folder/NAME.fmu``.
+    """Build ``NAME.fmu``.
 
     Parameters
     ----------
+    folder
+        Where to; a place of its own in the cache, named by the content, if None.
     platforms
         Platforms with a binary in the FMU; the host's if None.
     cache
@@ -53,15 +56,20 @@ def build(
     ------
     DefinitionError, ToolchainError
     """
+    cache = cache or default_cache()
     sources, description = definition(model)
     entries = {"modelDescription.xml": description}
     for platform in sorted(platforms or [host_platform()], key=lambda p: p.name):
-        binary = _binary(sources, platform, cache or default_cache(), model.name)
+        binary = _binary(sources, platform, cache, model.name)
         entries[f"binaries/{platform.name}/{model.name}{platform.extension}"] = binary
     for name, text in sources.items():
         entries[f"sources/{name}"] = text.encode()
+    content = _archive(entries)
+    if folder is None:
+        folder = cache / "fmus" / hashlib.sha256(content).hexdigest()[:32]
     path = folder / f"{model.name}.fmu"
-    _write_if_changed(path, entries)
+    if not path.exists() or path.read_bytes() != content:
+        _store(path, content)
     return path
 
 
@@ -94,19 +102,17 @@ def _binary(sources: dict[str, str], platform: Platform, cache: Path, name: str)
     return cached.read_bytes()
 
 
-def _write_if_changed(path: Path, entries: dict[str, bytes]) -> None:
-    with tempfile.SpooledTemporaryFile() as buffer:
-        with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as archive:
-            for name, content in entries.items():
-                info = zipfile.ZipInfo(name, _EPOCH)
-                info.compress_type = zipfile.ZIP_DEFLATED
-                info.external_attr = _REGULAR_FILE
-                info.create_system = 3  # Unix, whatever the machine: same input, same bytes
-                archive.writestr(info, content)
-        buffer.seek(0)
-        content = buffer.read()
-    if not path.exists() or path.read_bytes() != content:
-        _store(path, content)
+def _archive(entries: dict[str, bytes]) -> bytes:
+    """A zip file whose bytes depend on its entries alone."""
+    buffer = io.BytesIO()
+    with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, content in entries.items():
+            info = zipfile.ZipInfo(name, _EPOCH)
+            info.compress_type = zipfile.ZIP_DEFLATED
+            info.external_attr = _REGULAR_FILE
+            info.create_system = 3  # Unix, whatever the machine
+            archive.writestr(info, content)
+    return buffer.getvalue()
 
 
 def _store(path: Path, content: bytes) -> None:

@@ -1,0 +1,5 @@
+"""The command ``adaptimp``."""
+
+from orchestration.cli.app import main
+
+__all__ = ["main"]

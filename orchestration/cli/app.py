@@ -1,0 +1,107 @@
+"""Commands and their options; what they do is imported when they run.
+
+Exit codes: 0 success, 1 a run failed, 2 the request cannot be carried out as it stands.
+"""
+
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+app = typer.Typer(
+    add_completion=False,
+    no_args_is_help=True,
+    rich_markup_mode=None,
+    pretty_exceptions_enable=False,
+    help="Adaptive impedance control (Lu & Meng 1991) as interchangeable FMI 2.0 co-simulation units.",
+)
+
+
+@app.command()
+def build(
+    out: Annotated[Path, typer.Option(help="Folder for the .fmu files.")] = Path("build/fmus"),
+    platform: Annotated[
+        list[str] | None,
+        typer.Option(help="Platform of the binaries, may be repeated; 'all' for every one.", show_default="this machine"),
+    ] = None,
+) -> None:
+    """Build the FMUs; what is built already is taken from the cache."""
+    from orchestration.cli.commands import build_fmus  # noqa: PLC0415
+
+    build_fmus(out, platform or [])
+
+
+@app.command()
+def paper(
+    out: Annotated[Path, typer.Option(help="Folder for the figures and claims.json.")] = Path("out"),
+) -> None:
+    """Reproduce the paper's figures and claims from real FMUs."""
+    from orchestration.cli.commands import reproduce_paper  # noqa: PLC0415
+
+    reproduce_paper(out)
+
+
+@app.command()
+def run(
+    system: Annotated[str, typer.Argument(help="A scenario (fig2, fig3, fig4) or an .ssp file.")],
+    controller: Annotated[
+        Path | None, typer.Option(help="FMU to put in the place of the component 'controller'.")
+    ] = None,
+    set_: Annotated[
+        list[str] | None,
+        typer.Option("--set", metavar="COMP.VAR=VALUE", help="Start value; may be repeated."),
+    ] = None,
+    algorithm: Annotated[str, typer.Option(help="gauss-seidel or jacobi.")] = "gauss-seidel",
+    order: Annotated[str | None, typer.Option(help="Components in the order of stepping: A,B,...")] = None,
+    step: Annotated[float | None, typer.Option(help="Communication step, s.")] = None,
+    sample_time: Annotated[
+        float | None, typer.Option(help="Communication step and every sample_time, s.")
+    ] = None,
+    stop: Annotated[float | None, typer.Option(help="Stop time, s.")] = None,
+    out: Annotated[Path | None, typer.Option(help="CSV file for the result.")] = None,
+    record: Annotated[
+        str | None, typer.Option(help="Outputs to record: COMP.VAR,...; all by default.")
+    ] = None,
+    strict: Annotated[bool, typer.Option("--strict", help="Unconnected inputs are an error.")] = False,
+    allow_stale_inputs: Annotated[
+        bool,
+        typer.Option("--allow-stale-inputs", help="Let a step hold several ticks, on the inputs of its start."),
+    ] = False,
+) -> None:
+    """Run a system and print what it did."""
+    from orchestration.cli.commands import RunRequest, run_system  # noqa: PLC0415
+
+    run_system(
+        RunRequest(
+            system=system,
+            controller=controller,
+            settings=tuple(set_ or ()),
+            algorithm=algorithm,
+            order=order.split(",") if order else None,
+            step=step,
+            sample_time=sample_time,
+            stop=stop,
+            out=out,
+            record=record.split(",") if record else None,
+            strict=strict,
+            allow_stale_inputs=allow_stale_inputs,
+        )
+    )
+
+
+def main() -> None:
+    """Entry point: errors of ours are one sentence on standard error, not a traceback."""
+    from orchestration.errors import OrchestrationError, SimulationError  # noqa: PLC0415
+
+    try:
+        app()
+    except SimulationError as error:
+        _stop(error, 1)
+    except OrchestrationError as error:
+        _stop(error, 2)
+
+
+def _stop(error: Exception, code: int) -> None:
+    typer.echo(f"Error: {error}", err=True)
+    sys.exit(code)

@@ -1,0 +1,174 @@
+"""What the commands do."""
+
+import re
+import time
+import warnings
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+from rich.table import Table
+
+from orchestration.errors import SimulationError, SystemDescriptionError
+from orchestration.result import Result
+from orchestration.simulate import Options, simulate
+from orchestration.simulate import Progress as Report
+from orchestration.system import System
+
+PROGRESS_AFTER = 1.0  # s
+_SETTING = re.compile(r"([^=\s]+)=(.*)", re.DOTALL)
+
+console = Console()
+errors = Console(stderr=True)
+
+
+@dataclass(frozen=True)
+class RunRequest:
+    """Options of ``adaptimp run``; times in s."""
+
+    system: str
+    controller: Path | None
+    settings: Sequence[str]
+    algorithm: str
+    order: Sequence[str] | None
+    step: float | None
+    sample_time: float | None
+    stop: float | None
+    out: Path | None
+    record: Sequence[str] | None
+    strict: bool
+    allow_stale_inputs: bool
+
+
+def build_fmus(out: Path, platforms: Sequence[str]) -> None:
+    """Build every unit into a folder."""
+    from adaptimp_fmu import PLATFORMS, build, host_platform  # noqa: PLC0415 - CasADi takes 0.5 s
+    from fmus.catalog import UNITS  # noqa: PLC0415
+
+    for name in platforms:
+        if name not in PLATFORMS and name != "all":
+            msg = f"There is no platform {name}; there are {', '.join(PLATFORMS)} and all."
+            raise SystemDescriptionError(msg)
+    chosen = list(PLATFORMS.values()) if "all" in platforms else [PLATFORMS[n] for n in platforms]
+    for declare in UNITS.values():
+        path = build(declare(), out, chosen or [host_platform()])
+        console.print(f"{path}  {path.stat().st_size / 1024:.0f} kB", highlight=False)
+
+
+def reproduce_paper(out: Path) -> None:
+    """Run, draw, measure; print the table of claims."""
+    from orchestration.paper.report import reproduce  # noqa: PLC0415 - matplotlib
+
+    report = reproduce(out, lambda sentence: console.print(f"{sentence} ...", highlight=False))
+    table = Table("id", "claim", "measured", "verdict", title="Claims of the paper")
+    colours = {"holds": "green", "not reproduced": "red"}
+    for claim in report.claims:
+        colour = colours.get(claim.verdict, "dim")
+        table.add_row(claim.id, claim.claim, claim.measured, f"[{colour}]{claim.verdict}[/]")
+    console.print(table)
+    for path in (*report.figures, report.claims_file):
+        console.print(f"wrote {path}", highlight=False)
+
+
+def run_system(request: RunRequest) -> None:
+    """Run a system as asked; a run that fails half-way still writes the rows it made."""
+    system = _system(request)
+    for notice in system.notices:
+        errors.print(f"Notice: {notice}", highlight=False)
+    order = request.order or [component.name for component in system.components]
+    step = request.step or system.step
+    console.print(
+        f"{system.name}: {request.algorithm}, order {' > '.join(order)}, step {step:g} s", highlight=False
+    )
+    with _progress() as report, warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        options = Options(
+            record=request.record,
+            strict=request.strict,
+            allow_stale_inputs=request.allow_stale_inputs,
+            progress=report,
+        )
+        started = time.perf_counter()
+        try:
+            result = simulate(
+                system, request.stop, request.step, request.algorithm, order=request.order, options=options
+            )
+        except SimulationError as error:
+            _keep_partial(error, request.out)
+            raise
+        elapsed = time.perf_counter() - started
+    for warning in caught:
+        errors.print(f"Warning: {warning.message}", highlight=False)
+    if request.out is None:
+        _print_summary(result)
+    else:
+        result.write_csv(request.out)
+        console.print(f"wrote {request.out}: {len(result.time)} rows, {len(result.names)} columns", highlight=False)
+    console.print(f"{len(result.time) - 1} steps in {elapsed:.2f} s", highlight=False)
+
+
+def _system(request: RunRequest) -> System:
+    if request.out is not None and request.out.suffix != ".csv":
+        msg = f"{request.out}: results are written as .csv."
+        raise SystemDescriptionError(msg)
+    if request.step is not None and request.sample_time is not None:
+        msg = "--step and --sample-time exclude each other: the latter sets the step too."
+        raise SystemDescriptionError(msg)
+    if request.system.endswith(".ssp"):
+        system = System.read(request.system)
+    else:
+        from orchestration.paper.provide import fmus, scenario  # noqa: PLC0415 - CasADi
+
+        chosen = scenario(request.system)
+        system = chosen.system(fmus(chosen.units.values()))
+    if request.controller is not None:
+        system = system.replace("controller", request.controller)
+    system = system.set(dict(_setting(text) for text in request.settings))
+    if request.sample_time is not None:
+        system = system.with_sample_time(request.sample_time)
+    return system
+
+
+def _setting(text: str) -> tuple[str, str]:
+    match = _SETTING.fullmatch(text)
+    if match is None:
+        msg = f"--set {text}: COMPONENT.VARIABLE=VALUE is needed, such as controller.K[1]=4000."
+        raise SystemDescriptionError(msg)
+    return match[1], match[2]
+
+
+@contextmanager
+def _progress() -> Iterator[Report]:
+    """A progress bar that appears when a run takes longer than a second."""
+    bar = Progress(TextColumn("running"), BarColumn(), TimeRemainingColumn(), console=errors, transient=True)
+    started = time.perf_counter()
+    task = bar.add_task("run")
+
+    def report(done: int, total: int) -> None:
+        if time.perf_counter() - started > PROGRESS_AFTER:
+            bar.start()
+            bar.update(task, completed=done, total=total)
+
+    try:
+        yield report
+    finally:
+        bar.stop()
+
+
+def _keep_partial(error: SimulationError, out: Path | None) -> None:
+    if out is not None and error.result is not None:
+        partial = out.with_name(f"{out.stem}.partial.csv")
+        error.result.write_csv(partial)
+        errors.print(f"wrote {partial}: the {len(error.result.time)} rows before the failure", highlight=False)
+
+
+def _print_summary(result: Result) -> None:
+    table = Table("signal", "unit", "min", "max", "final")
+    for name in result.names:
+        column = result[name]
+        numbers = (f"{value:.6g}" for value in (column.min(), column.max(), column[-1]))
+        table.add_row(name, result.units.get(name, ""), *numbers)
+    console.print(table)

@@ -1,0 +1,1 @@
+"""Lu & Meng (1991), section V: scenarios, figures and claims."""

@@ -1,0 +1,142 @@
+"""The paper's figures, with panels as in its captions."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
+
+from orchestration.paper.measure import at_ticks, contact
+from orchestration.paper.scenarios import SCENARIOS, WALL_OFFSET
+from orchestration.paper.theory import wall_points
+from orchestration.result import Result
+
+mpl.use("Agg")
+
+STYLE: dict[str, Any] = {
+    "font.size": 9,
+    "axes.grid": True,
+    "grid.alpha": 0.3,
+    "axes.titlesize": 10,
+    "axes.titlelocation": "left",
+    "legend.frameon": False,
+    "legend.fontsize": 8,
+    "lines.linewidth": 1.2,
+    "savefig.dpi": 150,
+    "figure.constrained_layout.use": True,
+}
+ACTUAL, IDEAL, WALL = "tab:blue", "black", "0.75"
+METADATA = {"Software": None}  # same input, same bytes
+ZOOM_X = (-1.475, -1.435)  # m
+ZOOM_Y = (-0.34, 0.34)  # m
+
+
+def draw(results: Mapping[str, Result], folder: Path) -> list[Path]:
+    """Draw every figure whose run is in `results`; returns the PNG files."""
+    folder.mkdir(parents=True, exist_ok=True)
+    paths = []
+    for name, result in results.items():
+        with mpl.rc_context(STYLE):
+            figure = _tirt_figure(result) if name == "fig3" else _control_figure(result)
+            figure.suptitle(f"{name.capitalize()[:3]}. {name[3:]}: {SCENARIOS[name].caption}", x=0.01, ha="left")
+            paths.append(folder / f"{name}.png")
+            figure.savefig(paths[-1], metadata=METADATA)
+    return paths
+
+
+def _control_figure(result: Result) -> Figure:
+    """Panels (a) trajectories, (b) torques, (c) tracking error, (d) contact force."""
+    figure = Figure(figsize=(10, 7.5))
+    axes = figure.subplots(2, 2)
+    _trajectories(axes[0, 0], result)
+    ticks = result.tick_times("actuator.tau[1]")
+    for i in (1, 2):
+        axes[0, 1].plot(ticks, result.at_ticks(f"actuator.tau[{i}]"), label=f"$\\tau_{i}$")
+    _time_axis(axes[0, 1], result, "(b) Control torques", "torque (N m)")
+    for i in (1, 2):
+        error = result.at_ticks(f"controller.e[{i}]") * 1e3
+        axes[1, 0].plot(ticks, error, label=f"$e_{i}$")
+    _time_axis(axes[1, 0], result, "(c) Tracking error $e = x - x_t$", "error (mm)")
+    force = np.linalg.norm(result.vector("plant.F_ext"), axis=1)
+    axes[1, 1].plot(result.time, force, color=ACTUAL, label=r"$\|F_{ext}\|$")
+    _time_axis(axes[1, 1], result, "(d) Contact force", "force (N)")
+    return figure
+
+
+def _tirt_figure(result: Result) -> Figure:
+    """The TIRT (dashed) and the virtual trajectory (solid), whole and near the wall; and their distance."""
+    figure = Figure(figsize=(10, 7.5))
+    axes = figure.subplots(2, 2)
+    x_t, x_v = at_ticks(result, "controller.x_t"), at_ticks(result, "trajectory.x_v")
+    for axis, title in ((axes[0, 0], "(a) In the plane"), (axes[0, 1], "(b) Near the wall")):
+        _wall(axis)
+        axis.plot(*x_v.T, color=ACTUAL, label="virtual $x_v$")
+        axis.plot(*x_t.T, "--", color=IDEAL, label="TIRT $x_t$")
+        _plane(axis, title)
+    _zoom(axes[0, 1])
+    axes[0, 1].legend(loc="center left")
+    ticks = result.tick_times("controller.x_t[1]")
+    for i in (1, 2):
+        difference = (x_t[:, i - 1] - x_v[:, i - 1]) * 1e3
+        axes[1, 0].plot(ticks, difference, label=f"$x_{{{i}t}} - x_{{{i}v}}$")
+    _time_axis(axes[1, 0], result, "(c) TIRT minus virtual trajectory", "difference (mm)")
+    distance = np.linalg.norm(x_t - x_v, axis=1) * 1e3
+    axes[1, 1].semilogy(ticks, np.maximum(distance, 1e-9), color=ACTUAL, label=r"$\|x_t - x_v\|$")
+    _time_axis(axes[1, 1], result, "(d) Their distance", "distance (mm)")
+    axes[1, 1].set_ylim(1e-7, 1e2)
+    return figure
+
+
+def _trajectories(axis: Axes, result: Result) -> None:
+    _wall(axis)
+    virtual, actual = at_ticks(result, "trajectory.x_v"), result.vector("plant.x")
+    axis.plot(*virtual.T, "--", color=IDEAL, label="ideal (virtual)")
+    axis.plot(*actual.T, color=ACTUAL, label="actual")
+    _plane(axis, "(a) Ideal and actual trajectories")
+    inset = axis.inset_axes((0.3, 0.27, 0.27, 0.46))
+    _wall(inset, labels=False)
+    inset.plot(*virtual.T, "--", color=IDEAL)
+    inset.plot(*actual.T, color=ACTUAL)
+    _zoom(inset)
+    inset.tick_params(labelsize=7)
+    axis.indicate_inset_zoom(inset, edgecolor="0.4")
+
+
+def _plane(axis: Axes, title: str) -> None:
+    axis.set_title(title)
+    axis.set_xlabel("$x_1$ (m)")
+    axis.set_ylabel("$x_2$ (m)")
+    axis.set_xlim(-1.75, 1.75)
+    axis.set_ylim(-1.3, 1.3)
+    axis.set_aspect("equal", adjustable="box")
+    axis.legend(loc="center", bbox_to_anchor=(0.78, 0.5))
+
+
+def _zoom(axis: Axes) -> None:
+    axis.set_aspect("auto")
+    axis.set_xlim(*ZOOM_X)
+    axis.set_ylim(*ZOOM_Y)
+    axis.xaxis.set_major_locator(MaxNLocator(4))
+
+
+def _wall(axis: Axes, *, labels: bool = True) -> None:
+    """The wall's inside, and the points a and b."""
+    axis.axvspan(-3, -WALL_OFFSET, color=WALL, lw=0, label="wall" if labels else None, zorder=0)
+    for point, name, offset in zip(wall_points(), "ab", ((6, 3), (6, -9)), strict=True):
+        axis.plot(*point, "o", color="tab:red", ms=4, zorder=5)
+        axis.annotate(name, point, textcoords="offset points", xytext=offset, color="tab:red")
+
+
+def _time_axis(axis: Axes, result: Result, title: str, ylabel: str) -> None:
+    """Label a plot over time and shade the contact."""
+    touch = contact(result)
+    axis.axvspan(touch.first, touch.last, color=WALL, alpha=0.4, lw=0, label="contact", zorder=0)
+    axis.set_title(title)
+    axis.set_xlabel("t (s)")
+    axis.set_ylabel(ylabel)
+    axis.set_xlim(result.time[0], result.time[-1])
+    axis.legend(loc="upper right")

@@ -1,0 +1,157 @@
+"""The paper's runs, as numbers.
+
+Every number is either stated in the paper, with the place, or assumed, with the reason. One set of
+assumed values serves all figures of a kind; nothing is tuned per figure.
+"""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from orchestration.system import System
+
+TARGET_INERTIA = 2.0  # kg, V
+TARGET_STIFFNESS = 4000.0  # N/m, V
+TRUE_MASSES = (2.0, 1.0)  # kg, V
+WRONG_M2 = 2.5  # kg, V
+WALL_OFFSET = 1.45  # m, assumed
+
+
+@dataclass(frozen=True)
+class Value:
+    """A start value and where it comes from.
+
+    Attributes
+    ----------
+    number
+        In the unit of the variable.
+    origin
+        ``"V"`` for a number stated in section V, else ``"assumed: "`` and the reason.
+    """
+
+    number: float
+    origin: str
+
+    @property
+    def assumed(self) -> bool:
+        """Whether the paper leaves the number open."""
+        return self.origin.startswith("assumed")
+
+
+@dataclass(frozen=True)
+class Scenario:
+    """A run of the paper.
+
+    Attributes
+    ----------
+    units
+        Component name to model identifier, in the order of stepping.
+    values
+        Start values by ``component.variable``.
+    step
+        Communication step and sampling period, s.
+    """
+
+    name: str
+    caption: str
+    units: Mapping[str, str]
+    values: Mapping[str, Value]
+    step: float
+    stop_time: float = 2.0  # s, V: one turn of the ellipse
+
+    def system(self, fmus: Mapping[str, Path]) -> System:
+        """The system, from FMU files by model identifier."""
+        files = {component: fmus[identifier] for component, identifier in self.units.items()}
+        system = System.connected_by_name(
+            self.name, files, step=self.step, stop_time=self.stop_time
+        )
+        numbers = {path: value.number for path, value in self.values.items()}
+        return system.set(numbers).with_sample_time(self.step)
+
+
+def _vector(path: str, numbers: tuple[float, ...], origin: str) -> dict[str, Value]:
+    return {f"{path}[{i + 1}]": Value(number, origin) for i, number in enumerate(numbers)}
+
+
+def _both(path: str, number: float, origin: str) -> dict[str, Value]:
+    return _vector(path, (number, number), origin)
+
+
+_WALL_REASON = "assumed: vertical and left of the origin, so that the tip meets it on the far side of the ellipse; -1.4 m works too"
+_ARM_AND_WALL = {
+    **_vector("plant.m", TRUE_MASSES, "V"),
+    **_both("plant.l", 1.0, "V"),
+    # q2 = arccos(1.5^2/2 - 1) and q1 = -q2/2 put the tip at (1.5, 0); dq gives it (0, pi) m/s.
+    **_vector(
+        "plant.q_start",
+        (-0.7227342478, 1.4454684956),
+        "assumed: V states the tip's start, (1.5, 0); elbow bent by q2 > 0",
+    ),
+    **_vector("plant.dq_start", (2.0943951024, 0.0), "V"),
+    "plant.gravity": Value(0.0, "assumed: the plane of motion is horizontal"),
+    **_vector("plant.wall_normal", (-1.0, 0.0), _WALL_REASON),
+    "plant.wall_offset": Value(WALL_OFFSET, _WALL_REASON),
+    "plant.K_f": Value(1e5, "V"),
+    "plant.D_f": Value(0.0, "V: a stiffness alone"),
+    "plant.mu": Value(0.0, "V: no friction along the wall"),
+    **_vector("trajectory.semi_axis", (1.5, 1.0), "V"),
+    "trajectory.period": Value(2.0, "V"),
+    **_vector("trajectory.wall_normal", (-1.0, 0.0), _WALL_REASON),
+    "trajectory.wall_offset": Value(WALL_OFFSET, _WALL_REASON),
+    "trajectory.depth": Value(
+        0.01, "assumed: K depth = 40 N of steady force; the paper draws a small straight segment"
+    ),
+}
+_PERFECT_SENSOR = {"sensor.noise_std": Value(0.0, "V"), "sensor.noise_bound": Value(0.0, "V")}
+_TARGET = {
+    **_both("controller.M", TARGET_INERTIA, "V"),
+    **_both("controller.K", TARGET_STIFFNESS, "V"),
+    **_both("controller.l", 1.0, "V"),
+    "controller.gravity": Value(0.0, "assumed: as in the plant"),
+}
+_CRITICAL_DAMPING = _both(
+    "controller.B", 2.0 * math.sqrt(TARGET_INERTIA * TARGET_STIFFNESS), "V: B = 2 sqrt(M K)"
+)
+_UNITS = {
+    "trajectory": "VirtualTrajectory",
+    "sensor": "ForceSensor",
+    "controller": "HoganImpedance",
+    "actuator": "Actuator",
+    "plant": "Plant",
+}
+_CONVENTIONAL_STEP = 1e-4  # s, assumed: 10 kHz; halving it moves the peak force by less than 1 %
+
+
+def _known_masses(m2: float) -> dict[str, Value]:
+    return _vector("controller.p_start", (TRUE_MASSES[0], m2, 0.0, 0.0, 0.0, 0.0), "V")
+
+
+_CONVENTIONAL = {**_ARM_AND_WALL, **_PERFECT_SENSOR, **_TARGET, **_CRITICAL_DAMPING}
+
+SCENARIOS = {
+    scenario.name: scenario
+    for scenario in (
+        Scenario(
+            "fig2",
+            "Conventional impedance control with the true m2 = 1 kg",
+            _UNITS,
+            {**_CONVENTIONAL, **_known_masses(TRUE_MASSES[1])},
+            _CONVENTIONAL_STEP,
+        ),
+        Scenario(
+            "fig3",
+            "The TIRT versus the virtual trajectory",
+            _UNITS,
+            {**_CONVENTIONAL, **_known_masses(TRUE_MASSES[1])},
+            _CONVENTIONAL_STEP,
+        ),
+        Scenario(
+            "fig4",
+            "Conventional impedance control with m2 = 2.5 kg",
+            _UNITS,
+            {**_CONVENTIONAL, **_known_masses(WRONG_M2)},
+            _CONVENTIONAL_STEP,
+        ),
+    )
+}

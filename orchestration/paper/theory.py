@@ -1,0 +1,116 @@
+"""Claims about equations, measured at random states of the arm (seeded)."""
+
+import math
+from functools import cache
+
+import casadi as ca
+import numpy as np
+
+from fmus.algebra import solve_2x2, solve_spd
+from fmus.arm import PlanarArm
+from fmus.impedance import (
+    ArmModel,
+    Measured,
+    target_acceleration,
+    torque_mobility,
+    torque_operational,
+    torque_resolved,
+)
+from fmus.tirt import Impedance
+from orchestration.paper.scenarios import WALL_OFFSET
+
+N_STATES = 1000
+SEED = 1991
+SEMI_AXIS = (1.5, 1.0)  # m, V
+
+
+def wall_points() -> tuple[np.ndarray, np.ndarray]:
+    """Points a and b, m: where the ellipse crosses the wall, going down."""
+    height = SEMI_AXIS[1] * math.sqrt(1 - (WALL_OFFSET / SEMI_AXIS[0]) ** 2)
+    return np.array([-WALL_OFFSET, height]), np.array([-WALL_OFFSET, -height])
+
+
+def form_difference() -> float:
+    """Largest difference among the forms (4), (5), (6)-(7) for n = 2, relative to the torque."""
+    torques = _torques(2, (torque_operational, torque_mobility, torque_resolved))
+    scale = np.abs(torques).max(axis=(0, 1))
+    return float((np.ptp(torques, axis=0).max(axis=0) / scale).max())
+
+
+def redundant_residual() -> float:
+    """Largest miss of eq. (3) by a three-joint arm under (5), relative to the demanded acceleration."""
+    function, arguments = _problem(3, _acceleration_miss)
+    return float(np.array(function(*arguments)).max())
+
+
+def skew_residual() -> float:
+    """Largest symmetric part of dH_x/dt - 2 C_x, relative to its norm, for n = 2."""
+    arm = PlanarArm(2)
+    q, dq, m, l = (ca.SX.sym(name, 2) for name in ("q", "dq", "m", "l"))
+    J, dJ = arm.jacobian(q, l), arm.jacobian_rate(q, dq, l)
+    H, C = arm.inertia(q, m, l), arm.coriolis(q, dq, m, l)
+    inverse = solve_2x2(J, ca.SX.eye(2))
+    H_x = ca.mtimes([inverse.T, H, inverse])
+    C_x = ca.mtimes([inverse.T, C - ca.mtimes([H, inverse, dJ]), inverse])
+    rate = ca.reshape(ca.jtimes(ca.vec(H_x), q, dq), 2, 2)
+    S = rate - 2 * C_x
+    ratio = ca.norm_fro(S + S.T) / (ca.norm_fro(rate) + 2 * ca.norm_fro(C_x))
+    states = _states(2)
+    function = ca.Function("skew", [q, dq, m, l], [ratio]).map(N_STATES)
+    return float(np.array(function(states["q"], states["dq"], states["m"], states["l"])).max())
+
+
+@cache
+def _states(n: int) -> dict[str, np.ndarray]:
+    """Random states away from singular ones, arrays of shape (size, N_STATES)."""
+    random = np.random.default_rng(SEED)
+
+    def uniform(low: float, high: float, size: int) -> np.ndarray:
+        return random.uniform(low, high, (size, N_STATES))
+
+    q = uniform(-math.pi, math.pi, n)
+    q[1] = np.where(random.random(N_STATES) < 0.5, -1, 1) * random.uniform(0.3, math.pi - 0.3, N_STATES)
+    return {
+        "q": q,
+        "dq": uniform(-5, 5, n),
+        "m": uniform(0.2, 5, n),
+        "friction": uniform(0, 2, 2 * n),
+        "l": uniform(0.3, 2, n),
+        "F_hat": uniform(-1000, 1000, 2),
+        "virtual": uniform(-3, 3, 6),
+        "impedance": uniform(1, 500, 6),
+    }
+
+
+def _problem(n: int, law) -> tuple[ca.Function, list[np.ndarray]]:  # noqa: ANN001 - a function of symbols
+    """A law as a function mapped over the random states, and its arguments."""
+    states = _states(n)
+    symbols = {name: ca.SX.sym(name, values.shape[0]) for name, values in states.items()}
+    p = ca.vertcat(symbols["m"], symbols["friction"])
+    model = ArmModel(PlanarArm(n), p, symbols["l"], ca.SX(9.81), ca.SX(1e-2))
+    measured = Measured(symbols["q"], symbols["dq"], symbols["F_hat"])
+    virtual = tuple(ca.vertsplit(symbols["virtual"], 2))
+    impedance = Impedance(*ca.vertsplit(symbols["impedance"], 2))
+    value = law(measured, model, virtual, impedance)
+    function = ca.Function("law", list(symbols.values()), [value]).map(N_STATES)
+    return function, list(states.values())
+
+
+def _torques(n: int, laws) -> np.ndarray:  # noqa: ANN001
+    """Torques of several laws, shape (len(laws), n, N_STATES)."""
+    values = []
+    for law in laws:
+        function, arguments = _problem(n, law)
+        values.append(np.array(function(*arguments)))
+    return np.stack(values)
+
+
+def _acceleration_miss(measured: Measured, model: ArmModel, virtual, impedance: Impedance) -> ca.SX:  # noqa: ANN001
+    q, dq, F = measured.q, measured.dq, measured.F_hat
+    J, dJ = model.arm.jacobian(q, model.l), model.arm.jacobian_rate(q, dq, model.l)
+    tau = torque_mobility(measured, model, virtual, impedance)
+    ddq = solve_spd(model.inertia(q), tau - model.bias(q, dq) - ca.mtimes(J.T, F))
+    ddx = ca.mtimes(J, ddq) + ca.mtimes(dJ, dq)
+    x, dx = model.arm.forward_kinematics(q, model.l), ca.mtimes(J, dq)
+    demand = target_acceleration(x, dx, virtual, F, impedance)
+    return ca.norm_2(ddx - demand) / ca.norm_2(demand)
