@@ -8,7 +8,6 @@ from dataclasses import dataclass
 import casadi as ca
 import jinja2
 
-from adaptimp_fmu.errors import DefinitionError
 from adaptimp_fmu.lowering import lower
 from adaptimp_fmu.model import Model, SampledModel
 

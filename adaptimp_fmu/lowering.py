@@ -4,6 +4,7 @@ Expressions of parameters alone are moved into ``calibrate``, which runs when pa
 common subexpressions are shared within each function.
 """
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -59,7 +60,8 @@ def lower(model: Model) -> Lowered:
     Raises
     ------
     DefinitionError
-        If a state has no evolution, or a value depends on a symbol that the model does not declare.
+        If the name is no C identifier, there are no outputs, a state has no evolution, or a value
+        depends on a symbol that the model does not declare.
     """
     _require_complete(model)
     p = parameters(model)
@@ -72,7 +74,11 @@ def lower(model: Model) -> Lowered:
     )
     split = [0, constants.numel(), constants.numel() + len(model.static_checks), calibration.numel()]
     functions = [
-        _function("calibrate", {"p": p}, dict(zip(("c", "checks", "active"), ca.vertsplit(calibration, split), strict=True)))
+        _function(
+            "calibrate",
+            {"p": p},
+            dict(zip(("c", "checks", "active"), ca.vertsplit(calibration, split), strict=True)),
+        )
     ]
     offset = 0
     for routine in routines:
@@ -122,6 +128,12 @@ def _noise_active(model: Model) -> ca.SX:
 
 
 def _require_complete(model: Model) -> None:
+    if not re.fullmatch(r"[A-Za-z_][A-Za-z0-9_]*", model.name):
+        msg = f"{model.name!r} is no C identifier, so it cannot name an FMU."
+        raise DefinitionError(msg)
+    if not model.output_values:
+        msg = f"{model.name} has no outputs."
+        raise DefinitionError(msg)
     for state in model.states:
         if state.evolution is None:
             msg = f"{model.name}: state {state.name} has no derivative or update."

@@ -199,7 +199,10 @@ class Model:
             if state.symbol is symbol:
                 state.evolution = ca.vec(ca.SX(value))
                 if state.evolution.numel() != symbol.numel():
-                    msg = f"{self.name}.{state.name} has {symbol.numel()} elements, its evolution {state.evolution.numel()}."
+                    msg = (
+                        f"{self.name}.{state.name} has {symbol.numel()} elements,"
+                        f" its evolution {state.evolution.numel()}."
+                    )
                     raise DefinitionError(msg)
                 return
         msg = f"{self.name}: {symbol} is no state of this model."
@@ -234,8 +237,8 @@ class Model:
         limits: Limits,
     ) -> None:
         names = element_names(name, shape)
-        taken = {variable.name for variable in self.variables}
-        if taken & {name, *names}:
+        taken = {variable.name.partition("[")[0] for variable in self.variables}
+        if name.partition("[")[0] in taken:
             msg = f"{self.name} already has a variable {name}."
             raise DefinitionError(msg)
         units = _per_element(unit, names, "units")

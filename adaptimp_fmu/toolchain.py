@@ -11,7 +11,14 @@ from pathlib import Path
 from adaptimp_fmu.errors import ToolchainError
 
 FLAGS = ("-std=c11", "-O2", "-ffp-contract=off", "-fvisibility=hidden", "-fno-sanitize=all", "-g0", "-s")
-WARNINGS = ("-Wall", "-Wextra", "-Werror", "-Wno-unused-function", "-Wno-unused-parameter", "-Wno-unused-const-variable")
+WARNINGS = (
+    "-Wall",
+    "-Wextra",
+    "-Werror",
+    "-Wno-unused-function",
+    "-Wno-unused-parameter",
+    "-Wno-unused-const-variable",
+)
 
 
 @dataclass(frozen=True)
@@ -52,7 +59,8 @@ def host_platform() -> Platform:
     ToolchainError
         If FMUs cannot be built for it.
     """
-    machine = "aarch64" if platform.machine().lower() in ("arm64", "aarch64") else "x86_64"
+    machine = platform.machine().lower()
+    machine = {"amd64": "x86_64", "arm64": "aarch64"}.get(machine, machine)
     names = {
         ("linux", "x86_64"): "linux64",
         ("linux", "aarch64"): "aarch64-linux",

@@ -30,7 +30,7 @@ def base_exponents(unit: str) -> dict[str, int]:
     Parameters
     ----------
     unit
-        For example ``"N.m.s/rad"``.
+        For example ``"N.m.s/rad"``; the empty text for a number without unit.
 
     Returns
     -------
@@ -42,10 +42,13 @@ def base_exponents(unit: str) -> dict[str, int]:
     DefinitionError
         If a symbol is unknown or the text is no unit.
     """
-    numerator, _, denominator = unit.partition("/")
+    numerator, slash, denominator = unit.partition("/")
+    products = [(1, numerator)] if unit else []
+    if slash:
+        products.append((-1, denominator))
     exponents: dict[str, int] = {}
-    for sign, product in ((1, numerator), (-1, denominator)):
-        for factor in filter(None, product.split(".")):
+    for sign, product in products:
+        for factor in product.split("."):
             match = _FACTOR.fullmatch(factor)
             if match is None or match[1] not in BASE_EXPONENTS:
                 known = ", ".join(BASE_EXPONENTS)

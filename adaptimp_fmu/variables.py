@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from adaptimp_fmu.errors import DefinitionError
 
 INTEGER_LIMIT = 2**31 - 1
-_NAME = re.compile(r"[A-Za-z_]\w*(\[[1-9]\d*\])?")
+_NAME = re.compile(r"[A-Za-z_]\w*(\[[1-9]\d*\])?", re.ASCII)
 
 
 class Role(enum.Enum):
@@ -67,11 +67,18 @@ class Variable:
         if self.unit and self.type is not Type.REAL:
             msg = f"{self.name}: only a Real has a unit, this is a {self.type.value} in {self.unit}."
             raise DefinitionError(msg)
-        if self.start is not None and not self.minimum <= self.start <= self.maximum:
-            msg = (
-                f"{self.name}: start {self.start!r} is outside [{self.minimum!r}, {self.maximum!r}]."
-            )
+        if self.start is not None and not self._is_of_type(self.start):
+            msg = f"{self.name}: start {self.start!r} is no {self.type.value}."
             raise DefinitionError(msg)
+        if self.start is not None and not self.minimum <= self.start <= self.maximum:
+            msg = f"{self.name}: start {self.start!r} is outside [{self.minimum!r}, {self.maximum!r}]."
+            raise DefinitionError(msg)
+
+    def _is_of_type(self, value: float) -> bool:
+        """Whether XML, which writes by type, and C, which stores doubles, mean the same number."""
+        if self.type is Type.BOOLEAN:
+            return value in (0, 1)
+        return math.isfinite(value) and (self.type is Type.REAL or float(value).is_integer())
 
 
 def element_names(name: str, shape: int | None) -> list[str]:

@@ -1,6 +1,6 @@
 """Actuator: holds the commanded torque within symmetric limits.
 
-    tau = min(max(tau_cmd, -tau_max), tau_max)
+tau = min(max(tau_cmd, -tau_max), tau_max)
 """
 
 import casadi as ca

@@ -66,9 +66,7 @@ class Controller:
         """Declare the common outputs, let the TIRT advance, and return the model."""
         model = self.model
         model.output("tau_cmd", tau_cmd, unit="N.m", description="Commanded joint torque")
-        model.output(
-            "x_t", self.x_t, unit="m", description="Target-impedance reference trajectory, eq. (11)"
-        )
+        model.output("x_t", self.x_t, unit="m", description="Target-impedance reference trajectory, eq. (11)")
         model.output("dx_t", self.dx_t, unit="m/s", description="Rate of x_t")
         model.output("e", self.e, unit="m", description="Regression error x - x_t")
         model.output(
@@ -91,22 +89,14 @@ def declare_controller(name: str, description: str) -> Controller:
     arm = PlanarArm(2)
     q = model.input("q", start.JOINT_ANGLES, unit="rad", description="Joint angle")
     dq = model.input("dq", start.JOINT_RATES, unit="rad/s", description="Joint rate")
-    ddq = model.input(
-        "ddq", start.joint_accelerations(), unit="rad/s2", description="Joint acceleration"
-    )
+    ddq = model.input("ddq", start.joint_accelerations(), unit="rad/s2", description="Joint acceleration")
     F_hat = model.input("F_hat", [0.0] * DIMENSION, unit="N", description="Measured tip force")
     x_v = model.input("x_v", start.X_V, unit="m", description="Virtual position of the tip")
     dx_v = model.input("dx_v", start.DX_V, unit="m/s", description="Virtual velocity of the tip")
-    ddx_v = model.input(
-        "ddx_v", start.DDX_V, unit="m/s2", description="Virtual acceleration of the tip"
-    )
+    ddx_v = model.input("ddx_v", start.DDX_V, unit="m/s2", description="Virtual acceleration of the tip")
     impedance = _impedance(model)
-    l = model.parameter(
-        "l", start.LINK_LENGTHS, unit="m", limits=POSITIVE, description="Length of a link"
-    )
-    gravity = model.parameter(
-        "gravity", 0.0, unit="m/s2", description="Gravitational acceleration along -x2"
-    )
+    l = model.parameter("l", start.LINK_LENGTHS, unit="m", limits=POSITIVE, description="Length of a link")
+    gravity = model.parameter("gravity", 0.0, unit="m/s2", description="Gravitational acceleration along -x2")
     coulomb_velocity = model.parameter(
         "coulomb_velocity",
         start.COULOMB_VELOCITY,
@@ -159,9 +149,7 @@ def _impedance(model: SampledModel) -> Impedance:
         "K": ((4000.0, 4000.0), "N/m", "Target stiffness"),
     }
     symbols = [
-        model.parameter(
-            name, values, unit=unit, limits=POSITIVE, tunable=True, description=description
-        )
+        model.parameter(name, values, unit=unit, limits=POSITIVE, tunable=True, description=description)
         for name, (values, unit, description) in declarations.items()
     ]
     return Impedance(*symbols)

@@ -55,13 +55,9 @@ def force_sensor() -> SampledModel:
         ca.if_else(std > 0, bound, 1),
         "noise_bound must be positive where noise_std is",
     )
-    noise = model.random(
-        lambda u: truncated_normal(u[0], u[1], std, bound), active=std, seed="seed"
-    )
+    noise = model.random(lambda u: truncated_normal(u[0], u[1], std, bound), active=std, seed="seed")
     free = ca.logic_and(gated, ca.logic_and(F_ext[0] == 0, F_ext[1] == 0))
-    model.output(
-        "F_hat", F_ext + ca.if_else(free, 0, noise), unit="N", description="Measured force"
-    )
+    model.output("F_hat", F_ext + ca.if_else(free, 0, noise), unit="N", description="Measured force")
     return model
 
 

@@ -57,7 +57,7 @@ def target_acceleration(
 def torque_operational(
     measured: Measured, model: ArmModel, virtual: tuple[ca.SX, ca.SX, ca.SX], impedance: Impedance
 ) -> ca.SX:
-    """tau = J' F with F from eq. (4); square Jacobians only. N.m, shape (n,)."""
+    """Tau = J' F with F from eq. (4); square Jacobians only. N.m, shape (n,)."""
     q, dq, F_hat = measured.q, measured.dq, measured.F_hat
     J, dJ = model.arm.jacobian(q, model.l), model.arm.jacobian_rate(q, dq, model.l)
     x, dx = model.arm.forward_kinematics(q, model.l), ca.mtimes(J, dq)

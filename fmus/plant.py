@@ -29,9 +29,7 @@ def plant() -> ContinuousModel:
     m = model.parameter(
         "m", start.MASSES, unit="kg", limits=POSITIVE, description="Point mass at the end of a link"
     )
-    l = model.parameter(
-        "l", start.LINK_LENGTHS, unit="m", limits=POSITIVE, description="Length of a link"
-    )
+    l = model.parameter("l", start.LINK_LENGTHS, unit="m", limits=POSITIVE, description="Length of a link")
     viscous = model.parameter(
         "viscous",
         [0.0] * arm.n,
@@ -53,9 +51,7 @@ def plant() -> ContinuousModel:
         limits=POSITIVE,
         description="Joint rate over which Coulomb friction changes sign (tanh)",
     )
-    gravity = model.parameter(
-        "gravity", 0.0, unit="m/s2", description="Gravitational acceleration along -x2"
-    )
+    gravity = model.parameter("gravity", 0.0, unit="m/s2", description="Gravitational acceleration along -x2")
     wall = _wall(model)
 
     q, dq = model.state("q", q_start), model.state("dq", dq_start)
@@ -84,10 +80,18 @@ def plant() -> ContinuousModel:
     model.output("F_ext", F_ext, unit="N", description="Force of the tip on the wall")
     gap = wall.gap(x)
     model.output(
-        "gap", gap, unit="m", description="Signed depth of the tip in the wall, n.x - wall_offset", scalar=True
+        "gap",
+        gap,
+        unit="m",
+        description="Signed depth of the tip in the wall, n.x - wall_offset",
+        scalar=True,
     )
     model.output(
-        "penetration", ca.fmax(gap, 0), unit="m", description="Depth of the tip in the wall, 0 outside", scalar=True
+        "penetration",
+        ca.fmax(gap, 0),
+        unit="m",
+        description="Depth of the tip in the wall, 0 outside",
+        scalar=True,
     )
     return model
 
@@ -103,9 +107,7 @@ def _wall(model: ContinuousModel) -> Wall:
         unit="m",
         description="Distance of the wall's surface from the origin along the normal",
     )
-    K_f = model.parameter(
-        "K_f", 1e5, unit="N/m", limits=NOT_NEGATIVE, description="Stiffness of the wall"
-    )
+    K_f = model.parameter("K_f", 1e5, unit="N/m", limits=NOT_NEGATIVE, description="Stiffness of the wall")
     D_f = model.parameter(
         "D_f",
         0.0,
@@ -113,9 +115,7 @@ def _wall(model: ContinuousModel) -> Wall:
         limits=NOT_NEGATIVE,
         description="Hunt-Crossley damping: relative gain of the normal force per penetration rate",
     )
-    mu = model.parameter(
-        "mu", 0.0, limits=NOT_NEGATIVE, description="Coefficient of friction along the wall"
-    )
+    mu = model.parameter("mu", 0.0, limits=NOT_NEGATIVE, description="Coefficient of friction along the wall")
     friction_velocity = model.parameter(
         "friction_velocity",
         1e-2,
@@ -125,4 +125,3 @@ def _wall(model: ContinuousModel) -> Wall:
     )
     require_unit_normal(model, normal)
     return Wall(normal, offset, K_f, D_f, mu, friction_velocity)
-

@@ -66,7 +66,12 @@ def kernels(M: ca.SX, B: ca.SX, K: ca.SX, h: ca.SX) -> Kernels:
 
 
 def advance(
-    x_t: ca.SX, dx_t: ca.SX, virtual: tuple[ca.SX, ca.SX, ca.SX], F_hat: ca.SX, impedance: "Impedance", h: ca.SX
+    x_t: ca.SX,
+    dx_t: ca.SX,
+    virtual: tuple[ca.SX, ca.SX, ca.SX],
+    F_hat: ca.SX,
+    impedance: "Impedance",
+    h: ca.SX,
 ) -> tuple[ca.SX, ca.SX]:
     """State of the TIRT one sample later, eq. (11).
 

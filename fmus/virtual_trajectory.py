@@ -54,9 +54,7 @@ def virtual_trajectory() -> SampledModel:
     def clipped(vector: ca.SX, along_normal: ca.SX) -> ca.SX:
         return vector - ca.if_else(straight, along_normal, 0) * normal
 
-    model.output(
-        "x_v", clipped(x, excess), unit="m", description="Virtual position of the tip"
-    )
+    model.output("x_v", clipped(x, excess), unit="m", description="Virtual position of the tip")
     model.output(
         "dx_v", clipped(dx, ca.dot(normal, dx)), unit="m/s", description="Virtual velocity of the tip"
     )

@@ -1,9 +1,9 @@
 """Who steps the units: systems of FMUs, masters, results.
 
-    from orchestration import System, simulate
-    system = System.read("fig2.ssp").set({"controller.K[1]": 4000.0})
-    result = simulate(system, stop_time=2.0, step=1e-4)
-    result["plant.x[1]"]
+from orchestration import System, simulate
+system = System.read("fig2.ssp").set({"controller.K[1]": 4000.0})
+result = simulate(system, stop_time=2.0, step=1e-4)
+result["plant.x[1]"]
 """
 
 from importlib import import_module
@@ -16,22 +16,22 @@ if TYPE_CHECKING:
         SimulationError,
         SystemDescriptionError,
     )
+    from orchestration.master import Options, UnconnectedInputWarning, simulate
     from orchestration.result import Result
-    from orchestration.simulate import Options, UnconnectedInputWarning, simulate
     from orchestration.system import Component, Connection, System
 
 _HOME = {
     "ArchiveError": "errors",
     "Component": "system",
     "Connection": "system",
-    "Options": "simulate",
+    "Options": "master",
     "OrchestrationError": "errors",
     "Result": "result",
     "SimulationError": "errors",
     "System": "system",
     "SystemDescriptionError": "errors",
-    "UnconnectedInputWarning": "simulate",
-    "simulate": "simulate",
+    "UnconnectedInputWarning": "master",
+    "simulate": "master",
 }
 
 __all__ = [

@@ -49,17 +49,31 @@ class Assembly:
         loop.record(self.plan.recorded_discretes, self.plan.discretes, row)
 
 
+Key = tuple[str, str, str]  # causality, component, variable
+
+
 @dataclass
 class _Buffers:
     """Places of variables in the buffers of reals and of discretes, in the order of asking."""
 
-    reals: dict[tuple[str, str, str], int] = field(default_factory=dict)
-    discretes: dict[tuple[str, str, str], int] = field(default_factory=dict)
+    reals: dict[Key, int] = field(default_factory=dict)
+    discretes: dict[Key, int] = field(default_factory=dict)
 
-    def place(self, kind: str, key: tuple[str, str, str]) -> int:
-        """Index of a variable, given a new one when it is asked for first."""
-        places = self.reals if kind == REAL else self.discretes
-        return places.setdefault(key, len(places))
+    def of(self, kind: str) -> dict[Key, int]:
+        """Places in the buffer of a type; Integers and Booleans share one."""
+        return self.reals if kind == REAL else self.discretes
+
+
+@dataclass(frozen=True)
+class _Call:
+    """One set or get call of a component: variables of a type, side by side from `first` on."""
+
+    row: int
+    component: Component
+    causality: str
+    kind: str
+    names: list[str]
+    first: int
 
 
 def assemble(system: System, instances: Sequence[Instance], record: Collection[str] | None) -> Assembly:
@@ -72,51 +86,63 @@ def assemble(system: System, instances: Sequence[Instance], record: Collection[s
     """
     recorded = _recorded_paths(system, record)
     sources = {(c.target, c.input): (c.source, c.output) for c in system.connections}
-    wanted = {"output": {*recorded, *sources.values()}, "input": set(sources)}
     buffers = _Buffers()
-    calls = [
-        (i, component, causality, kind, names)
-        for causality, kind in _CALLS
-        for i, component in enumerate(system.components)
-        if (names := _names(component, causality, kind, wanted[causality]))
-    ]
-    first = {
-        (i, causality, kind): [
-            buffers.place(kind, (causality, component.name, name)) for name in names
-        ][0]
-        for i, component, causality, kind, names in calls
-    }
-    reals = np.zeros(len(buffers.reals))
-    discretes = np.zeros(len(buffers.discretes), np.int32)
-    table = np.zeros((len(instances), loop.N_COLUMNS), np.int64)
-    for i, instance in enumerate(instances):
-        table[i, loop.COMPONENT] = instance.component
-        table[i, loop.DO_STEP] = instance.address("fmi2DoStep")
-    alive = []
-    for i, component, causality, kind, names in calls:
-        column, function = _CALLS[causality, kind]
-        references = np.array([component.variable(name).reference for name in names], np.uint32)
-        buffer = reals if kind == REAL else discretes
-        address = buffer.ctypes.data + first[i, causality, kind] * buffer.itemsize
-        group = (instances[i].address(function), references.ctypes.data, len(names), address)
-        table[i, column : column + 4] = group
-        alive.append(references)
-    real_links = _links(system, buffers.reals, sources, table, loop.FIRST_REAL)
-    discrete_links = _links(system, buffers.discretes, sources, table, loop.FIRST_DISCRETE)
+    calls = _calls(system, {"output": {*recorded, *sources.values()}, "input": set(sources)}, buffers)
+    reals, discretes = np.zeros(len(buffers.reals)), np.zeros(len(buffers.discretes), np.int32)
+    table, references = _table(instances, calls, reals, discretes)
     columns = {path: column for column, path in enumerate(recorded)}
     plan = Plan(
         table,
-        real_links,
-        discrete_links,
+        _links(system, buffers.reals, sources, table, loop.FIRST_REAL),
+        _links(system, buffers.discretes, sources, table, loop.FIRST_DISCRETE),
         reals,
         discretes,
         _recorded(columns, buffers.reals),
         _recorded(columns, buffers.discretes),
     )
-    units = {f"{c}.{v}": system.component(c).variable(v).unit for c, v in recorded}
-    names = tuple(f"{c}.{v}" for c, v in recorded)
-    real_outputs = {f"{c}.{v}": i for (causality, c, v), i in buffers.reals.items() if causality == "output"}
-    return Assembly(plan, names, units, real_outputs, tuple(alive))
+    return Assembly(
+        plan,
+        columns=tuple(f"{c}.{v}" for c, v in recorded),
+        units={f"{c}.{v}": system.component(c).variable(v).unit for c, v in recorded},
+        real_outputs={f"{c}.{v}": i for (kind, c, v), i in buffers.reals.items() if kind == "output"},
+        alive=tuple(references),
+    )
+
+
+def _calls(system: System, wanted: dict[str, set[Path]], buffers: _Buffers) -> list[_Call]:
+    """The calls of all components, giving each variable its place."""
+    calls = []
+    for causality, kind in _CALLS:
+        places = buffers.of(kind)
+        for row, component in enumerate(system.components):
+            names = _names(component, causality, kind, wanted[causality])
+            if names:
+                calls.append(_Call(row, component, causality, kind, names, len(places)))
+            for name in names:
+                places[causality, component.name, name] = len(places)
+    return calls
+
+
+def _table(
+    instances: Sequence[Instance], calls: Sequence[_Call], reals: np.ndarray, discretes: np.ndarray
+) -> tuple[np.ndarray, list[np.ndarray]]:
+    """The table without ranges of links, and the arrays of value references it points to."""
+    table = np.zeros((len(instances), loop.N_COLUMNS), np.int64)
+    for row, instance in zip(table, instances, strict=True):
+        row[loop.COMPONENT] = instance.component
+        row[loop.DO_STEP] = instance.address("fmi2DoStep")
+    kept = []
+    for call in calls:
+        column, function = _CALLS[call.causality, call.kind]
+        references = np.array([call.component.variable(n).reference for n in call.names], np.uint32)
+        buffer = reals if call.kind == REAL else discretes
+        group = table[call.row, column : column + 4]
+        group[loop.FUNCTION] = instances[call.row].address(function)
+        group[loop.REFERENCES] = references.ctypes.data
+        group[loop.COUNT] = len(call.names)
+        group[loop.VALUES] = buffer.ctypes.data + call.first * buffer.itemsize
+        kept.append(references)
+    return table, kept
 
 
 def _recorded_paths(system: System, record: Collection[str] | None) -> list[Path]:
@@ -148,7 +174,7 @@ def _names(component: Component, causality: str, kind: str, wanted: Collection[P
 
 def _links(
     system: System,
-    places: dict[tuple[str, str, str], int],
+    places: dict[Key, int],
     sources: dict[Path, Path],
     table: np.ndarray,
     column: int,
@@ -164,7 +190,7 @@ def _links(
     return np.array(links, np.int64).reshape(-1, 2)
 
 
-def _recorded(columns: dict[Path, int], places: dict[tuple[str, str, str], int]) -> np.ndarray:
+def _recorded(columns: dict[Path, int], places: dict[Key, int]) -> np.ndarray:
     """(index, column) of the recorded outputs in one buffer."""
     pairs = [
         (place, columns[name, variable])

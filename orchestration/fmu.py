@@ -63,9 +63,7 @@ class Description:
 
     def of_causality(self, causality: str) -> list[Variable]:
         """Variables of a causality, in their order, without strings."""
-        return [
-            v for v in self.variables.values() if v.causality == causality and v.type != STRING
-        ]
+        return [v for v in self.variables.values() if v.causality == causality and v.type != STRING]
 
 
 def read_description(path: Path) -> Description:
@@ -86,7 +84,7 @@ def read_description(path: Path) -> Description:
 
 @lru_cache(maxsize=256)
 def _read_description(path: Path, modified: int, size: int) -> Description:  # noqa: ARG001 - the cache's key
-    import fmpy  # noqa: PLC0415 - takes 0.5 s
+    import fmpy
 
     screen(path)
     try:
@@ -194,7 +192,7 @@ class Instance:
         ------
         ArchiveError, SimulationError
         """
-        from fmpy.fmi2 import FMU2Slave  # noqa: PLC0415 - takes 0.5 s
+        from fmpy.fmi2 import FMU2Slave
 
         instance = cls(name, description)
         library = library_path(folder, description.identifier)
@@ -249,7 +247,7 @@ class Instance:
             self.slave.component = None
 
     def _instantiate(self) -> None:
-        from fmpy.fmi2 import (  # noqa: PLC0415
+        from fmpy.fmi2 import (
             calloc,
             fmi2CallbackAllocateMemoryTYPE,
             fmi2CallbackFreeMemoryTYPE,
@@ -257,7 +255,7 @@ class Instance:
             fmi2CallbackLoggerTYPE,
             free,
         )
-        from fmpy.logging import addLoggerProxy  # noqa: PLC0415
+        from fmpy.logging import addLoggerProxy
 
         callbacks = fmi2CallbackFunctions()
         callbacks.logger = fmi2CallbackLoggerTYPE(self._log)

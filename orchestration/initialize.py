@@ -61,7 +61,13 @@ def initialize(system: System, instances: Sequence[Instance], assembly: Assembly
     """
     for component, instance in zip(system.components, instances, strict=True):
         _set_start(component, instance)
-        arguments = (ctypes.c_int(0), ctypes.c_double(0), ctypes.c_double(t0), ctypes.c_int(0), ctypes.c_double(0))
+        arguments = (
+            ctypes.c_int(0),
+            ctypes.c_double(0),
+            ctypes.c_double(t0),
+            ctypes.c_int(0),
+            ctypes.c_double(0),
+        )
         instance.call("fmi2SetupExperiment", *arguments)
         instance.call("fmi2EnterInitializationMode")
     _propagate(system, instances, assembly)
@@ -84,6 +90,7 @@ def _set_start(component: Component, instance: Instance) -> None:
 def _propagate(system: System, instances: Sequence[Instance], assembly: Assembly) -> None:
     plan = assembly.plan
     _get_all(instances, assembly)
+    before = plan.reals.copy(), plan.discretes.copy()
     # A chain passes through each connection at most once; anything longer is a loop.
     for _ in range(len(system.connections) + 1):
         before = plan.reals.copy(), plan.discretes.copy()
@@ -127,5 +134,3 @@ def _same(a: np.ndarray, b: np.ndarray) -> bool:
 def _raise_failure(instance: Instance, call: int, status: int) -> None:
     if status > WORST_ACCEPTED:
         raise SimulationError(instance.failure(CALL_NAMES[call], status, " during initialization"))
-
-

@@ -82,7 +82,8 @@ def read_ssp(path: Path) -> System:
         msg = f"{path}: nested systems are not supported; flatten the package first."
         raise SystemDescriptionError(msg)
     components = tuple(
-        _component(element, folder, path) for element in outer.iterfind(f"{{{SSD}}}Elements/{{{SSD}}}Component")
+        _component(element, folder, path)
+        for element in outer.iterfind(f"{{{SSD}}}Elements/{{{SSD}}}Component")
     )
     connections = []
     for element in outer.iterfind(f"{{{SSD}}}Connections/{{{SSD}}}Connection"):
@@ -91,7 +92,8 @@ def read_ssp(path: Path) -> System:
             raise SystemDescriptionError(msg)
         ends = [element.get(a) for a in ("startElement", "startConnector", "endElement", "endConnector")]
         if None in ends:
-            msg = f"{path}: connection {dict(element.attrib)} leads to the system's own connectors; nothing drives them."
+            ends_text = dict(element.attrib)
+            msg = f"{path}: connection {ends_text} leads to the system's own connectors; nothing drives them."
             raise SystemDescriptionError(msg)
         connections.append(_oriented(ends, components))
     experiment = root.find(f"{{{SSD}}}DefaultExperiment")
@@ -138,9 +140,7 @@ def _structure(system: System) -> bytes:
         if component.start:
             bindings = etree.SubElement(element, f"{{{SSD}}}ParameterBindings")
             source = f"resources/{component.name}.ssv"
-            etree.SubElement(
-                bindings, f"{{{SSD}}}ParameterBinding", type=PARAMETER_SET_TYPE, source=source
-            )
+            etree.SubElement(bindings, f"{{{SSD}}}ParameterBinding", type=PARAMETER_SET_TYPE, source=source)
     connections = etree.SubElement(outer, f"{{{SSD}}}Connections")
     for c in system.connections:
         etree.SubElement(

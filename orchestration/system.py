@@ -101,7 +101,9 @@ class System:
             raise SystemDescriptionError(msg)
         for name in names:
             if names.count(name) > 1 or not name or "." in name:
-                msg = f"System {self.name}: the component name {name!r} is empty, has a dot, or is used twice."
+                msg = (
+                    f"System {self.name}: the component name {name!r} is empty, has a dot, or is used twice."
+                )
                 raise SystemDescriptionError(msg)
         for component in self.components:
             for name in component.start:
@@ -137,24 +139,23 @@ class System:
             for variable in target.description.of_causality("input"):
                 sources = [c for c in components if _has_output(c, variable.name) and c is not target]
                 if len(sources) > 1:
-                    msg = f"{target.name}.{variable.name} could come from {' or '.join(s.name for s in sources)}; connect it by hand."
+                    names = " or ".join(source.name for source in sources)
+                    msg = f"{target.name}.{variable.name} could come from {names}; connect it by hand."
                     raise SystemDescriptionError(msg)
                 if sources:
-                    connections.append(
-                        Connection(sources[0].name, variable.name, target.name, variable.name)
-                    )
+                    connections.append(Connection(sources[0].name, variable.name, target.name, variable.name))
         return cls(name, components, tuple(connections), step, stop_time)
 
     @classmethod
     def read(cls, path: str | Path) -> "System":
         """Read an SSP package; see `orchestration.ssp`."""
-        from orchestration.ssp import read_ssp  # noqa: PLC0415 - keeps lxml out of plain runs
+        from orchestration.ssp import read_ssp
 
         return read_ssp(Path(path))
 
     def write(self, path: str | Path) -> Path:
         """Write an SSP package; see `orchestration.ssp`."""
-        from orchestration.ssp import write_ssp  # noqa: PLC0415
+        from orchestration.ssp import write_ssp
 
         return write_ssp(self, Path(path))
 
@@ -186,9 +187,7 @@ class System:
             component, variable = self.resolve(path)
             _require_settable(component, variable)
             changed.setdefault(component.name, {})[variable.name] = _number(path, variable, value)
-        components = tuple(
-            replace(c, start={**c.start, **changed.get(c.name, {})}) for c in self.components
-        )
+        components = tuple(replace(c, start={**c.start, **changed.get(c.name, {})}) for c in self.components)
         return replace(self, components=components)
 
     def replace(self, name: str, fmu: str | Path) -> "System":
@@ -214,7 +213,9 @@ class System:
         connections = []
         for connection in self.connections:
             if connection.target == name and connection.input not in known:
-                notices.append(f"Connection {connection} dropped: {description.model_name} has no such input.")
+                notices.append(
+                    f"Connection {connection} dropped: {description.model_name} has no such input."
+                )
                 continue
             connections.append(connection)
         components = tuple(
@@ -244,9 +245,7 @@ class System:
     def with_sample_time(self, sample_time: float) -> "System":
         """Set the step and every ``sample_time``, s."""
         values = {
-            f"{c.name}.{SAMPLE_TIME}": sample_time
-            for c in self.components
-            if c.sample_time is not None
+            f"{c.name}.{SAMPLE_TIME}": sample_time for c in self.components if c.sample_time is not None
         }
         return replace(self.set(values), step=sample_time)
 
@@ -264,7 +263,9 @@ class System:
         """Component and variable of ``component.variable``."""
         name, dot, variable = path.partition(".")
         if not dot:
-            msg = f"{path!r} is no component.variable, such as {self.components[0].name}.{next(iter(self.components[0].description.variables), 'x')}."
+            first = self.components[0]
+            example = f"{first.name}.{next(iter(first.description.variables), 'x')}"
+            msg = f"{path!r} is no component.variable, such as {example}."
             raise SystemDescriptionError(msg)
         component = self.component(name)
         return component, component.variable(variable)
@@ -298,10 +299,12 @@ class System:
         source, target = self.component(connection.source), self.component(connection.target)
         output, input_ = source.variable(connection.output), target.variable(connection.input)
         if output.causality != "output":
-            msg = f"Connection {connection}: {source.name}.{output.name} is a {output.causality}, not an output."
+            msg = f"Connection {connection}: {output.name} is a {output.causality}, not an output."
             raise SystemDescriptionError(msg)
         if input_.causality != "input":
-            msg = f"Connection {connection}: {target.name}.{input_.name} is a {input_.causality}, not an input."
+            msg = (
+                f"Connection {connection}: {target.name}.{input_.name} is a {input_.causality}, not an input."
+            )
             raise SystemDescriptionError(msg)
         if output.type != input_.type:
             msg = f"Connection {connection}: types {output.type} and {input_.type} differ."
@@ -335,7 +338,8 @@ def _same_unit(source: Component, output: Variable, target: Component, input_: V
 
 def _require_settable(component: Component, variable: Variable) -> None:
     if variable.causality not in _SETTABLE:
-        msg = f"{component.name}.{variable.name} is a {variable.causality}; only parameters and inputs can be set."
+        path = f"{component.name}.{variable.name}"
+        msg = f"{path} is a {variable.causality}; only parameters and inputs can be set."
         raise SystemDescriptionError(msg)
 
 

@@ -132,10 +132,8 @@ fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean loggingOn, size_t nC
                         categories[i] ? categories[i] : "(null)");
         mask |= category;
     }
-    if (loggingOn)
-        instance->logged = nCategories ? instance->logged | mask : LOG_ALL;
-    else
-        instance->logged &= ~mask;
+    /* On with categories means these only (FMI 2.0.5, 2.1.5). */
+    instance->logged = loggingOn ? mask : instance->logged & ~mask;
     return fmi2OK;
 }
 

@@ -4,6 +4,7 @@
  * holds numbers only: it works in another instance or process of the same FMU. All platforms are
  * little-endian.
  */
+#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -14,36 +15,50 @@
 
 typedef struct {
     uint64_t mark;
+    uint64_t checksum;                             /* of all that follows, set when serialized */
     char guid[GUID_LENGTH];
     uint64_t size;
-    uint64_t checksum;
     State state;
 } Snapshot;
 
 /* FNV-1a, 64 bits: finds corruption, not malice. */
-static uint64_t checksum_of(const State *state) {
-    const unsigned char *bytes = (const unsigned char *)state;
+static uint64_t checksum_of(const Snapshot *snapshot) {
+    const unsigned char *bytes = (const unsigned char *)snapshot;
     uint64_t hash = 0xCBF29CE484222325u;
-    for (size_t i = 0; i < sizeof *state; ++i) hash = (hash ^ bytes[i]) * 0x100000001B3u;
+    for (size_t i = offsetof(Snapshot, guid); i < sizeof *snapshot; ++i)
+        hash = (hash ^ bytes[i]) * 0x100000001B3u;
     return hash;
 }
 
-static const char *snapshot_fault(const Snapshot *snapshot) {
+/* Whose state it is can be told from its head, which is the same in all units. */
+static const char *snapshot_owner_fault(const Snapshot *snapshot) {
     if (snapshot->mark != SNAPSHOT_MARK) return "it is not a state of such a unit";
     if (strncmp(snapshot->guid, model_guid, GUID_LENGTH) != 0) return "it is of another FMU (GUID)";
-    if (snapshot->size != sizeof snapshot->state) return "its size is wrong";
-    if (snapshot->checksum != checksum_of(&snapshot->state)) return "its checksum is wrong";
     return NULL;
+}
+
+static const char *snapshot_fault(const Snapshot *snapshot) {
+    const char *fault = snapshot_owner_fault(snapshot);
+    if (fault) return fault;
+    if (snapshot->size != sizeof snapshot->state) return "its size is wrong";
+    if (snapshot->checksum != checksum_of(snapshot)) return "its checksum is wrong";
+    return NULL;
+}
+
+/* 1 if a state is there and of this FMU; a foreign one may point to less memory than ours. */
+static int is_own(const Instance *instance, const Snapshot *snapshot, const char *function) {
+    const char *fault = snapshot ? snapshot_owner_fault(snapshot) : "there is none";
+    if (fault) fail(instance, "%s: the state is refused: %s.", function, fault);
+    return !fault;
 }
 
 fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate *FMUstate) {
     Instance *instance = allowed(c, ALLOWED_ALWAYS, "fmi2GetFMUstate");
     if (!instance) return fmi2Error;
     if (!FMUstate) return fail(instance, "fmi2GetFMUstate: no place for the state.");
+    if (*FMUstate && !is_own(instance, *FMUstate, "fmi2GetFMUstate")) return fmi2Error;
     Snapshot *snapshot = *FMUstate ? (Snapshot *)*FMUstate : calloc(1, sizeof *snapshot);
     if (!snapshot) return fail(instance, "fmi2GetFMUstate: out of memory.");
-    if (*FMUstate && snapshot->mark != SNAPSHOT_MARK)
-        return fail(instance, "fmi2GetFMUstate: the given state is none of this unit's.");
     snapshot->mark = SNAPSHOT_MARK;
     strncpy(snapshot->guid, model_guid, GUID_LENGTH);
     snapshot->size = sizeof snapshot->state;
@@ -55,10 +70,8 @@ fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate *FMUstate) {
 fmi2Status fmi2SetFMUstate(fmi2Component c, fmi2FMUstate FMUstate) {
     Instance *instance = allowed(c, ALLOWED_ALWAYS, "fmi2SetFMUstate");
     if (!instance) return fmi2Error;
-    const Snapshot *snapshot = (const Snapshot *)FMUstate;
-    if (!snapshot || snapshot->mark != SNAPSHOT_MARK)
-        return fail(instance, "fmi2SetFMUstate: the given state is none of this unit's.");
-    instance->state = snapshot->state;
+    if (!is_own(instance, FMUstate, "fmi2SetFMUstate")) return fmi2Error;
+    instance->state = ((const Snapshot *)FMUstate)->state;
     return fmi2OK;
 }
 
@@ -66,6 +79,7 @@ fmi2Status fmi2FreeFMUstate(fmi2Component c, fmi2FMUstate *FMUstate) {
     Instance *instance = allowed(c, ALLOWED_ALWAYS, "fmi2FreeFMUstate");
     if (!instance) return fmi2Error;
     if (!FMUstate || !*FMUstate) return fmi2OK;
+    if (!is_own(instance, *FMUstate, "fmi2FreeFMUstate")) return fmi2Error;
     free(*FMUstate);
     *FMUstate = NULL;
     return fmi2OK;
@@ -74,8 +88,8 @@ fmi2Status fmi2FreeFMUstate(fmi2Component c, fmi2FMUstate *FMUstate) {
 fmi2Status fmi2SerializedFMUstateSize(fmi2Component c, fmi2FMUstate FMUstate, size_t *size) {
     Instance *instance = allowed(c, ALLOWED_ALWAYS, "fmi2SerializedFMUstateSize");
     if (!instance) return fmi2Error;
-    if (!FMUstate || !size)
-        return fail(instance, "fmi2SerializedFMUstateSize: no state, or no place for its size.");
+    if (!is_own(instance, FMUstate, "fmi2SerializedFMUstateSize")) return fmi2Error;
+    if (!size) return fail(instance, "fmi2SerializedFMUstateSize: no place for the size.");
     *size = sizeof(Snapshot);
     return fmi2OK;
 }
@@ -85,12 +99,12 @@ fmi2Status fmi2SerializeFMUstate(fmi2Component c, fmi2FMUstate FMUstate,
     Instance *instance = allowed(c, ALLOWED_ALWAYS, "fmi2SerializeFMUstate");
     Snapshot *snapshot = (Snapshot *)FMUstate;
     if (!instance) return fmi2Error;
-    if (!snapshot || snapshot->mark != SNAPSHOT_MARK || !serializedState)
-        return fail(instance, "fmi2SerializeFMUstate: no state of this unit, or no place for it.");
+    if (!is_own(instance, snapshot, "fmi2SerializeFMUstate")) return fmi2Error;
+    if (!serializedState) return fail(instance, "fmi2SerializeFMUstate: no place for the bytes.");
     if (size < sizeof *snapshot)
         return fail(instance, "fmi2SerializeFMUstate: %zu bytes are too few, %zu are needed.", size,
                     sizeof *snapshot);
-    snapshot->checksum = checksum_of(&snapshot->state);
+    snapshot->checksum = checksum_of(snapshot);
     memcpy(serializedState, snapshot, sizeof *snapshot);
     return fmi2OK;
 }

@@ -23,11 +23,14 @@ def build(
     out: Annotated[Path, typer.Option(help="Folder for the .fmu files.")] = Path("build/fmus"),
     platform: Annotated[
         list[str] | None,
-        typer.Option(help="Platform of the binaries, may be repeated; 'all' for every one.", show_default="this machine"),
+        typer.Option(
+            help="Platform of the binaries, may be repeated; 'all' for every one.",
+            show_default="this machine",
+        ),
     ] = None,
 ) -> None:
     """Build the FMUs; what is built already is taken from the cache."""
-    from orchestration.cli.commands import build_fmus  # noqa: PLC0415
+    from orchestration.cli.commands import build_fmus
 
     build_fmus(out, platform or [])
 
@@ -35,11 +38,12 @@ def build(
 @app.command()
 def paper(
     out: Annotated[Path, typer.Option(help="Folder for the figures and claims.json.")] = Path("out"),
+    image: Annotated[str, typer.Option("--format", help="Format of the figures: png or svg.")] = "png",
 ) -> None:
     """Reproduce the paper's figures and claims from real FMUs."""
-    from orchestration.cli.commands import reproduce_paper  # noqa: PLC0415
+    from orchestration.cli.commands import reproduce_paper
 
-    reproduce_paper(out)
+    reproduce_paper(out, image)
 
 
 @app.command()
@@ -66,11 +70,13 @@ def run(
     strict: Annotated[bool, typer.Option("--strict", help="Unconnected inputs are an error.")] = False,
     allow_stale_inputs: Annotated[
         bool,
-        typer.Option("--allow-stale-inputs", help="Let a step hold several ticks, on the inputs of its start."),
+        typer.Option(
+            "--allow-stale-inputs", help="Let a step hold several ticks, on the inputs of its start."
+        ),
     ] = False,
 ) -> None:
     """Run a system and print what it did."""
-    from orchestration.cli.commands import RunRequest, run_system  # noqa: PLC0415
+    from orchestration.cli.commands import RunRequest, run_system
 
     run_system(
         RunRequest(
@@ -92,7 +98,7 @@ def run(
 
 def main() -> None:
     """Entry point: errors of ours are one sentence on standard error, not a traceback."""
-    from orchestration.errors import OrchestrationError, SimulationError  # noqa: PLC0415
+    from orchestration.errors import OrchestrationError, SimulationError
 
     try:
         app()

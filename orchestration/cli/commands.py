@@ -13,12 +13,13 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
 from orchestration.errors import SimulationError, SystemDescriptionError
+from orchestration.master import Options, simulate
+from orchestration.master import Progress as Report
 from orchestration.result import Result
-from orchestration.simulate import Options, simulate
-from orchestration.simulate import Progress as Report
 from orchestration.system import System
 
 PROGRESS_AFTER = 1.0  # s
+IMAGES = ("png", "svg")
 _SETTING = re.compile(r"([^=\s]+)=(.*)", re.DOTALL)
 
 console = Console()
@@ -45,8 +46,8 @@ class RunRequest:
 
 def build_fmus(out: Path, platforms: Sequence[str]) -> None:
     """Build every unit into a folder."""
-    from adaptimp_fmu import PLATFORMS, build, host_platform  # noqa: PLC0415 - CasADi takes 0.5 s
-    from fmus.catalog import UNITS  # noqa: PLC0415
+    from adaptimp_fmu import PLATFORMS, build, host_platform
+    from fmus.catalog import UNITS
 
     for name in platforms:
         if name not in PLATFORMS and name != "all":
@@ -58,11 +59,14 @@ def build_fmus(out: Path, platforms: Sequence[str]) -> None:
         console.print(f"{path}  {path.stat().st_size / 1024:.0f} kB", highlight=False)
 
 
-def reproduce_paper(out: Path) -> None:
+def reproduce_paper(out: Path, image: str) -> None:
     """Run, draw, measure; print the table of claims."""
-    from orchestration.paper.report import reproduce  # noqa: PLC0415 - matplotlib
+    from orchestration.paper.report import reproduce
 
-    report = reproduce(out, lambda sentence: console.print(f"{sentence} ...", highlight=False))
+    if image not in IMAGES:
+        msg = f"There is no image format {image}; there are {', '.join(IMAGES)}."
+        raise SystemDescriptionError(msg)
+    report = reproduce(out, lambda sentence: console.print(f"{sentence} ...", highlight=False), image)
     table = Table("id", "claim", "measured", "verdict", title="Claims of the paper")
     colours = {"holds": "green", "not reproduced": "red"}
     for claim in report.claims:
@@ -106,7 +110,9 @@ def run_system(request: RunRequest) -> None:
         _print_summary(result)
     else:
         result.write_csv(request.out)
-        console.print(f"wrote {request.out}: {len(result.time)} rows, {len(result.names)} columns", highlight=False)
+        console.print(
+            f"wrote {request.out}: {len(result.time)} rows, {len(result.names)} columns", highlight=False
+        )
     console.print(f"{len(result.time) - 1} steps in {elapsed:.2f} s", highlight=False)
 
 
@@ -120,7 +126,7 @@ def _system(request: RunRequest) -> System:
     if request.system.endswith(".ssp"):
         system = System.read(request.system)
     else:
-        from orchestration.paper.provide import fmus, scenario  # noqa: PLC0415 - CasADi
+        from orchestration.paper.provide import fmus, scenario
 
         chosen = scenario(request.system)
         system = chosen.system(fmus(chosen.units.values()))
@@ -162,7 +168,9 @@ def _keep_partial(error: SimulationError, out: Path | None) -> None:
     if out is not None and error.result is not None:
         partial = out.with_name(f"{out.stem}.partial.csv")
         error.result.write_csv(partial)
-        errors.print(f"wrote {partial}: the {len(error.result.time)} rows before the failure", highlight=False)
+        errors.print(
+            f"wrote {partial}: the {len(error.result.time)} rows before the failure", highlight=False
+        )
 
 
 def _print_summary(result: Result) -> None:

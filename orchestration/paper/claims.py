@@ -130,10 +130,11 @@ QUESTIONS = (
     ),
     Question(
         "C2",
-        "With true parameters and a perfect sensor the tip follows its TIRT, slides from a to b in contact and returns",
+        "With true parameters and a perfect sensor the tip follows its TIRT, slides from a to b in contact"
+        " and returns",
         "V, Fig. 2",
-        "|e| <= 1 mm; from 50 mm of a to 50 mm of b, with at most two bounces, touching at least 2/3 of the time"
-        " (the wall is elastic); ends within 1 mm of (1.5, 0)",
+        "|e| <= 1 mm; from 50 mm of a to 50 mm of b, with at most two bounces, touching at least 2/3 of the"
+        " time (the wall is elastic); ends within 1 mm of (1.5, 0)",
         _true_mass_follows,
     ),
     Question(
@@ -166,9 +167,7 @@ QUESTIONS = (
         "",
     ),
     Question("C11", "Algorithm 2 is less sensitive to Psi and Gamma than algorithm 1", "V", ""),
-    Question(
-        "C12", "Algorithm 2 costs less; p_hat may be updated at a lower rate without harm", "IV-B", ""
-    ),
+    Question("C12", "Algorithm 2 costs less; p_hat may be updated at a lower rate without harm", "IV-B", ""),
     Question("C13", "The TIRT need only be integrated during contact", "III-B", ""),
     Question("C14", "V_c decreases with F_c; s is bounded by delta / k_d", "(20)-(25), (35)", ""),
     Question(

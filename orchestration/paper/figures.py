@@ -28,23 +28,32 @@ STYLE: dict[str, Any] = {
     "lines.linewidth": 1.2,
     "savefig.dpi": 150,
     "figure.constrained_layout.use": True,
+    "svg.hashsalt": "adaptimp",
 }
 ACTUAL, IDEAL, WALL = "tab:blue", "black", "0.75"
-METADATA = {"Software": None}  # same input, same bytes
+METADATA = {"png": {"Software": None}, "svg": {"Creator": None, "Date": None}}  # same input, same bytes
 ZOOM_X = (-1.475, -1.435)  # m
 ZOOM_Y = (-0.34, 0.34)  # m
 
 
-def draw(results: Mapping[str, Result], folder: Path) -> list[Path]:
-    """Draw every figure whose run is in `results`; returns the PNG files."""
+def draw(results: Mapping[str, Result], folder: Path, image: str = "png") -> list[Path]:
+    """Draw every figure whose run is in `results`; returns the files.
+
+    Parameters
+    ----------
+    image
+        File format, ``"png"`` or ``"svg"``.
+    """
     folder.mkdir(parents=True, exist_ok=True)
     paths = []
     for name, result in results.items():
         with mpl.rc_context(STYLE):
             figure = _tirt_figure(result) if name == "fig3" else _control_figure(result)
-            figure.suptitle(f"{name.capitalize()[:3]}. {name[3:]}: {SCENARIOS[name].caption}", x=0.01, ha="left")
-            paths.append(folder / f"{name}.png")
-            figure.savefig(paths[-1], metadata=METADATA)
+            figure.suptitle(
+                f"{name.capitalize()[:3]}. {name[3:]}: {SCENARIOS[name].caption}", x=0.01, ha="left"
+            )
+            paths.append(folder / f"{name}.{image}")
+            figure.savefig(paths[-1], metadata=METADATA[image])
     return paths
 
 

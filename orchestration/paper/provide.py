@@ -23,7 +23,7 @@ def scenario(name: str) -> Scenario:
 
 def fmus(identifiers: Iterable[str]) -> Mapping[str, Path]:
     """FMU files by model identifier, for this machine, from the cache or built now."""
-    from adaptimp_fmu import build  # noqa: PLC0415 - CasADi takes 0.5 s
-    from fmus.catalog import UNITS  # noqa: PLC0415
+    from adaptimp_fmu import build
+    from fmus.catalog import UNITS
 
     return {identifier: build(UNITS[identifier]()) for identifier in dict.fromkeys(identifiers)}

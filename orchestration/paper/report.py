@@ -5,12 +5,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
+from orchestration.master import Options, simulate
 from orchestration.paper.claims import Claim, as_records, evaluate
 from orchestration.paper.figures import draw
 from orchestration.paper.provide import fmus
 from orchestration.paper.scenarios import SCENARIOS
 from orchestration.result import Result
-from orchestration.simulate import Options, simulate
 
 Tell = Callable[[str], None]
 
@@ -24,7 +24,7 @@ class Report:
     claims: list[Claim]
 
 
-def reproduce(folder: Path, tell: Tell) -> Report:
+def reproduce(folder: Path, tell: Tell, image: str = "png") -> Report:
     """Run all scenarios, draw the figures, measure the claims.
 
     Parameters
@@ -33,6 +33,8 @@ def reproduce(folder: Path, tell: Tell) -> Report:
         Where the figures and ``claims.json`` go.
     tell
         Called with a sentence before each stage.
+    image
+        Format of the figures, ``"png"`` or ``"svg"``.
     """
     identifiers = {i for scenario in SCENARIOS.values() for i in scenario.units.values()}
     tell(f"Building {len(identifiers)} FMUs, or taking them from the cache")
@@ -42,7 +44,7 @@ def reproduce(folder: Path, tell: Tell) -> Report:
         tell(f"Running {scenario.name}: {scenario.caption}")
         results[scenario.name] = simulate(scenario.system(files), options=Options(strict=True))
     tell("Drawing the figures")
-    figures = draw(results, folder)
+    figures = draw(results, folder, image)
     tell("Measuring the claims")
     claims = evaluate(results)
     claims_file = folder / "claims.json"

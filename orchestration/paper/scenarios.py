@@ -63,9 +63,7 @@ class Scenario:
     def system(self, fmus: Mapping[str, Path]) -> System:
         """The system, from FMU files by model identifier."""
         files = {component: fmus[identifier] for component, identifier in self.units.items()}
-        system = System.connected_by_name(
-            self.name, files, step=self.step, stop_time=self.stop_time
-        )
+        system = System.connected_by_name(self.name, files, step=self.step, stop_time=self.stop_time)
         numbers = {path: value.number for path, value in self.values.items()}
         return system.set(numbers).with_sample_time(self.step)
 
@@ -78,7 +76,10 @@ def _both(path: str, number: float, origin: str) -> dict[str, Value]:
     return _vector(path, (number, number), origin)
 
 
-_WALL_REASON = "assumed: vertical and left of the origin, so that the tip meets it on the far side of the ellipse; -1.4 m works too"
+_WALL_REASON = (
+    "assumed: vertical and left of the origin, so that the tip meets it on the far side of the ellipse;"
+    " -1.4 m works too"
+)
 _ARM_AND_WALL = {
     **_vector("plant.m", TRUE_MASSES, "V"),
     **_both("plant.l", 1.0, "V"),

@@ -82,7 +82,7 @@ def _states(n: int) -> dict[str, np.ndarray]:
     }
 
 
-def _problem(n: int, law) -> tuple[ca.Function, list[np.ndarray]]:  # noqa: ANN001 - a function of symbols
+def _problem(n: int, law) -> tuple[ca.Function, list[np.ndarray]]:
     """A law as a function mapped over the random states, and its arguments."""
     states = _states(n)
     symbols = {name: ca.SX.sym(name, values.shape[0]) for name, values in states.items()}
@@ -96,7 +96,7 @@ def _problem(n: int, law) -> tuple[ca.Function, list[np.ndarray]]:  # noqa: ANN0
     return function, list(states.values())
 
 
-def _torques(n: int, laws) -> np.ndarray:  # noqa: ANN001
+def _torques(n: int, laws) -> np.ndarray:
     """Torques of several laws, shape (len(laws), n, N_STATES)."""
     values = []
     for law in laws:
@@ -105,7 +105,7 @@ def _torques(n: int, laws) -> np.ndarray:  # noqa: ANN001
     return np.stack(values)
 
 
-def _acceleration_miss(measured: Measured, model: ArmModel, virtual, impedance: Impedance) -> ca.SX:  # noqa: ANN001
+def _acceleration_miss(measured: Measured, model: ArmModel, virtual, impedance: Impedance) -> ca.SX:
     q, dq, F = measured.q, measured.dq, measured.F_hat
     J, dJ = model.arm.jacobian(q, model.l), model.arm.jacobian_rate(q, dq, model.l)
     tau = torque_mobility(measured, model, virtual, impedance)

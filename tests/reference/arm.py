@@ -11,45 +11,49 @@ are derived symbolically.
 """
 
 from math import cos, sin, tanh
+from typing import NamedTuple
 
 import numpy as np
-from numba import njit
+
+from .compiled import compiled
 
 
-# Records, not named tuples: Numba's cache stores a named tuple by its module's name, and a test module has several.
-ARM = np.dtype((np.record, [(name, "f8") for name in ("l1", "l2", "gravity", "coulomb_velocity")]))
-WALL = np.dtype((np.record, [(name, "f8") for name in ("n1", "n2", "offset", "K_f", "D_f", "mu", "friction_velocity")]))
-PLANT = np.dtype((np.record, [("arm", ARM), ("p", "f8", (6,)), ("wall", WALL)]))
+class Arm(NamedTuple):
+    """Known geometry: link lengths `l1`, `l2` (m), `gravity` (m/s2), `coulomb_velocity` (rad/s)."""
+
+    l1: float
+    l2: float
+    gravity: float
+    coulomb_velocity: float
 
 
-def record(dtype, *values):
-    """A record of plain numbers that compiled functions read by field name.
+class Wall(NamedTuple):
+    """Half-plane: unit normal (`n1`, `n2`), `offset` (m), `K_f` (N/m), `D_f` (s/m), `mu`, `friction_velocity` (m/s)."""
 
-    Parameters
-    ----------
-    dtype : dtype
-        ARM: l1, l2 (m), gravity (m/s2), coulomb_velocity (rad/s). WALL: unit normal n1, n2, offset (m), K_f (N/m),
-        D_f (s/m), mu, friction_velocity (m/s). PLANT: an ARM, p = (m1, m2, viscous1, viscous2, coulomb1, coulomb2) in
-        SI units, a WALL.
-    *values
-        One per field.
-    """
-    return np.rec.array([values], dtype=dtype)[0]
+    n1: float
+    n2: float
+    offset: float
+    K_f: float
+    D_f: float
+    mu: float
+    friction_velocity: float
 
 
-def changed(original, **fields):
-    """Copy of a record with some fields replaced."""
-    names = original.dtype.names
-    return record(original.dtype, *(fields.get(name, original[name]) for name in names))
+class Plant(NamedTuple):
+    """An arm, its parameters p = (m1, m2, viscous1, viscous2, coulomb1, coulomb2) in SI units, and a wall."""
+
+    arm: Arm
+    p: np.ndarray
+    wall: Wall
 
 
-@njit(cache=True)
+@compiled
 def acceleration(plant, q, dq, tau, F):
     """Solve (1) for the joint acceleration.
 
     Parameters
     ----------
-    plant : record of PLANT
+    plant : Plant
     q, dq, tau : ndarray, shape (2,)
         Joint angles (rad), rates (rad/s) and torques (N.m).
     F : tuple of 2 floats
@@ -72,7 +76,7 @@ def acceleration(plant, q, dq, tau, F):
     return (h22 * r1 - h12 * r2) / det, (h11 * r2 - h12 * r1) / det
 
 
-@njit(cache=True)
+@compiled
 def contact_force(wall, gap, dx1, dx2):
     """Force law of the loaded wall, smooth in its arguments: K_f gap (1 + D_f gap_rate), friction along the sliding.
 
@@ -89,7 +93,7 @@ def contact_force(wall, gap, dx1, dx2):
     return normal * wall.n1 - tangential * wall.n2, normal * wall.n2 + tangential * wall.n1
 
 
-@njit(cache=True)
+@compiled
 def external_force(plant, q, dq):
     """F_ext at a state (tuple of 2 floats, N) with the unilateral law max(gap, 0) max(0, 1 + D_f gap_rate)."""
     wall = plant.wall
@@ -100,28 +104,28 @@ def external_force(plant, q, dq):
     return contact_force(wall, gap, dx1, dx2)
 
 
-@njit(cache=True)
+@compiled
 def wall_gap(plant, q):
     """Signed distance n.x - offset (m), positive in penetration."""
     x1, x2 = tip_position(plant.arm, q)
     return plant.wall.n1 * x1 + plant.wall.n2 * x2 - plant.wall.offset
 
 
-@njit(cache=True)
+@compiled
 def tip_position(arm, q):
     """Tip position (m)."""
     s = q[0] + q[1]
     return arm.l1 * cos(q[0]) + arm.l2 * cos(s), arm.l1 * sin(q[0]) + arm.l2 * sin(s)
 
 
-@njit(cache=True)
+@compiled
 def tip_velocity(arm, q, dq):
     """Tip velocity J dq (m/s)."""
     j11, j12, j21, j22 = jacobian_entries(arm, q)
     return j11 * dq[0] + j12 * dq[1], j21 * dq[0] + j22 * dq[1]
 
 
-@njit(cache=True)
+@compiled
 def jacobian_entries(arm, q):
     """J11, J12, J21, J22 (m/rad)."""
     s = q[0] + q[1]
@@ -129,14 +133,14 @@ def jacobian_entries(arm, q):
     return -arm.l1 * sin(q[0]) - a2, -a2, arm.l1 * cos(q[0]) + a1, a1
 
 
-@njit(cache=True)
+@compiled
 def jacobian(arm, q):
     """J (2 x 2, m/rad) with dx = J dq."""
     j11, j12, j21, j22 = jacobian_entries(arm, q)
     return np.array([[j11, j12], [j21, j22]])
 
 
-@njit(cache=True)
+@compiled
 def jacobian_rate(arm, q, dq):
     """dJ/dt (2 x 2, m/(rad s))."""
     s, ds = q[0] + q[1], dq[0] + dq[1]
@@ -145,7 +149,7 @@ def jacobian_rate(arm, q, dq):
     return np.array([[a1 + b1, a1], [a2 + b2, a2]])
 
 
-@njit(cache=True)
+@compiled
 def inertia_entries(arm, p, q2):
     """H11, H12, H22 (kg m2)."""
     coupling = p[1] * arm.l1 * arm.l2 * cos(q2)
@@ -153,28 +157,28 @@ def inertia_entries(arm, p, q2):
     return (p[0] + p[1]) * arm.l1**2 + h22 + 2.0 * coupling, h22 + coupling, h22
 
 
-@njit(cache=True)
+@compiled
 def inertia(arm, p, q):
     """H (2 x 2, kg m2)."""
     h11, h12, h22 = inertia_entries(arm, p, q[1])
     return np.array([[h11, h12], [h12, h22]])
 
 
-@njit(cache=True)
+@compiled
 def coriolis(arm, p, q, dq):
     """C (2 x 2, N.m.s) in the Christoffel form, for which dH/dt - 2 C is skew-symmetric."""
     c = p[1] * arm.l1 * arm.l2 * sin(q[1])
     return np.array([[-c * dq[1], -c * (dq[0] + dq[1])], [c * dq[0], 0.0]])
 
 
-@njit(cache=True)
+@compiled
 def gravity_torque(arm, p, q):
     """Gravity torque g(q) (tuple of 2 floats, N.m), the gradient of the potential energy."""
     g2 = p[1] * arm.gravity * arm.l2 * cos(q[0] + q[1])
     return (p[0] + p[1]) * arm.gravity * arm.l1 * cos(q[0]) + g2, g2
 
 
-@njit(cache=True)
+@compiled
 def friction_torque(arm, p, dq):
     """Joint friction f(dq) (tuple of 2 floats, N.m): viscous plus smoothed Coulomb."""
     f1 = p[2] * dq[0] + p[4] * tanh(dq[0] / arm.coulomb_velocity)
@@ -182,13 +186,13 @@ def friction_torque(arm, p, dq):
     return f1, f2
 
 
-@njit(cache=True)
+@compiled
 def regressor(arm, q, dq, v, a):
     """Joint regressor Y(q, dq, v, a), with Y p = H(q) a + C(q, dq) v + g(q) + f(dq).
 
     Parameters
     ----------
-    arm : record of ARM
+    arm : Arm
     q, dq : ndarray, shape (2,)
         Joint angles (rad) and rates (rad/s); friction is taken at dq.
     v, a : ndarray, shape (2,)

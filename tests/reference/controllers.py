@@ -10,17 +10,18 @@ a = ddx_v - M^-1 [B (dx - dx_v) + K (x - x_v) + F_hat] and H^, C^, g^, f^ at p_h
                                  dp_hat/dt = -Gamma W_s' s,    s = e' + Psi e                               (33)
     SpongOrtegaAdaptiveImpedance as Craig's with H^ = H(p0) fixed, tau -= Y(q, dq, dq, a_f) (p0 - p_hat)  (III-C, 2)
 
-The fields of LAW are those of Setup, `kind` of KINDS, the `arm`'s geometry and the discrete reference trajectory `tirt`.
-A sample is what a controller knows at a tick: the tuple (q, dq, F_hat, virtual, x_t, dx_t) of arrays, `virtual` with the
-rows x_v, dx_v, ddx_v. All arrays hold SI units: q (rad), tau (N.m), x (m), F (N).
+The fields of Law are those of Setup, `kind` of KINDS, the `arm`'s geometry and the discrete reference `tirt`. A sample
+is what a controller knows at a tick: the tuple (q, dq, F_hat, virtual, x_t, dx_t) of arrays, `virtual` with the rows
+x_v, dx_v, ddx_v. All arrays hold SI units: q (rad), tau (N.m), x (m), F (N).
 """
 
+from typing import NamedTuple
+
 import numpy as np
-from numba import njit
 from scipy.linalg import expm
 
 from .arm import (
-    ARM,
+    Arm,
     coriolis,
     friction_torque,
     gravity_torque,
@@ -30,6 +31,7 @@ from .arm import (
     regressor,
     tip_position,
 )
+from .compiled import compiled
 
 HOGAN, CRAIG, SLOTINE_LI, SPONG_ORTEGA = 0, 1, 2, 3
 KINDS = {
@@ -40,16 +42,31 @@ KINDS = {
 }
 
 
-AXES, SIX, NUMBER, FLAG, COUNT = ("f8", (2,)), ("f8", (6,)), ("f8",), ("?",), ("i8",)
-FIELDS = {
-    "arm": (ARM,), "tirt": ("f8", (2, 2, 3)), "sample_time": NUMBER,
-    "M": AXES, "B": AXES, "K": AXES, "Psi": AXES, "K_d": AXES,
-    "p_start": SIX, "p_min": SIX, "p_max": SIX, "Gamma": SIX,
-    "dead_zone": NUMBER, "controller_noise_bound": NUMBER, "contact_threshold": NUMBER,
-    "gamma_margin": NUMBER, "gamma_eps": NUMBER, "acc_filter_time": NUMBER,
-    "kind": COUNT, "update_divisor": COUNT, "projection": FLAG, "freeze_when_saturated": FLAG,
-}  # fmt: skip
-LAW = np.dtype((np.record, [(name, *kind) for name, kind in FIELDS.items()]))
+class Law(NamedTuple):
+    """One controller; gains per axis and parameters p are arrays of shape (2,) and (6,), `tirt` is (2, 2, 3)."""
+
+    kind: int
+    arm: Arm
+    tirt: np.ndarray
+    sample_time: float
+    M: np.ndarray
+    B: np.ndarray
+    K: np.ndarray
+    Psi: np.ndarray
+    K_d: np.ndarray
+    p_start: np.ndarray
+    p_min: np.ndarray
+    p_max: np.ndarray
+    Gamma: np.ndarray
+    projection: bool
+    dead_zone: float
+    freeze_when_saturated: bool
+    update_divisor: int
+    controller_noise_bound: float
+    contact_threshold: float
+    gamma_margin: float
+    gamma_eps: float
+    acc_filter_time: float
 
 
 def reference_transition(M, B, K, h):
@@ -80,7 +97,7 @@ def reference_transition(M, B, K, h):
     return transition
 
 
-@njit(cache=True)
+@compiled
 def advance_reference(law, sample):
     """x_t and dx_t of the next tick, eq. (11): exact in d = x_t - x_v, x_v extrapolated by its Taylor polynomial."""
     _, _, F, v, x_t, dx_t = sample
@@ -92,7 +109,7 @@ def advance_reference(law, sample):
     return x_next, dx_next
 
 
-@njit(cache=True)
+@compiled
 def torque(law, sample, p_hat, a_f):
     """Commanded joint torque, shape (2,); `a_f` is the filtered joint acceleration of the fixed-inverse variant."""
     arm, (q, dq, F_hat, virtual, _, _) = law.arm, sample
@@ -115,7 +132,7 @@ def torque(law, sample, p_hat, a_f):
     return tau
 
 
-@njit(cache=True)
+@compiled
 def adaptation_rate(law, sample, p_hat, ddq):
     """dp_hat/dt, shape (6,), of (19), (33) or the fixed-inverse variant; ddq is the measured joint acceleration."""
     error = augmented_error(law, sample)
@@ -133,9 +150,9 @@ def adaptation_rate(law, sample, p_hat, ddq):
     return -law.Gamma * (Y.T @ direction)
 
 
-@njit(cache=True)
+@compiled
 def robust_gain(law, sample, p):
-    """The gain gamma of (22): gamma_margin times the right side of (25) with beta^2 + gamma_eps^2 below."""
+    """Return gamma of (22): gamma_margin times the right side of (25) with beta^2 + gamma_eps^2 below."""
     q, _, F_hat, _, _, _ = sample
     delta = law.controller_noise_bound if np.sqrt(F_hat @ F_hat) > law.contact_threshold else 0.0
     J = jacobian(law.arm, q)
@@ -148,7 +165,7 @@ def robust_gain(law, sample, p):
     return law.gamma_margin * max(0.0, bound)
 
 
-@njit(cache=True)
+@compiled
 def joint_reference(law, sample):
     """dq_r and ddq_r (Slotine-Li) of dx_r = dx_t - Psi e, ddx_r = ddx_t - Psi e', with ddx_t from (11) at this tick."""
     q, dq, F_hat, virtual, x_t, dx_t = sample
@@ -160,34 +177,34 @@ def joint_reference(law, sample):
     return dq_r, np.linalg.solve(J, ddx_t - law.Psi * rate - dJ @ dq_r)
 
 
-@njit(cache=True)
+@compiled
 def impedance_acceleration(law, x, dx, virtual, F):
     """Acceleration that the target impedance (3) asks for: ddx_v - M^-1 [B (dx - dx_v) + K (x - x_v) + F]."""
     return virtual[2] - (law.B * (dx - virtual[1]) + law.K * (x - virtual[0]) + F) / law.M
 
 
-@njit(cache=True)
+@compiled
 def augmented_error(law, sample):
     """e* of (14) and s of (30): e' + Psi e (m/s)."""
     e, rate = errors(law, sample)
     return rate + law.Psi * e
 
 
-@njit(cache=True)
+@compiled
 def errors(law, sample):
-    """e = x - x_t (m) and its rate (m/s)."""
+    """E = x - x_t (m) and its rate (m/s)."""
     q, dq, _, _, x_t, dx_t = sample
     return tip(law.arm, q) - x_t, jacobian(law.arm, q) @ dq - dx_t
 
 
-@njit(cache=True)
+@compiled
 def tip(arm, q):
     """Tip position as an array (m)."""
     x1, x2 = tip_position(arm, q)
     return np.array([x1, x2])
 
 
-@njit(cache=True)
+@compiled
 def model_torque(arm, p, q, dq, v, a):
     """H a + C v + g + f(dq) with parameters p, shape (2,)."""
     g1, g2 = gravity_torque(arm, p, q)

@@ -11,13 +11,13 @@ Event functions are checked at both ends of a step and at an extremum between th
 go unseen, which takes a motion faster than the step (contact: about 300 rad/s, a step at most 1e-4 s).
 """
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from scipy.integrate._ivp import dop853_coefficients as tableau
 
 from .arm import acceleration, contact_force, external_force, jacobian_rate, tip_velocity, wall_gap
+from .compiled import compiled
 
 A = np.ascontiguousarray(tableau.A[:12, :12])
 B = np.ascontiguousarray(tableau.B)
@@ -35,20 +35,15 @@ MESSAGES = {
 GAP, PULL = 0, 1  # event functions: gap, and 1 + D_f gap_rate
 
 
-@dataclass(frozen=True)
-class Solver:
+class Solver(NamedTuple):
     """Local error below atol + rtol |y| per component; at least `substeps` steps between ticks."""
 
     rtol: float = 1e-12
     atol: float = 1e-14
     substeps: int = 1
 
-    def packed(self):
-        """The plain tuple that compiled functions take."""
-        return float(self.rtol), float(self.atol), int(self.substeps)
 
-
-@njit(cache=True)
+@compiled
 def advance(y, mode, tau, plant, duration, solver):
     """Integrate the plant over `duration` (s) with the torque held; `y` and `mode` are updated in place.
 
@@ -60,9 +55,8 @@ def advance(y, mode, tau, plant, duration, solver):
         In contact (gap > 0); the wall pushes (1 + D_f gap_rate > 0, meaningful in contact only).
     tau : ndarray, shape (2,)
         Held torque (N.m).
-    plant : record of PLANT
-    solver : tuple
-        ``Solver.packed()``.
+    plant : Plant
+    solver : Solver
 
     Returns
     -------
@@ -70,7 +64,7 @@ def advance(y, mode, tau, plant, duration, solver):
         OK, STEP_TOO_SMALL or TOO_MANY_EVENTS.
     """
     k, y_new = np.empty((13, 4)), np.empty(4)
-    done, events, limit = 0.0, 0, duration / solver[2]
+    done, events, limit = 0.0, 0, duration / solver.substeps
     h = limit
     while done < duration:
         # The last step ends on the tick exactly: a rest below 1e-12 of the segment is rounding of `done`.
@@ -99,7 +93,7 @@ def advance(y, mode, tau, plant, duration, solver):
     return OK
 
 
-@njit(cache=True)
+@compiled
 def initial_mode(y, plant):
     """Mode at a state: contact also at gap = 0 when the tip moves inward."""
     mode = np.zeros(2, dtype=np.bool_)
@@ -109,7 +103,7 @@ def initial_mode(y, plant):
     return mode
 
 
-@njit(cache=True)
+@compiled
 def toggle(which, y, plant, mode):
     """Change the mode at an event; a wall just met pushes or not according to the gap rate."""
     mode[which] = not mode[which]
@@ -117,7 +111,7 @@ def toggle(which, y, plant, mode):
         mode[1] = event_value(PULL, y, y, plant)[0] > 0.0
 
 
-@njit(cache=True)
+@compiled
 def first_event(y, h, tau, plant, mode, k, y_end, solver):
     """Earliest end of the mode within an accepted step: (event or -1, step length in s)."""
     count = 2 if mode[0] and plant.wall.D_f > 0.0 else 1
@@ -125,7 +119,7 @@ def first_event(y, h, tau, plant, mode, k, y_end, solver):
     dy_end, y_try = k[12].copy(), np.empty(4)
     for which in range(count):
         sign = 1.0 if mode[which] else -1.0
-        v0, s0 = event_value(which, y, k[0], plant)
+        _v0, s0 = event_value(which, y, k[0], plant)
         v1, s1 = event_value(which, y_end, dy_end, plant)
         v1, s0, s1 = sign * v1, sign * s0, sign * s1
         args = (y, tau, plant, mode, k, y_try, solver)
@@ -147,7 +141,7 @@ def first_event(y, h, tau, plant, mode, k, y_end, solver):
     return found, length
 
 
-@njit(cache=True)
+@compiled
 def bisect(which, part, sign, low, high, args):
     """Step length where `sign` times value (part 0) or slope (part 1) turns negative, to rounding."""
     while True:
@@ -160,7 +154,7 @@ def bisect(which, part, sign, low, high, args):
             high = middle
 
 
-@njit(cache=True)
+@compiled
 def probe(which, h, args):
     """Event function and its slope after a step of length h."""
     y, tau, plant, mode, k, y_try, solver = args
@@ -168,7 +162,7 @@ def probe(which, h, args):
     return event_value(which, y_try, k[12], plant)
 
 
-@njit(cache=True)
+@compiled
 def event_value(which, y, dy, plant):
     """Value and time derivative of an event function; dy is the derivative of the state y."""
     arm, wall = plant.arm, plant.wall
@@ -183,7 +177,7 @@ def event_value(which, y, dy, plant):
     return 1.0 + wall.D_f * rate, wall.D_f * (wall.n1 * a1 + wall.n2 * a2)
 
 
-@njit(cache=True)
+@compiled
 def trial_step(y, h, tau, plant, mode, k, y_new, solver):
     """One DOP853 step from y with k[0] = f(y): fills y_new and k[1..12], returns the scaled error estimate."""
     for s in range(1, 12):
@@ -202,13 +196,12 @@ def trial_step(y, h, tau, plant, mode, k, y_new, solver):
     return error_norm(y, y_new, h, k, solver)
 
 
-@njit(cache=True)
+@compiled
 def error_norm(y, y_new, h, k, solver):
     """Hairer's combination of the embedded fifth- and third-order estimates, 1 at the tolerance."""
-    rtol, atol, _ = solver
     sum5, sum3 = 0.0, 0.0
     for i in range(4):
-        scale = atol + rtol * max(abs(y[i]), abs(y_new[i]))
+        scale = solver.atol + solver.rtol * max(abs(y[i]), abs(y_new[i]))
         e5, e3 = 0.0, 0.0
         for j in range(13):
             e5 += E5[j] * k[j, i]
@@ -220,7 +213,7 @@ def error_norm(y, y_new, h, k, solver):
     return h * sum5 / np.sqrt((sum5 + 0.01 * sum3) * 4.0)
 
 
-@njit(cache=True)
+@compiled
 def derivative(y, tau, plant, mode, dy):
     """Write dy/dt with the force law of the mode, not of the sign of the gap."""
     q, dq = y[:2], y[2:]
@@ -232,7 +225,7 @@ def derivative(y, tau, plant, mode, dy):
     dy[0], dy[1], dy[2], dy[3] = dq[0], dq[1], a1, a2
 
 
-@njit(cache=True)
+@compiled
 def left_acceleration(y, tau, plant):
     """Joint acceleration (tuple of 2 floats, rad/s2) at a state under a torque."""
     return acceleration(plant, y[:2], y[2:], tau, external_force(plant, y[:2], y[2:]))

@@ -144,7 +144,10 @@ def _grid(
     n = round(count) if np.isfinite(count) else -1
     if n < 1 or abs(count - n) > RATIO_TOLERANCE * n:
         whole = t0 + max(1, n) * step
-        msg = f"The run from {t0:g} s to {stop_time:g} s is no multiple of the step {step:g} s; stop at {whole:.9g} s instead."
+        msg = (
+            f"The run from {t0:g} s to {stop_time:g} s is no multiple of the step {step:g} s;"
+            f" stop at {whole:.9g} s instead."
+        )
         raise SystemDescriptionError(msg)
     return t0 + np.arange(n + 1) * step, np.array([step])
 
@@ -217,5 +220,9 @@ def _require_finite(result: Result, first: int, last: int) -> None:
 
 def _first_rows(result: Result, count: int) -> Result:
     return Result(
-        result.time[:count].copy(), result.names, result.rows[:count].copy(), result.units, result.steps_per_tick
+        result.time[:count].copy(),
+        result.names,
+        result.rows[:count].copy(),
+        result.units,
+        result.steps_per_tick,
     )
