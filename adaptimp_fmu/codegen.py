@@ -24,6 +24,7 @@ _SEAM = {
     "calibrate": (("p",), ("c", "checks", "active")),
     "initial": (("t", "u", "p", "c"), ("x",)),
     "tick": (("t", "x", "u", "p", "c", "w"), ("y", "next", "checks")),
+    "tick_update": (("t", "x", "u", "p", "c", "w"), ("y", "next", "checks")),
     "noise": (("r", "p", "c"), ("w",)),
     "derivative": (("t", "x", "u", "p", "c", "m"), ("dx",)),
     "output": (("t", "x", "u", "p", "c", "m"), ("y", "checks")),
@@ -70,6 +71,7 @@ def generate(model: Model) -> dict[str, str]:
         equations=EQUATIONS_SOURCE,
         functions=[_adapter(function) for function in lowered.functions],
         seed=_seed_reference(model),
+        divisor=_divisor_reference(model),
     )
     return {MAIN_SOURCE: main, EQUATIONS_SOURCE: _equations(lowered.functions), **runtime_sources()}
 
@@ -114,6 +116,12 @@ def _sentences(model: Model) -> dict[str, list[str]]:
 def _seed_reference(model: Model) -> int | None:
     if isinstance(model, SampledModel) and model.noise:
         return model.reference(model.noise.seed_name)
+    return None
+
+
+def _divisor_reference(model: Model) -> int | None:
+    if isinstance(model, SampledModel) and model.divisor_name:
+        return model.reference(model.divisor_name)
     return None
 
 

@@ -98,15 +98,16 @@ def _routines(model: Model) -> Sequence[Routine]:
     checks = stack([check.value for check in model.checks])
     initial = Routine("initial", {"t": t, "u": u}, {"x": stack([s.initial for s in model.states])})
     if isinstance(model, SampledModel):
-        if model.noise is None:
-            tick = {"t": t, "x": x, "u": u, "w": ca.SX(0, 1)}
-            return [initial, Routine("tick", tick, {"y": y, "next": evolution, "checks": checks})]
-        tick = {"t": t, "x": x, "u": u, "w": model.noise.symbol}
-        return [
-            initial,
-            Routine("tick", tick, {"y": y, "next": evolution, "checks": checks}),
-            Routine("noise", {"r": model.noise.uniforms}, {"w": model.noise.value}),
-        ]
+        w = model.noise.symbol if model.noise else ca.SX(0, 1)
+        arguments = {"t": t, "x": x, "u": u, "w": w}
+        held = stack([s.symbol if s.slow else ca.SX(s.evolution) for s in model.states])
+        routines = [initial, Routine("tick", arguments, {"y": y, "next": held, "checks": checks})]
+        if model.divisor_name:
+            results = {"y": y, "next": evolution, "checks": checks}
+            routines.append(Routine("tick_update", arguments, results))
+        if model.noise:
+            routines.append(Routine("noise", {"r": model.noise.uniforms}, {"w": model.noise.value}))
+        return routines
     if not isinstance(model, ContinuousModel):
         msg = f"{model.name} is neither a ContinuousModel nor a SampledModel."
         raise DefinitionError(msg)

@@ -34,12 +34,16 @@ NOT_NEGATIVE = Limits(minimum=0.0)
 
 @dataclass
 class State:
-    """A state vector: its symbol, its first value, and what becomes of it."""
+    """A state vector: its symbol, its first value, and what becomes of it.
+
+    A `slow` state of a sampled model is updated at every n-th tick only.
+    """
 
     name: str
     symbol: ca.SX
     initial: ca.SX
     evolution: ca.SX | None = None
+    slow: bool = False
 
 
 @dataclass(frozen=True)
@@ -306,6 +310,7 @@ class SampledModel(Model):
 
     sample_time: float = 1e-4
     noise: Noise | None = None
+    divisor_name: str | None = field(default=None, init=False)
     period: ca.SX = field(init=False)
     period_name: str = field(default="sample_time", init=False)
 
@@ -318,6 +323,22 @@ class SampledModel(Model):
     def update(self, state: ca.SX, value: ca.SX) -> None:
         """Give the value of a state at the next tick."""
         self._evolve(state, value)
+
+    def update_slowly(self, state: ca.SX, value: ca.SX, *, divisor: str) -> None:
+        """Give the value of a state after every n-th tick; in between it is held and `value` costs nothing.
+
+        Parameters
+        ----------
+        divisor
+            Name of the Integer parameter n, the same for all slow states of the model.
+        """
+        if self.divisor_name not in (None, divisor):
+            names = f"{self.divisor_name} and {divisor}"
+            msg = f"{self.name}: slow states have the divisors {names}; one serves all."
+            raise DefinitionError(msg)
+        self.divisor_name = divisor
+        self._evolve(state, value)
+        next(s for s in self.states if s.symbol is state).slow = True
 
     def random(self, value: Callable[[ca.SX], ca.SX], *, active: ca.SX, seed: str) -> ca.SX:
         """Declare noise that is drawn at every tick.

@@ -10,13 +10,13 @@ from adaptimp_fmu import POSITIVE, SampledModel, Type
 OFF = 1e9  # N.m, a limit that is none
 
 
-def actuator() -> SampledModel:
-    """Joint actuators; ideal by default."""
-    model = SampledModel("Actuator", "Joint actuators with torque limits")
-    tau_cmd = model.input("tau_cmd", [0.0, 0.0], unit="N.m", description="Commanded joint torque")
+def actuator(n: int = 2, name: str = "Actuator") -> SampledModel:
+    """Actuators of n joints; ideal by default."""
+    model = SampledModel(name, "Joint actuators with torque limits")
+    tau_cmd = model.input("tau_cmd", [0.0] * n, unit="N.m", description="Commanded joint torque")
     tau_max = model.parameter(
         "tau_max",
-        [OFF, OFF],
+        [OFF] * n,
         unit="N.m",
         limits=POSITIVE,
         tunable=True,

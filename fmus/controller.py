@@ -83,19 +83,19 @@ class Controller:
         return model
 
 
-def declare_controller(name: str, description: str) -> Controller:
-    """Declare a controller of the two-joint arm with the common inputs, parameters and TIRT."""
+def declare_controller(name: str, description: str, n: int = 2) -> Controller:
+    """Declare a controller of an arm with n joints: the common inputs, parameters and TIRT."""
     model = SampledModel(name, description)
-    arm = PlanarArm(2)
-    q = model.input("q", start.JOINT_ANGLES, unit="rad", description="Joint angle")
-    dq = model.input("dq", start.JOINT_RATES, unit="rad/s", description="Joint rate")
-    ddq = model.input("ddq", start.joint_accelerations(), unit="rad/s2", description="Joint acceleration")
+    arm, begin = PlanarArm(n), start.ARMS[n]
+    q = model.input("q", begin.q, unit="rad", description="Joint angle")
+    dq = model.input("dq", begin.dq, unit="rad/s", description="Joint rate")
+    ddq = model.input("ddq", begin.joint_accelerations(), unit="rad/s2", description="Joint acceleration")
     F_hat = model.input("F_hat", [0.0] * DIMENSION, unit="N", description="Measured tip force")
     x_v = model.input("x_v", start.X_V, unit="m", description="Virtual position of the tip")
     dx_v = model.input("dx_v", start.DX_V, unit="m/s", description="Virtual velocity of the tip")
     ddx_v = model.input("ddx_v", start.DDX_V, unit="m/s2", description="Virtual acceleration of the tip")
     impedance = _impedance(model)
-    l = model.parameter("l", start.LINK_LENGTHS, unit="m", limits=POSITIVE, description="Length of a link")
+    l = model.parameter("l", begin.link_lengths, unit="m", limits=POSITIVE, description="Length of a link")
     gravity = model.parameter("gravity", 0.0, unit="m/s2", description="Gravitational acceleration along -x2")
     coulomb_velocity = model.parameter(
         "coulomb_velocity",
@@ -106,7 +106,7 @@ def declare_controller(name: str, description: str) -> Controller:
     )
     p_start = model.parameter(
         "p_start",
-        [*start.MASSES, *([0.0] * 2 * arm.n)],
+        [*begin.masses, *([0.0] * 2 * arm.n)],
         unit=parameter_units(arm.n),
         limits=NOT_NEGATIVE,
         description=parameter_descriptions(arm.n, "Assumed"),

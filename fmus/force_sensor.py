@@ -4,7 +4,7 @@ The error has the density of two independent normal components of standard devia
 truncated where its Euclidean norm exceeds `noise_bound`, so |F_hat - F_ext| <= noise_bound (the
 delta of eq. (21)):
 
-    r = noise_std sqrt(-2 ln(1 - u0 (1 - exp(-noise_bound^2 / (2 noise_std^2)))))
+    r = min(noise_std sqrt(-2 ln(1 - u0 (1 - exp(-noise_bound^2 / (2 noise_std^2))))), noise_bound)
     error = r (cos 2 pi u1, sin 2 pi u1)
 
 with u0, u1 uniform in (0, 1), drawn anew at each tick from (seed, tick). With `contact_gated` the
@@ -64,5 +64,6 @@ def force_sensor() -> SampledModel:
 def truncated_normal(u0: ca.SX, u1: ca.SX, std: ca.SX, bound: ca.SX) -> ca.SX:
     """A plane normal vector of norm at most `bound`, from two uniform numbers; shape (2,)."""
     inside = 1 - ca.exp(-(bound**2) / (2 * std**2))
-    r = std * ca.sqrt(-2 * ca.log(1 - u0 * inside))
+    # Rounding may carry r beyond the bound (u0 next to 1, or a bound far below std).
+    r = ca.fmin(std * ca.sqrt(-2 * ca.log(1 - u0 * inside)), bound)
     return r * ca.vertcat(ca.cos(2 * math.pi * u1), ca.sin(2 * math.pi * u1))

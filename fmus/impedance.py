@@ -96,12 +96,20 @@ def torque_resolved(
 
     The cheapest of the three: one inverse dynamics at the joint acceleration ddq*.
     """
-    q, dq, F_hat = measured.q, measured.dq, measured.F_hat
+    x = model.arm.forward_kinematics(measured.q, model.l)
+    dx = ca.mtimes(model.arm.jacobian(measured.q, model.l), measured.dq)
+    return resolved_torque(measured, model, target_acceleration(x, dx, virtual, measured.F_hat, impedance))
+
+
+def resolved_torque(measured: Measured, model: ArmModel, demand: ca.SX) -> ca.SX:
+    """Eq. (6): the torque for a tip acceleration `demand`, m/s2, shape (2,), and the measured force.
+
+    ddq* = J^-1 (demand - dJ/dt dq); square Jacobians only. N.m, shape (n,).
+    """
+    q, dq = measured.q, measured.dq
     J, dJ = model.arm.jacobian(q, model.l), model.arm.jacobian_rate(q, dq, model.l)
-    x, dx = model.arm.forward_kinematics(q, model.l), ca.mtimes(J, dq)
-    demand = target_acceleration(x, dx, virtual, F_hat, impedance)
     ddq_star = solve_2x2(J, demand - ca.mtimes(dJ, dq))
-    return model.torque(q, dq, dq, ddq_star) + ca.mtimes(J.T, F_hat)
+    return model.torque(q, dq, dq, ddq_star) + ca.mtimes(J.T, measured.F_hat)
 
 
 def null_space_damping(measured: Measured, model: ArmModel, damping: ca.SX) -> ca.SX:

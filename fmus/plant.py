@@ -15,21 +15,17 @@ from fmus.arm import PlanarArm
 from fmus.contact import Wall, require_unit_normal
 
 
-def plant() -> ContinuousModel:
-    """The paper's two-joint arm and wall."""
-    model = ContinuousModel("Plant", "Planar arm with point masses against a compliant wall")
-    arm = PlanarArm(2)
+def plant(n: int = 2, name: str = "Plant") -> ContinuousModel:
+    """An arm of n joints, by default the paper's, and the wall."""
+    model = ContinuousModel(name, "Planar arm with point masses against a compliant wall")
+    arm, begin = PlanarArm(n), start.ARMS[n]
     tau = model.input("tau", [0.0] * arm.n, unit="N.m", description="Joint torque")
-    q_start = model.parameter(
-        "q_start", start.JOINT_ANGLES, unit="rad", description="Joint angle at the start"
-    )
-    dq_start = model.parameter(
-        "dq_start", start.JOINT_RATES, unit="rad/s", description="Joint rate at the start"
-    )
+    q_start = model.parameter("q_start", begin.q, unit="rad", description="Joint angle at the start")
+    dq_start = model.parameter("dq_start", begin.dq, unit="rad/s", description="Joint rate at the start")
     m = model.parameter(
-        "m", start.MASSES, unit="kg", limits=POSITIVE, description="Point mass at the end of a link"
+        "m", begin.masses, unit="kg", limits=POSITIVE, description="Point mass at the end of a link"
     )
-    l = model.parameter("l", start.LINK_LENGTHS, unit="m", limits=POSITIVE, description="Length of a link")
+    l = model.parameter("l", begin.link_lengths, unit="m", limits=POSITIVE, description="Length of a link")
     viscous = model.parameter(
         "viscous",
         [0.0] * arm.n,

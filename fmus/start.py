@@ -5,33 +5,62 @@ finite outputs (at q = 0 the arm is singular).
 """
 
 import math
+from dataclasses import dataclass
 
 import casadi as ca
 import numpy as np
 
 from fmus.arm import PlanarArm
 
-MASSES = (2.0, 1.0)  # kg, V: m1, and m2 with payload
-LINK_LENGTHS = (1.0, 1.0)  # m, V
 SEMI_AXIS = (1.5, 1.0)  # m, V
 PERIOD = 2.0  # s, V: one turn in 0 <= t <= 2 s
 WALL_NORMAL = (-1.0, 0.0)  # assumed: a vertical wall on the left
 WALL_OFFSET = 1.45  # m, assumed
 COULOMB_VELOCITY = 1e-2  # rad/s, assumed: smooths Coulomb friction at rest
 
-# Tip at (1.5, 0) moving at (0, pi) m/s, elbow bent by q2 > 0: q2 = arccos(1.5^2/2 - 1), q1 = -q2/2.
-JOINT_ANGLES = (-0.7227342478, 1.4454684956)  # rad
-JOINT_RATES = (2.0943951024, 0.0)  # rad/s
-
 X_V = (SEMI_AXIS[0], 0.0)  # m
 DX_V = (0.0, SEMI_AXIS[1] * 2 * math.pi / PERIOD)  # m/s
 DDX_V = (-SEMI_AXIS[0] * (2 * math.pi / PERIOD) ** 2, 0.0)  # m/s2
 
 
-def joint_accelerations() -> tuple[float, ...]:
-    """Accelerations of the paper's arm at the start without torque, rad/s2: -H^-1 C dq."""
-    arm = PlanarArm(2)
-    q, dq = ca.DM(JOINT_ANGLES), ca.DM(JOINT_RATES)
-    H = np.array(arm.inertia(q, MASSES, LINK_LENGTHS))
-    C = np.array(arm.coriolis(q, dq, MASSES, LINK_LENGTHS))
-    return tuple(float(a) for a in np.linalg.solve(H, -C @ np.array(JOINT_RATES)))
+@dataclass(frozen=True)
+class ArmStart:
+    """An arm and its state at the start: tip at (1.5, 0) m, moving at (0, pi) m/s.
+
+    Attributes
+    ----------
+    masses, link_lengths
+        kg and m, shape (n,).
+    q, dq
+        rad and rad/s, shape (n,).
+    """
+
+    masses: tuple[float, ...]
+    link_lengths: tuple[float, ...]
+    q: tuple[float, ...]
+    dq: tuple[float, ...]
+
+    def joint_accelerations(self) -> tuple[float, ...]:
+        """Accelerations without torque, rad/s2, shape (n,): -H^-1 C dq."""
+        arm = PlanarArm(len(self.q))
+        H = np.array(arm.inertia(ca.DM(self.q), self.masses, self.link_lengths))
+        C = np.array(arm.coriolis(ca.DM(self.q), ca.DM(self.dq), self.masses, self.link_lengths))
+        return tuple(float(a) for a in np.linalg.solve(H, -C @ np.array(self.dq)))
+
+
+ARMS = {
+    # V. Elbow bent by q2 > 0 (assumed): q2 = arccos(1.5^2/2 - 1), q1 = -q2/2.
+    2: ArmStart(
+        masses=(2.0, 1.0),
+        link_lengths=(1.0, 1.0),
+        q=(-0.7227342478, 1.4454684956),
+        dq=(2.0943951024, 0.0),
+    ),
+    # Assumed, for the redundant case: the same reach; q3 = 0.6, the rates of least norm.
+    3: ArmStart(
+        masses=(2.0, 1.0, 0.5),
+        link_lengths=(0.8, 0.7, 0.5),
+        q=(-0.8564675332, 1.1625008008, 0.6),
+        dq=(2.0267657571, 0.2020060324, -0.3102618316),
+    ),
+}

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from orchestration.errors import (
         ArchiveError,
+        InitializationError,
         OrchestrationError,
         SimulationError,
         SystemDescriptionError,
@@ -24,6 +25,7 @@ _HOME = {
     "ArchiveError": "errors",
     "Component": "system",
     "Connection": "system",
+    "InitializationError": "errors",
     "Options": "master",
     "OrchestrationError": "errors",
     "Result": "result",
@@ -38,6 +40,7 @@ __all__ = [
     "ArchiveError",
     "Component",
     "Connection",
+    "InitializationError",
     "Options",
     "OrchestrationError",
     "Result",

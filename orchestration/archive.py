@@ -5,10 +5,10 @@ the disk (a 2 MB archive of 2 GB), and its model identifier may name a library o
 """
 
 import hashlib
-import os
 import stat
 import tempfile
 import zipfile
+import zlib
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path, PurePosixPath
@@ -57,7 +57,7 @@ def unpack(path: Path, folder: Path) -> None:
         _screen(path, archive)
         try:
             archive.extractall(folder)
-        except (zipfile.BadZipFile, EOFError, OSError) as error:
+        except (zipfile.BadZipFile, zlib.error, EOFError, OSError) as error:
             msg = f"{path}: cannot be unpacked: {error}"
             raise ArchiveError(msg) from error
 
@@ -75,7 +75,7 @@ def _opened(path: Path) -> Iterator[zipfile.ZipFile]:
         raise ArchiveError(msg)
     try:
         archive = zipfile.ZipFile(path)
-    except (zipfile.BadZipFile, OSError, ValueError) as error:
+    except (zipfile.BadZipFile, NotImplementedError, OSError, ValueError) as error:
         msg = f"{path} is no readable zip archive: {error}"
         raise ArchiveError(msg) from error
     with archive:
@@ -97,7 +97,7 @@ def _screen(path: Path, archive: zipfile.ZipFile) -> None:
         if fault:
             msg = f"{path}: entry {entry.filename!r} {fault}."
             raise ArchiveError(msg)
-        key = os.path.normcase(entry.filename).casefold().rstrip("/")
+        key = str(PurePosixPath(entry.filename)).casefold()  # ./a, a// and a are one file
         if key in seen:
             msg = f"{path}: entry {entry.filename!r} occurs more than once."
             raise ArchiveError(msg)

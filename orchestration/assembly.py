@@ -7,7 +7,7 @@ import numpy as np
 
 from orchestration import loop
 from orchestration.errors import SystemDescriptionError
-from orchestration.fmu import BOOLEAN, INTEGER, REAL, Instance
+from orchestration.fmu import BOOLEAN, INTEGER, REAL, STRING, Instance
 from orchestration.loop import Plan
 from orchestration.system import Component, System
 
@@ -154,10 +154,11 @@ def _recorded_paths(system: System, record: Collection[str] | None) -> list[Path
             for variable in component.description.of_causality("output")
         ]
     paths = []
-    for name in record:
+    for name in dict.fromkeys(record):  # a column twice would leave one unwritten
         component, variable = system.resolve(name)
-        if variable.causality != "output":
-            msg = f"{name} is a {variable.causality}; only outputs can be recorded."
+        if variable.causality != "output" or variable.type == STRING:
+            is_ = f"a {variable.type} of causality {variable.causality}"
+            msg = f"{name} is {is_}; only outputs that are Real, Integer or Boolean can be recorded."
             raise SystemDescriptionError(msg)
         paths.append((component.name, variable.name))
     return paths

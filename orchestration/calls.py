@@ -27,7 +27,8 @@ def call_transfer(function: int, component: int, references: int, n: int, values
     int
         The fmi2Status.
     """
-    return _TRANSFER(function)(component, references, n, values)
+    # ctypes takes no NumPy integers, which is what the table holds
+    return _TRANSFER(int(function))(int(component), int(references), int(n), int(values))
 
 
 def call_do_step(function: int, component: int, t: float, h: float) -> int:
@@ -35,7 +36,7 @@ def call_do_step(function: int, component: int, t: float, h: float) -> int:
 
     noSetFMUStatePriorToCurrentPoint is true: fixed-step algorithms never go back.
     """
-    return _DO_STEP(function)(component, t, h, 1)
+    return _DO_STEP(int(function))(int(component), t, h, 1)
 
 
 @intrinsic

@@ -32,3 +32,7 @@ class SimulationError(OrchestrationError):
     def __init__(self, message: str, result: Result | None = None) -> None:
         super().__init__(message)
         self.result = result
+
+
+class InitializationError(SimulationError):
+    """A component refused its start values, or failed otherwise before the first step."""

@@ -1,23 +1,27 @@
 """An FMU as the master sees it: its description, and instances with addresses of its functions."""
 
 import ctypes
-import math
+import itertools
 import platform
 import re
 import sys
+import threading
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from functools import lru_cache
+from functools import cache, lru_cache
 from pathlib import Path
 from typing import Any
+from weakref import WeakValueDictionary
 
 from orchestration.archive import screen
-from orchestration.errors import ArchiveError, SimulationError
+from orchestration.errors import ArchiveError, InitializationError
 
 REAL, INTEGER, BOOLEAN, STRING = "Real", "Integer", "Boolean", "String"
 STATUS_NAMES = ("fmi2OK", "fmi2Warning", "fmi2Discard", "fmi2Error", "fmi2Fatal", "fmi2Pending")
 SAMPLE_TIME = "sample_time"
+WORST_ACCEPTED = 1  # fmi2Warning
 KEPT_MESSAGES = 5
+_LOADING = threading.Lock()  # fmpy changes the working directory while it loads a library
 _IDENTIFIER = re.compile(r"[A-Za-z_]\w*", re.ASCII)
 
 
@@ -93,7 +97,8 @@ def _read_description(path: Path, modified: int, size: int) -> Description:  # n
         msg = f"{path} is no valid FMU: {error}"
         raise ArchiveError(msg) from error
     if raw.fmiVersion != "2.0" or raw.coSimulation is None:
-        msg = f"{path} is an FMI {raw.fmiVersion} FMU; an FMI 2.0 unit for co-simulation is needed."
+        kind = "model exchange" if raw.coSimulation is None else "co-simulation"
+        msg = f"{path} is an FMI {raw.fmiVersion} FMU for {kind}; one of FMI 2.0 for co-simulation is needed."
         raise ArchiveError(msg)
     identifier = raw.coSimulation.modelIdentifier
     if not _IDENTIFIER.fullmatch(identifier):
@@ -133,16 +138,16 @@ def parse_value(text: Any, kind: str) -> float:
         If the text is no value of that type.
     """
     if kind == BOOLEAN:
-        values = {"true": 1.0, "1": 1.0, "false": 0.0, "0": 0.0}
+        values = {"true": 1.0, "1": 1.0, "1.0": 1.0, "false": 0.0, "0": 0.0, "0.0": 0.0}
         return values[str(text).strip().lower()]
     number = float(text)
-    if kind == INTEGER and not (math.isfinite(number) and number.is_integer()):
-        msg = f"{text!r} is no integer"
+    if kind == INTEGER and not (number.is_integer() and -(2**31) <= number < 2**31):
+        msg = f"{text!r} is no integer of 32 bits"  # ctypes would wrap a longer one
         raise ValueError(msg)
     return number
 
 
-def library_path(folder: Path, identifier: str) -> Path:
+def library_path(folder: Path, description: Description) -> Path:
     """The shared library for this machine in an unpacked FMU.
 
     Raises
@@ -157,16 +162,21 @@ def library_path(folder: Path, identifier: str) -> Path:
         "win32": (("win64", "x86_64-windows"), ".dll"),
     }[sys.platform]
     for name in names:
-        path = folder / "binaries" / name / f"{identifier}{extension}"
+        path = folder / "binaries" / name / f"{description.identifier}{extension}"
         if path.is_file():
             return path
     binaries = folder / "binaries"
     present = sorted(p.name for p in binaries.iterdir()) if binaries.is_dir() else []
-    msg = f"{identifier} has no binary for {names[0]}; it has {', '.join(present) or 'none'}."
+    has = ", ".join(present) or "none"
+    msg = f"{description.path} has no binary for {names[0]}, this machine; it has {has}."
     raise ArchiveError(msg)
 
 
-@dataclass
+_loggers: "WeakValueDictionary[int, Instance]" = WeakValueDictionary()
+_environments = itertools.count(1)
+
+
+@dataclass(eq=False)
 class Instance:
     """An instance of an FMU in an unpacked folder.
 
@@ -190,20 +200,21 @@ class Instance:
 
         Raises
         ------
-        ArchiveError, SimulationError
+        ArchiveError, InitializationError
         """
         from fmpy.fmi2 import FMU2Slave
 
         instance = cls(name, description)
-        library = library_path(folder, description.identifier)
+        library = library_path(folder, description)
         try:
-            instance.slave = FMU2Slave(
-                guid=description.guid,
-                modelIdentifier=description.identifier,
-                unzipDirectory=str(folder),
-                libraryPath=str(library),
-                instanceName=name,
-            )
+            with _LOADING:
+                instance.slave = FMU2Slave(
+                    guid=description.guid,
+                    modelIdentifier=description.identifier,
+                    unzipDirectory=str(folder),
+                    libraryPath=str(library),
+                    instanceName=name,
+                )
         except Exception as error:  # fmpy raises bare Exception
             msg = f"{name}: {description.path.name} cannot be loaded: {error}"
             raise ArchiveError(msg) from error
@@ -221,18 +232,22 @@ class Instance:
         return int(ctypes.cast(getattr(self.slave.dll, function), ctypes.c_void_p).value or 0)
 
     def call(self, function: str, *arguments: Any) -> None:
-        """Call an FMI function with the component as first argument.
+        """Call an FMI function with the component as first argument, before the first step.
 
         Raises
         ------
-        SimulationError
+        InitializationError
             Unless the status is fmi2OK or fmi2Warning.
         """
+        status = self.status(function, *arguments)
+        if status > WORST_ACCEPTED:
+            raise InitializationError(self.failure(function, status))
+
+    def status(self, function: str, *arguments: Any) -> int:
+        """Call an FMI function with the component as first argument; returns the fmi2Status."""
         c_function = getattr(self.slave.dll, function)
         c_function.restype = ctypes.c_int
-        status = c_function(ctypes.c_void_p(self.component), *arguments)
-        if status > 1:
-            raise SimulationError(self.failure(function, status))
+        return c_function(ctypes.c_void_p(self.component), *arguments)
 
     def failure(self, function: str, status: int, where: str = "") -> str:
         """The sentence that says which call returned what, and the instance's last message."""
@@ -252,26 +267,37 @@ class Instance:
             fmi2CallbackAllocateMemoryTYPE,
             fmi2CallbackFreeMemoryTYPE,
             fmi2CallbackFunctions,
-            fmi2CallbackLoggerTYPE,
             free,
         )
         from fmpy.logging import addLoggerProxy
 
+        environment = next(_environments)
+        _loggers[environment] = self
         callbacks = fmi2CallbackFunctions()
-        callbacks.logger = fmi2CallbackLoggerTYPE(self._log)
+        callbacks.logger = _c_logger()
         callbacks.allocateMemory = fmi2CallbackAllocateMemoryTYPE(calloc)
         callbacks.freeMemory = fmi2CallbackFreeMemoryTYPE(free)
-        python_logger = callbacks.logger
+        callbacks.componentEnvironment = environment
         addLoggerProxy(ctypes.byref(callbacks))  # formats printf arguments before calling ours
-        self._callbacks = (callbacks, python_logger)
+        self._callbacks = callbacks
         try:
             self.slave.instantiate(callbacks=callbacks, loggingOn=True)
         except Exception as error:  # fmpy raises bare Exception
             self.slave.component = None
-            last = self.messages[-1] if self.messages else "it logged nothing"
-            msg = f"{self.name}: fmi2Instantiate failed; {last}"
-            raise SimulationError(msg) from error
+            last = f'its last message: "{self.messages[-1]}"' if self.messages else "it logged nothing"
+            msg = f"{self.name}: fmi2Instantiate failed; {last}."
+            raise InitializationError(msg) from error
 
-    def _log(self, environment: Any, name: Any, status: int, category: Any, message: Any) -> None:  # noqa: ARG002
-        text = (message or b"").decode(errors="replace").strip()
-        self.messages[:] = [*self.messages, text][-KEPT_MESSAGES:]
+
+@cache
+def _c_logger() -> Any:
+    """The logger of all instances; fmpy's proxy knows one at a time, so the environment tells them apart."""
+    from fmpy.fmi2 import fmi2CallbackLoggerTYPE
+
+    def log(environment: Any, name: Any, status: int, category: Any, message: Any) -> None:  # noqa: ARG001
+        instance = _loggers.get(environment or 0)
+        if instance is not None:
+            text = (message or b"").decode(errors="replace").strip()
+            instance.messages[:] = [*instance.messages, text][-KEPT_MESSAGES:]
+
+    return fmi2CallbackLoggerTYPE(log)

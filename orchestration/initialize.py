@@ -8,15 +8,14 @@ import numpy as np
 
 from orchestration.archive import unpacked
 from orchestration.assembly import Assembly
-from orchestration.errors import SimulationError
-from orchestration.fmu import BOOLEAN, INTEGER, REAL, Instance
+from orchestration.errors import InitializationError
+from orchestration.fmu import BOOLEAN, INTEGER, REAL, WORST_ACCEPTED, Instance
 from orchestration.loop import (
     CALL_NAMES,
     END_DISCRETE,
     END_REAL,
     FIRST_DISCRETE,
     FIRST_REAL,
-    WORST_ACCEPTED,
     copy_links,
     get_outputs,
     set_inputs,
@@ -32,7 +31,7 @@ def opened(system: System) -> Iterator[list[Instance]]:
 
     Raises
     ------
-    ArchiveError, SimulationError
+    ArchiveError, InitializationError
     """
     with ExitStack() as stack:
         folders = {
@@ -56,7 +55,7 @@ def initialize(system: System, instances: Sequence[Instance], assembly: Assembly
 
     Raises
     ------
-    SimulationError
+    InitializationError
         If a call fails, or the values do not settle: an algebraic loop.
     """
     for component, instance in zip(system.components, instances, strict=True):
@@ -101,16 +100,16 @@ def _propagate(system: System, instances: Sequence[Instance], assembly: Assembly
         if _same(before[0], plan.reals) and _same(before[1], plan.discretes):
             return
     unsettled = [
-        f"{name} ({before[0][i]!r}, then {plan.reals[i]!r})"
+        f"{name} ({before[0][i]:.17g}, then {plan.reals[i]:.17g})"
         for name, i in assembly.real_outputs.items()
         if before[0][i] != plan.reals[i]
     ]
+    names = ", ".join(unsettled[:3]) or "Integer or Boolean outputs"
     msg = (
-        f"System {system.name}: {', '.join(unsettled[:3])} do not settle during initialization: the"
-        " connections close an algebraic loop. Break it with a component whose outputs do not depend"
-        " on its inputs."
+        f"System {system.name}: {names} do not settle during initialization: the connections close an"
+        " algebraic loop. Break it with a component whose outputs do not depend on its inputs."
     )
-    raise SimulationError(msg)
+    raise InitializationError(msg)
 
 
 def _transfer(assembly: Assembly, i: int) -> None:
@@ -133,4 +132,4 @@ def _same(a: np.ndarray, b: np.ndarray) -> bool:
 
 def _raise_failure(instance: Instance, call: int, status: int) -> None:
     if status > WORST_ACCEPTED:
-        raise SimulationError(instance.failure(CALL_NAMES[call], status, " during initialization"))
+        raise InitializationError(instance.failure(CALL_NAMES[call], status, " during initialization"))

@@ -17,6 +17,7 @@ import numpy as np
 from numba import njit
 
 from orchestration.calls import call_do_step, call_transfer
+from orchestration.fmu import WORST_ACCEPTED
 
 GAUSS_SEIDEL, JACOBI = 0, 1
 
@@ -35,7 +36,6 @@ CALL_NAMES = {
     GET_INTEGER: "fmi2GetInteger",
     GET_BOOLEAN: "fmi2GetBoolean",
 }
-WORST_ACCEPTED = 1  # fmi2Warning
 
 
 class Plan(NamedTuple):

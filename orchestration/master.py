@@ -23,8 +23,8 @@ import numpy as np
 
 from orchestration import loop
 from orchestration.assembly import Assembly, assemble
-from orchestration.errors import SimulationError, SystemDescriptionError
-from orchestration.fmu import Instance
+from orchestration.errors import InitializationError, SimulationError, SystemDescriptionError
+from orchestration.fmu import WORST_ACCEPTED, Instance
 from orchestration.initialize import initialize, opened
 from orchestration.result import Result
 from orchestration.system import RATIO_TOLERANCE, System
@@ -100,6 +100,8 @@ def simulate(
     ------
     SystemDescriptionError
         If the system cannot be run as asked.
+    InitializationError
+        If a component refuses its start values.
     SimulationError
         If a component fails; ``error.result`` has the rows made before.
     """
@@ -109,8 +111,10 @@ def simulate(
         raise SystemDescriptionError(msg)
     if order is not None:
         system = system.ordered(order)
-    points, steps = _grid(system, stop_time, step, times, options.start_time)
+    steps = _steps(system.step if step is None else step, times)
     ratios = _ratios(system, steps, options)
+    stop_time = system.stop_time if stop_time is None else stop_time
+    points = _points(options.start_time, stop_time, steps[0]) if times is None else np.array(times, float)
     _report_unconnected(system, options)
     with opened(system) as instances:
         assembly = assemble(system, instances, options.record)
@@ -118,28 +122,33 @@ def simulate(
         initialize(system, instances, assembly, float(points[0]))
         assembly.record(rows[0])
         result = Result(points, assembly.columns, rows, assembly.units, ratios)
+        if fault := _not_finite(result, 0, 1):
+            raise InitializationError(fault[1])
         _advance(instances, assembly, ALGORITHMS[algorithm], steps, result, options.progress)
         for instance in instances:
-            instance.call("fmi2Terminate")
+            status = instance.status("fmi2Terminate")
+            if status > WORST_ACCEPTED:
+                raise SimulationError(instance.failure("fmi2Terminate", status), result)
     return result
 
 
-def _grid(
-    system: System, stop_time: float | None, step: float | None, times: np.ndarray | None, t0: float
-) -> tuple[np.ndarray, np.ndarray]:
-    """Communication points and step sizes; one step size if all are equal."""
+def _steps(step: float, times: np.ndarray | None) -> np.ndarray:
+    """Step sizes, s, shape (n,), or (1,) if no communication points are given and all are equal."""
     if times is not None:
         points = np.array(times, dtype=float)
-        steps = np.diff(points)
-        if points.ndim != 1 or points.size < 2 or not (np.isfinite(points).all() and (steps > 0).all()):
+        shaped = points.ndim == 1 and points.size > 1
+        if not (shaped and np.isfinite(points).all() and (np.diff(points) > 0).all()):
             msg = "The communication points must be at least two finite, increasing times."
             raise SystemDescriptionError(msg)
-        return points, steps
-    step = system.step if step is None else step
-    stop_time = system.stop_time if stop_time is None else stop_time
+        return np.diff(points)
     if not (np.isfinite(step) and step > 0):
         msg = f"The step {step!r} s is not positive."
         raise SystemDescriptionError(msg)
+    return np.array([step], dtype=float)
+
+
+def _points(t0: float, stop_time: float, step: float) -> np.ndarray:
+    """Communication points t0 + k step, s, shape (n + 1,)."""
     count = (stop_time - t0) / step
     n = round(count) if np.isfinite(count) else -1
     if n < 1 or abs(count - n) > RATIO_TOLERANCE * n:
@@ -149,7 +158,7 @@ def _grid(
             f" stop at {whole:.9g} s instead."
         )
         raise SystemDescriptionError(msg)
-    return t0 + np.arange(n + 1) * step, np.array([step])
+    return t0 + np.arange(n + 1) * step
 
 
 def _ratios(system: System, steps: np.ndarray, options: Options) -> dict[str, int]:
@@ -199,23 +208,23 @@ def _advance(
             where = f" at t = {result.time[k]:.9g} s (step {k})"
             message = instances[i].failure(loop.CALL_NAMES[call], status, where)
             raise SimulationError(message, _first_rows(result, k + 1))
-        _require_finite(result, done + 1, last + 1)
+        if fault := _not_finite(result, done + 1, last + 1):
+            raise SimulationError(fault[1], _first_rows(result, fault[0]))
         done = last
         chunk = max(1, int(chunk * min(4.0, _CHUNK_SECONDS / max(elapsed, 1e-6))))
         if progress is not None:
             progress(done, n)
 
 
-def _require_finite(result: Result, first: int, last: int) -> None:
+def _not_finite(result: Result, first: int, last: int) -> tuple[int, str] | None:
+    """The first row with a value that is NaN or infinite, and the sentence that says so."""
     bad = np.argwhere(~np.isfinite(result.rows[first:last]))
-    if bad.size:
-        row, column = bad[0]
-        k = first + int(row)
-        msg = (
-            f"{result.names[column]} is {result.rows[k, column]} at t = {result.time[k]:.9g} s (row {k});"
-            " the run has diverged."
-        )
-        raise SimulationError(msg, _first_rows(result, k))
+    if not bad.size:
+        return None
+    k, column = first + int(bad[0, 0]), bad[0, 1]
+    why = "the run has diverged" if k > 0 else "start values are wrong or missing"
+    where = f"at t = {result.time[k]:.9g} s (row {k})"
+    return k, f"{result.names[column]} is {result.rows[k, column]} {where}; {why}."
 
 
 def _first_rows(result: Result, count: int) -> Result:

@@ -1,6 +1,7 @@
 """What a run recorded."""
 
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -78,16 +79,28 @@ class Result:
         """Write all rows, 17 significant digits, one line per communication point.
 
         The first line has the names; the file is whole or not there.
+
+        Raises
+        ------
+        OrchestrationError
+            If the file cannot be written.
         """
         header = ",".join(["time", *(f'"{n}"' if "," in n else n for n in self.names)])
         line = ",".join(["%.17g"] * (len(self.names) + 1))
         draft = path.with_name(path.name + ".part")
-        path.parent.mkdir(parents=True, exist_ok=True)
-        with draft.open("w", encoding="utf-8", newline="\n") as file:
-            file.write(header + "\n")
-            for t, row in zip(self.time.tolist(), self.rows.tolist(), strict=True):
-                file.write(line % (t, *row) + "\n")
-        draft.replace(path)
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            with draft.open("w", encoding="utf-8", newline="\n") as file:
+                file.write(header + "\n")
+                for t, row in zip(self.time.tolist(), self.rows.tolist(), strict=True):
+                    file.write(line % (t, *row) + "\n")
+            draft.replace(path)
+        except OSError as error:
+            msg = f"{path}: the result cannot be written: {error.strerror}."
+            raise OrchestrationError(msg) from error
+        finally:
+            with suppress(OSError):
+                draft.unlink(missing_ok=True)
 
     def _index(self, name: str) -> int:
         try:

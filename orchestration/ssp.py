@@ -6,7 +6,10 @@ connectors, one parameter set per component, equal units on both ends, literal p
 """
 
 import importlib.resources
+import os
+import tempfile
 import zipfile
+from contextlib import suppress
 from functools import cache
 from pathlib import Path, PurePosixPath
 from typing import Any
@@ -59,7 +62,7 @@ def write_ssp(system: System, path: Path) -> Path:
 def read_ssp(path: Path) -> System:
     """Read an SSP package of the profile above.
 
-    The package is unpacked once into the user's cache, by its hash.
+    The package is unpacked once into the cache (``$ADAPTIMP_CACHE`` or the user's), by its hash.
 
     Raises
     ------
@@ -71,11 +74,7 @@ def read_ssp(path: Path) -> System:
     if not path.is_file():
         msg = f"{path}: there is no such package."
         raise ArchiveError(msg)
-    folder = Path(platformdirs.user_cache_path("adaptimp")) / "ssp" / file_hash(path)[:32]
-    if not (folder / "complete").exists():
-        folder.mkdir(parents=True, exist_ok=True)
-        unpack(path, folder)
-        (folder / "complete").touch()
+    folder = _unpacked(path)
     root = _parse(folder / "SystemStructure.ssd", "SystemStructureDescription.xsd", path)
     outer = root.find(f"{{{SSD}}}System")
     if outer.find(f"{{{SSD}}}Elements/{{{SSD}}}System") is not None:
@@ -98,11 +97,31 @@ def read_ssp(path: Path) -> System:
         connections.append(_oriented(ends, components))
     experiment = root.find(f"{{{SSD}}}DefaultExperiment")
     stop = experiment.get("stopTime") if experiment is not None else None
+    start = float(experiment.get("startTime") or 0) if experiment is not None else 0.0
     step = root.find(f".//{{{SSC}}}Annotation[@type='{STEP_ANNOTATION}']/step")
     options = {"step": float(step.get("size"))} if step is not None else {}
     if stop is not None:
         options["stop_time"] = float(stop)
+    if start != 0:
+        options["notices"] = (
+            f"{path}: its start time {start:g} s is not used; give it in Options.start_time.",
+        )
     return System(root.get("name"), components, tuple(connections), **options)
+
+
+def _unpacked(path: Path) -> Path:
+    """The package's folder in the cache; it appears whole, also when two runs read at once."""
+    cache_folder = os.environ.get("ADAPTIMP_CACHE") or platformdirs.user_cache_path("adaptimp")
+    folder = Path(cache_folder) / "ssp" / file_hash(path)[:32]
+    if not folder.is_dir():
+        folder.parent.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryDirectory(dir=folder.parent) as scratch:
+            fresh = Path(scratch) / "package"
+            fresh.mkdir()
+            unpack(path, fresh)
+            with suppress(OSError):  # another run was faster
+                fresh.rename(folder)
+    return folder
 
 
 def _resources(system: System) -> dict[str, Path]:
@@ -176,7 +195,8 @@ def _connectors(element: Any, system: System, component: Component, units: dict[
         typed = etree.SubElement(connector, f"{{{SSC}}}{variable.type}")
         if variable.unit:
             typed.set("unit", variable.unit)
-            units[variable.unit] = component.description.units[variable.unit]
+            undefined = UnitDefinition(variable.unit, ((f"={variable.unit}", 1),))
+            units[variable.unit] = component.description.units.get(variable.unit, undefined)
 
 
 def _write_units(listing: Any, units: dict[str, UnitDefinition]) -> None:

@@ -4,7 +4,9 @@ A `System` is a value: its methods return changed copies. Everything is checked 
 a system that exists can be run.
 """
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -13,6 +15,7 @@ from orchestration.fmu import (
     BOOLEAN,
     INTEGER,
     SAMPLE_TIME,
+    STRING,
     Description,
     Variable,
     parse_value,
@@ -106,8 +109,10 @@ class System:
                 )
                 raise SystemDescriptionError(msg)
         for component in self.components:
-            for name in component.start:
-                _require_settable(component, component.variable(name))
+            for name, value in component.start.items():
+                variable = component.variable(name)
+                _require_settable(component, variable)
+                _number(f"{component.name}.{name}", variable, value)
         driven: set[tuple[str, str]] = set()
         for connection in self.connections:
             self._check(connection)
@@ -283,6 +288,9 @@ class System:
             period = component.sample_time
             if period is None:
                 continue
+            if not (math.isfinite(period) and period > 0):
+                msg = f"{component.name}: sample time {period:g} s is not positive; use {step:g} s, the step."
+                raise SystemDescriptionError(msg)
             ratio = period / step
             nearest = round(ratio)
             if nearest < 1 or abs(ratio - nearest) > RATIO_TOLERANCE * ratio:
@@ -299,15 +307,16 @@ class System:
         source, target = self.component(connection.source), self.component(connection.target)
         output, input_ = source.variable(connection.output), target.variable(connection.input)
         if output.causality != "output":
-            msg = f"Connection {connection}: {output.name} is a {output.causality}, not an output."
+            msg = f"Connection {connection}: {output.name} has causality {output.causality}, not output."
             raise SystemDescriptionError(msg)
         if input_.causality != "input":
-            msg = (
-                f"Connection {connection}: {target.name}.{input_.name} is a {input_.causality}, not an input."
-            )
+            msg = f"Connection {connection}: {input_.name} has causality {input_.causality}, not input."
             raise SystemDescriptionError(msg)
         if output.type != input_.type:
             msg = f"Connection {connection}: types {output.type} and {input_.type} differ."
+            raise SystemDescriptionError(msg)
+        if output.type == STRING:
+            msg = f"Connection {connection}: Strings cannot be connected."
             raise SystemDescriptionError(msg)
         if not _same_unit(source, output, target, input_):
             msg = f"Connection {connection}: units {output.unit} and {input_.unit} differ."
@@ -339,14 +348,19 @@ def _same_unit(source: Component, output: Variable, target: Component, input_: V
 def _require_settable(component: Component, variable: Variable) -> None:
     if variable.causality not in _SETTABLE:
         path = f"{component.name}.{variable.name}"
-        msg = f"{path} is a {variable.causality}; only parameters and inputs can be set."
+        msg = f"{path} has causality {variable.causality}; only parameters and inputs can be set."
+        raise SystemDescriptionError(msg)
+    if variable.type == STRING:
+        msg = f"{component.name}.{variable.name} is a String; only Reals, Integers and Booleans can be set."
         raise SystemDescriptionError(msg)
 
 
 def _number(path: str, variable: Variable, value: float | bool | str) -> float:
-    try:
-        return parse_value(value, variable.type)
-    except (ValueError, KeyError, TypeError):
-        examples = {BOOLEAN: "true or false", INTEGER: "an integer"}
+    number = math.nan
+    with suppress(ValueError, KeyError, TypeError):
+        number = parse_value(value, variable.type)
+    if math.isnan(number):
+        examples = {BOOLEAN: "true or false", INTEGER: "an integer of 32 bits"}
         msg = f"{path} = {value!r}: {examples.get(variable.type, 'a number')} is needed."
-        raise SystemDescriptionError(msg) from None
+        raise SystemDescriptionError(msg)
+    return number

@@ -1,8 +1,8 @@
 /* The seam between a model and the runtime.
  *
  * A generated file defines, before anything else is included, the sizes MODEL_N_*, the index
- * MODEL_PERIOD and MODEL_SAMPLED; after this header it defines the tables and functions declared
- * here. The model never sees FMI, the runtime never sees physics.
+ * MODEL_PERIOD and MODEL_SAMPLED (and the index MODEL_DIVISOR, if there are slow states); after this
+ * header it defines the tables and functions declared here. The model never sees FMI, the runtime never sees physics.
  *
  * A variable's value reference is its index in model_variables; parameters come first, then
  * inputs, then outputs, so each group is one run of doubles. Booleans and Integers are stored as
@@ -46,6 +46,12 @@ static void model_initial(double t, const double *u, const double *p, const doub
 #if MODEL_SAMPLED
 static void model_tick(double t, const double *x, const double *u, const double *p, const double *c,
                        const double *w, double *y, double *next, double *checks);
+#ifdef MODEL_DIVISOR
+/* The same as model_tick, and the slow states of `next` as well; model_tick holds those. */
+static void model_tick_update(double t, const double *x, const double *u, const double *p,
+                              const double *c, const double *w, double *y, double *next,
+                              double *checks);
+#endif
 #if MODEL_N_NOISE
 static uint64_t model_seed(const double *p);
 static void model_noise(const double *uniforms, const double *p, const double *c, double *w);

@@ -3,7 +3,7 @@
  * The instance keeps its own position in ticks, since a host's clock is summed or rounded: k ticks
  * have run, and `tick_fraction` in [0, 1) says how far behind the last one the present lies. A
  * step of h covers h / sample_time ticks; a position within rounding of a whole tick is that tick.
- * A tick at the start of a step uses the inputs just set.
+ * A tick at the start of a step uses the inputs just set. Slow states are updated at every n-th tick.
  */
 #include <float.h>
 #include <math.h>
@@ -42,6 +42,13 @@ static void draw_noise(State *s, double *w) {
 static void compute_tick(State *s, double *y, double *next, double *checks) {
     double w[AT_LEAST_ONE(MODEL_N_NOISE)];
     draw_noise(s, w);
+#ifdef MODEL_DIVISOR
+    if (s->tick % (int64_t)s->values[MODEL_DIVISOR] == 0) {
+        model_tick_update(tick_time(s), s->states, inputs(s), parameters(s), s->constants, w, y, next,
+                          checks);
+        return;
+    }
+#endif
     model_tick(tick_time(s), s->states, inputs(s), parameters(s), s->constants, w, y, next, checks);
 }
 

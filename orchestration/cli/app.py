@@ -98,14 +98,18 @@ def run(
 
 def main() -> None:
     """Entry point: errors of ours are one sentence on standard error, not a traceback."""
-    from orchestration.errors import OrchestrationError, SimulationError
+    from orchestration.errors import InitializationError, OrchestrationError, SimulationError
 
     try:
         app()
+    except InitializationError as error:  # start values are part of the request
+        _stop(error, 2)
     except SimulationError as error:
         _stop(error, 1)
     except OrchestrationError as error:
         _stop(error, 2)
+    except OSError as error:  # a full disk, a cache that cannot be written
+        _stop(error, 1)
 
 
 def _stop(error: Exception, code: int) -> None:

@@ -1,6 +1,7 @@
 """What the commands do."""
 
 import re
+import tempfile
 import time
 import warnings
 from collections.abc import Iterator, Sequence
@@ -8,11 +9,13 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
+import typer
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
-from rich.table import Table
+from rich.table import Column, Table
+from rich.text import Text
 
-from orchestration.errors import SimulationError, SystemDescriptionError
+from orchestration.errors import OrchestrationError, SimulationError, SystemDescriptionError
 from orchestration.master import Options, simulate
 from orchestration.master import Progress as Report
 from orchestration.result import Result
@@ -20,10 +23,11 @@ from orchestration.system import System
 
 PROGRESS_AFTER = 1.0  # s
 IMAGES = ("png", "svg")
+INTERRUPTED = 130  # exit code, as shells have it
 _SETTING = re.compile(r"([^=\s]+)=(.*)", re.DOTALL)
 
-console = Console()
-errors = Console(stderr=True)
+console = Console(markup=False, highlight=False)  # names such as x[i] are no markup
+errors = Console(stderr=True, markup=False, highlight=False)
 
 
 @dataclass(frozen=True)
@@ -46,17 +50,19 @@ class RunRequest:
 
 def build_fmus(out: Path, platforms: Sequence[str]) -> None:
     """Build every unit into a folder."""
-    from adaptimp_fmu import PLATFORMS, build, host_platform
+    from adaptimp_fmu import PLATFORMS
     from fmus.catalog import UNITS
+    from orchestration.paper.provide import built
 
     for name in platforms:
         if name not in PLATFORMS and name != "all":
             msg = f"There is no platform {name}; there are {', '.join(PLATFORMS)} and all."
             raise SystemDescriptionError(msg)
     chosen = list(PLATFORMS.values()) if "all" in platforms else [PLATFORMS[n] for n in platforms]
-    for declare in UNITS.values():
-        path = build(declare(), out, chosen or [host_platform()])
-        console.print(f"{path}  {path.stat().st_size / 1024:.0f} kB", highlight=False)
+    _require_folder(out)
+    for identifier in UNITS:
+        path = built(identifier, out, chosen)
+        typer.echo(f"{path}  {path.stat().st_size / 1024:.0f} kB")
 
 
 def reproduce_paper(out: Path, image: str) -> None:
@@ -66,27 +72,28 @@ def reproduce_paper(out: Path, image: str) -> None:
     if image not in IMAGES:
         msg = f"There is no image format {image}; there are {', '.join(IMAGES)}."
         raise SystemDescriptionError(msg)
-    report = reproduce(out, lambda sentence: console.print(f"{sentence} ...", highlight=False), image)
+    _require_folder(out)
+    report = reproduce(out, lambda sentence: typer.echo(f"{sentence} ..."), image)
     table = Table("id", "claim", "measured", "verdict", title="Claims of the paper")
     colours = {"holds": "green", "not reproduced": "red"}
     for claim in report.claims:
         colour = colours.get(claim.verdict, "dim")
-        table.add_row(claim.id, claim.claim, claim.measured, f"[{colour}]{claim.verdict}[/]")
+        table.add_row(claim.id, claim.claim, claim.measured, Text(claim.verdict, colour))
     console.print(table)
     for path in (*report.figures, report.claims_file):
-        console.print(f"wrote {path}", highlight=False)
+        typer.echo(f"wrote {path}")
 
 
 def run_system(request: RunRequest) -> None:
     """Run a system as asked; a run that fails half-way still writes the rows it made."""
     system = _system(request)
     for notice in system.notices:
-        errors.print(f"Notice: {notice}", highlight=False)
+        typer.echo(f"Notice: {notice}", err=True)
     order = request.order or [component.name for component in system.components]
-    step = request.step or system.step
-    console.print(
-        f"{system.name}: {request.algorithm}, order {' > '.join(order)}, step {step:g} s", highlight=False
-    )
+    step = system.step if request.step is None else request.step
+    typer.echo(f"{system.name}: {request.algorithm}, order {' > '.join(order)}, step {step:g} s")
+    if request.out is not None:
+        _require_folder(request.out.parent)
     with _progress() as report, warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         options = Options(
@@ -103,22 +110,37 @@ def run_system(request: RunRequest) -> None:
         except SimulationError as error:
             _keep_partial(error, request.out)
             raise
+        except KeyboardInterrupt:
+            typer.echo("Interrupted: the run was stopped and nothing is written.", err=True)
+            raise typer.Exit(INTERRUPTED) from None
         elapsed = time.perf_counter() - started
     for warning in caught:
-        errors.print(f"Warning: {warning.message}", highlight=False)
+        typer.echo(f"Warning: {warning.message}", err=True)
     if request.out is None:
         _print_summary(result)
     else:
         result.write_csv(request.out)
-        console.print(
-            f"wrote {request.out}: {len(result.time)} rows, {len(result.names)} columns", highlight=False
-        )
-    console.print(f"{len(result.time) - 1} steps in {elapsed:.2f} s", highlight=False)
+        typer.echo(f"wrote {request.out}: {len(result.time)} rows, {len(result.names)} columns")
+    typer.echo(f"{len(result.time) - 1} steps in {elapsed:.2f} s")
+
+
+def _require_folder(folder: Path) -> None:
+    """Make a folder, and refuse one that cannot be written to before the work is done."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            pass
+    except OSError as error:
+        msg = f"--out: nothing can be written to {folder}: {error.strerror}; choose another place."
+        raise OrchestrationError(msg) from error
 
 
 def _system(request: RunRequest) -> System:
     if request.out is not None and request.out.suffix != ".csv":
         msg = f"{request.out}: results are written as .csv."
+        raise SystemDescriptionError(msg)
+    if request.out is not None and request.out.is_dir():
+        msg = f"{request.out} is a folder; a file for the result is needed."
         raise SystemDescriptionError(msg)
     if request.step is not None and request.sample_time is not None:
         msg = "--step and --sample-time exclude each other: the latter sets the step too."
@@ -161,20 +183,20 @@ def _progress() -> Iterator[Report]:
     try:
         yield report
     finally:
-        bar.stop()
+        if bar.live.is_started:  # else it would print an empty line
+            bar.stop()
 
 
 def _keep_partial(error: SimulationError, out: Path | None) -> None:
     if out is not None and error.result is not None:
         partial = out.with_name(f"{out.stem}.partial.csv")
         error.result.write_csv(partial)
-        errors.print(
-            f"wrote {partial}: the {len(error.result.time)} rows before the failure", highlight=False
-        )
+        typer.echo(f"wrote {partial}: the {len(error.result.time)} rows before the failure", err=True)
 
 
 def _print_summary(result: Result) -> None:
-    table = Table("signal", "unit", "min", "max", "final")
+    widest = max((len(name) for name in result.names), default=0)
+    table = Table(Column("signal", min_width=widest), "unit", "min", "max", "final", show_edge=False)
     for name in result.names:
         column = result[name]
         numbers = (f"{value:.6g}" for value in (column.min(), column.max(), column[-1]))

@@ -10,8 +10,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from orchestration.paper.measure import at_ticks, contact
-from orchestration.paper.scenarios import SCENARIOS, WALL_OFFSET
+from orchestration.paper.measure import ESTIMATE, TRUE_M2, at_ticks, contact
+from orchestration.paper.scenarios import SCENARIOS, TORQUE_LIMITS, WALL_OFFSET
 from orchestration.paper.theory import wall_points
 from orchestration.result import Result
 
@@ -58,14 +58,20 @@ def draw(results: Mapping[str, Result], folder: Path, image: str = "png") -> lis
 
 
 def _control_figure(result: Result) -> Figure:
-    """Panels (a) trajectories, (b) torques, (c) tracking error, (d) contact force."""
+    """Panels (a) trajectories, (b) torques or estimate, (c) tracking error, (d) contact force."""
     figure = Figure(figsize=(10, 7.5))
     axes = figure.subplots(2, 2)
     _trajectories(axes[0, 0], result)
     ticks = result.tick_times("actuator.tau[1]")
-    for i in (1, 2):
-        axes[0, 1].plot(ticks, result.at_ticks(f"actuator.tau[{i}]"), label=f"$\\tau_{i}$")
-    _time_axis(axes[0, 1], result, "(b) Control torques", "torque (N m)")
+    estimate = result.at_ticks(ESTIMATE)
+    if np.ptp(estimate) > 0:
+        axes[0, 1].axhspan(0.8 * TRUE_M2, 1.2 * TRUE_M2, color="tab:green", alpha=0.12, lw=0, label="±20 %")
+        axes[0, 1].axhline(TRUE_M2, color=IDEAL, ls="--", lw=0.8, label="true")
+        axes[0, 1].plot(ticks, estimate, color=ACTUAL, label=r"$\hat m_2$")
+        _time_axis(axes[0, 1], result, "(b) Estimated $m_2$", "mass (kg)")
+    else:
+        _torques(axes[0, 1], result)
+        _time_axis(axes[0, 1], result, "(b) Control torques", "torque (N m)")
     for i in (1, 2):
         error = result.at_ticks(f"controller.e[{i}]") * 1e3
         axes[1, 0].plot(ticks, error, label=f"$e_{i}$")
@@ -74,6 +80,32 @@ def _control_figure(result: Result) -> Figure:
     axes[1, 1].plot(result.time, force, color=ACTUAL, label=r"$\|F_{ext}\|$")
     _time_axis(axes[1, 1], result, "(d) Contact force", "force (N)")
     return figure
+
+
+def _torque_figure(one: Result, two: Result) -> Figure:
+    """Commanded torques of algorithms 1 and 2 at each joint, whole and in contact, with Fig. 6's limits."""
+    figure = Figure(figsize=(10, 7.5))
+    axes = figure.subplots(2, 2)
+    for row, limit in enumerate(TORQUE_LIMITS):
+        for column, axis in enumerate(axes[row]):
+            for result, name in ((one, "algorithm 1"), (two, "algorithm 2")):
+                command = f"controller.tau_cmd[{row + 1}]"
+                axis.plot(result.tick_times(command), result.at_ticks(command), lw=0.8, label=name)
+            axis.axhline(limit, color="tab:red", ls=":", label="75 % of the largest")
+            axis.axhline(-limit, color="tab:red", ls=":")
+            title = f"({'abcd'[2 * row + column]}) Joint {row + 1}{', in contact' if column else ''}"
+            _time_axis(axis, one, title, "torque (N m)")
+    touch = contact(one)
+    for axis in axes[:, 1]:
+        axis.set_xlim(touch.first - 0.01, touch.last + 0.02)
+    figure.suptitle("Commanded torques of algorithm 1 (Fig. 5) and algorithm 2 (Fig. 7)", x=0.01, ha="left")
+    return figure
+
+
+def _torques(axis: Axes, result: Result) -> None:
+    for i in (1, 2):
+        torque = result.at_ticks(f"actuator.tau[{i}]")
+        axis.plot(result.tick_times("actuator.tau[1]"), torque, label=f"$\\tau_{i}$")
 
 
 def _tirt_figure(result: Result) -> Figure:

@@ -6,6 +6,9 @@ import numpy as np
 
 from orchestration.result import Result
 
+START = np.array([1.5, 0.0])  # m, V: where the tip begins and ends
+TRUE_M2 = 1.0  # kg, V
+
 
 @dataclass(frozen=True)
 class Contact:
@@ -65,6 +68,101 @@ def at_ticks(result: Result, name: str) -> np.ndarray:
     return np.column_stack([result.at_ticks(f"{name}[{i}]") for i in (1, 2)])
 
 
+def norms(vectors: np.ndarray) -> np.ndarray:
+    """Euclidean norms of the rows of an array of shape (n, 2)."""
+    return np.linalg.norm(vectors, axis=1)
+
+
 def largest_norm(vectors: np.ndarray) -> float:
     """Largest Euclidean norm among vectors of shape (n, 2)."""
-    return float(np.linalg.norm(vectors, axis=1).max())
+    return float(norms(vectors).max())
+
+
+RECORDED = tuple(
+    f"{name}[{i}]"
+    for name in ("controller.e", "controller.tau_cmd", "plant.F_ext", "plant.x")
+    for i in (1, 2)
+)
+"""Columns that `summarize` needs, besides the estimate."""
+
+ESTIMATE = "controller.p_hat[2]"
+
+
+@dataclass(frozen=True)
+class Summary:
+    """An adaptive run in numbers; m2 errors relative to the true 1 kg, times in s, lengths in m.
+
+    Attributes
+    ----------
+    m2_settled
+        Time from which the error stays within 10 % until the first contact.
+    m2_at_contact
+        Absolute error at the first contact.
+    m2_in_contact
+        Largest absolute error during contact.
+    m2_recovery
+        Time after the last contact from which the error stays within 5 %.
+    torque
+        Largest absolute command of each joint, N.m, shape (2,).
+    e_start, e_free
+        Largest |e| before the first contact: of all, and from half of that time on.
+    e_contact, e_contact_rms, e_max
+        Largest and rms |e| during contact; largest of the run.
+    force_error
+        Rms difference of the force from that of the ideal run while either touches, N.
+    end
+        Distance of the tip from its start at the end.
+    """
+
+    m2_settled: float
+    m2_at_contact: float
+    m2_in_contact: float
+    m2_recovery: float
+    torque: np.ndarray
+    e_start: float
+    e_free: float
+    e_contact: float
+    e_contact_rms: float
+    e_max: float
+    force_error: float
+    end: float
+
+
+def summarize(result: Result, ideal_force: np.ndarray | None = None) -> Summary:
+    """Numbers of an adaptive run.
+
+    Parameters
+    ----------
+    ideal_force
+        F_ext of the ideal run at the same communication points, N, shape (n_rows, 2).
+    """
+    touch = contact(result)
+    ticks = result.tick_times("controller.e[1]")
+    during = (ticks >= touch.first) & (ticks <= touch.last)
+    before, after = ticks < touch.first, ticks > touch.last
+    e = norms(at_ticks(result, "controller.e"))
+    error = np.abs(result.at_ticks(ESTIMATE) - TRUE_M2)
+    settled = np.flatnonzero(before & (error > 0.1))
+    recovered = np.flatnonzero(after & (error > 0.05))
+    force = result.vector("plant.F_ext")
+    return Summary(
+        m2_settled=float(ticks[settled[-1]]) if settled.size else 0.0,
+        m2_at_contact=float(error[before][-1]),
+        m2_in_contact=float(error[during].max()),
+        m2_recovery=float(ticks[recovered[-1]] - touch.last) if recovered.size else 0.0,
+        torque=np.abs(at_ticks(result, "controller.tau_cmd")).max(axis=0),
+        e_start=float(e[before].max()),
+        e_free=float(e[before & (ticks > touch.first / 2)].max()),
+        e_contact=float(e[during].max()),
+        e_contact_rms=float(np.sqrt((e[during] ** 2).mean())),
+        e_max=float(e.max()),
+        force_error=_force_error(force, ideal_force),
+        end=float(np.linalg.norm(result.vector("plant.x")[-1] - START)),
+    )
+
+
+def _force_error(force: np.ndarray, ideal: np.ndarray | None) -> float:
+    if ideal is None:
+        return float("nan")
+    touching = (norms(force) > 0) | (norms(ideal) > 0)
+    return float(np.sqrt((norms(force - ideal)[touching] ** 2).mean()))

@@ -2,9 +2,13 @@
 
 from collections.abc import Iterable, Mapping
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from orchestration.errors import SystemDescriptionError
+from orchestration.errors import OrchestrationError, SystemDescriptionError
 from orchestration.paper.scenarios import SCENARIOS, Scenario
+
+if TYPE_CHECKING:
+    from adaptimp_fmu import Platform
 
 
 def scenario(name: str) -> Scenario:
@@ -23,7 +27,22 @@ def scenario(name: str) -> Scenario:
 
 def fmus(identifiers: Iterable[str]) -> Mapping[str, Path]:
     """FMU files by model identifier, for this machine, from the cache or built now."""
-    from adaptimp_fmu import build
+    return {identifier: built(identifier) for identifier in dict.fromkeys(identifiers)}
+
+
+def built(identifier: str, folder: Path | None = None, platforms: "Iterable[Platform] | None" = None) -> Path:
+    """One unit's FMU; arguments as those of `adaptimp_fmu.build`.
+
+    Raises
+    ------
+    OrchestrationError
+        If the compiler or the cache fails.
+    """
+    from adaptimp_fmu import ToolchainError, build
     from fmus.catalog import UNITS
 
-    return {identifier: build(UNITS[identifier]()) for identifier in dict.fromkeys(identifiers)}
+    try:
+        return build(UNITS[identifier](), folder, platforms)
+    except (ToolchainError, OSError) as error:
+        msg = f"{identifier}.fmu cannot be built: {error}"
+        raise OrchestrationError(msg) from error

@@ -1,15 +1,19 @@
 """Everything the paper shows, from real FMUs: the main job."""
 
 import json
-from collections.abc import Callable
+import tempfile
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from orchestration.master import Options, simulate
-from orchestration.paper.claims import Claim, as_records, evaluate
+from orchestration.archive import file_hash
+from orchestration.paper.campaign import Job, Laboratory
+from orchestration.paper.claim import Claim
+from orchestration.paper.claims import as_markdown, as_records, evaluate
+from orchestration.paper.evidence import Evidence
 from orchestration.paper.figures import draw
 from orchestration.paper.provide import fmus
-from orchestration.paper.scenarios import SCENARIOS
+from orchestration.paper.scenarios import SCENARIOS, VARIANTS, Scenario
 from orchestration.result import Result
 
 Tell = Callable[[str], None]
@@ -36,17 +40,29 @@ def reproduce(folder: Path, tell: Tell, image: str = "png") -> Report:
     image
         Format of the figures, ``"png"`` or ``"svg"``.
     """
-    identifiers = {i for scenario in SCENARIOS.values() for i in scenario.units.values()}
+    scenarios = {**SCENARIOS, **VARIANTS}
+    identifiers = {i for scenario in scenarios.values() for i in scenario.units.values()}
     tell(f"Building {len(identifiers)} FMUs, or taking them from the cache")
-    files = fmus(sorted(identifiers))
+    laboratory = Laboratory(fmus(sorted(identifiers)))
     results: dict[str, Result] = {}
     for scenario in SCENARIOS.values():
         tell(f"Running {scenario.name}: {scenario.caption}")
-        results[scenario.name] = simulate(scenario.system(files), options=Options(strict=True))
+        results[scenario.name] = laboratory.run(Job(scenario.name))
     tell("Drawing the figures")
     figures = draw(results, folder, image)
-    tell("Measuring the claims")
-    claims = evaluate(results)
+    tell("Measuring the claims, over 30 seeds where noise matters")
+    claims = evaluate(Evidence(laboratory, results))
+    digests = _digests(laboratory, scenarios)
     claims_file = folder / "claims.json"
-    claims_file.write_text(json.dumps(as_records(claims), indent=2) + "\n", encoding="utf-8")
+    claims_file.write_text(json.dumps(as_records(claims, digests), indent=2) + "\n", encoding="utf-8")
+    (folder / "claims.md").write_text(as_markdown(claims, digests), encoding="utf-8")
     return Report(figures, claims_file, claims)
+
+
+def _digests(laboratory: Laboratory, scenarios: Mapping[str, Scenario]) -> dict[str, str]:
+    """SHA-256 of each scenario's SSP package."""
+    with tempfile.TemporaryDirectory(prefix="adaptimp-") as folder:
+        return {
+            name: file_hash(scenario.system(laboratory.fmus).write(Path(folder) / f"{name}.ssp"))
+            for name, scenario in scenarios.items()
+        }

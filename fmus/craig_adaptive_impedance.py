@@ -1,0 +1,53 @@
+"""CraigAdaptiveImpedance: algorithm 1, eqs. (8) to (25).
+
+    tau = H_hat ddq* + C_hat dq + g_hat + f_hat + J' (F_hat + F_c)                     (8)
+    ddq* = J^-1 { ddx_v - M^-1 [B (dx - dx_v) + K (x - x_v) + F_hat] - dJ/dt dq }      (9)
+    dp_hat/dt = -Gamma W_c' H_hat_x^-1 e*                                              (19)
+
+With W_c = J^-T Y(q, dq, ddq), the direction of (19) is Y' H_hat^-1 J' e*: no inverse of J. F_c is
+that of `fmus.noise_rejection`; since F_c = H_hat_x (-(gamma/2) e*), it enters as an acceleration of
+the tip. The measured acceleration ddq is used in the adaptation only.
+"""
+
+import casadi as ca
+
+from adaptimp_fmu import SampledModel
+from fmus.adaptation import declare_adaptation
+from fmus.algebra import solve_2x2, solve_spd
+from fmus.controller import declare_controller
+from fmus.impedance import resolved_torque, target_acceleration
+from fmus.noise_rejection import declare_noise_rejection, declare_outputs
+
+GAIN_UNITS = ("kg2.s2/m2", "N2.s4/rad2", "N2.s2")  # p^2 s^2/m^2 for m, viscous, coulomb
+GAINS = (0.0, 5.0, 0.0, 0.0, 0.0, 0.0)  # assumed: m2 is the unknown payload's mass
+
+
+def craig_adaptive_impedance() -> SampledModel:
+    """Algorithm 1: impedance control with the adaptation of Craig, Hsu and Sastry."""
+    controller = declare_controller(
+        "CraigAdaptiveImpedance", "Adaptive impedance control, algorithm 1 (after Craig)"
+    )
+    adaptation = declare_adaptation(controller, GAINS, GAIN_UNITS)
+    measured, arm = controller.measured, controller.arm
+    q, dq = measured.q, measured.dq
+    p_hat = controller.model.state("p_hat", controller.p_start)
+    arm_model = controller.arm_model(p_hat)
+    J, H = arm.jacobian(q, controller.l), arm_model.inertia(q)
+    rejection = declare_noise_rejection(adaptation, ca.mtimes(J, solve_spd(H, J.T)))
+
+    demand = target_acceleration(
+        controller.x, controller.dx, controller.virtual, measured.F_hat, controller.impedance
+    )
+    tau_cmd = resolved_torque(measured, arm_model, demand + rejection.acceleration())
+    inertia_times = ca.mtimes(H, solve_2x2(J, rejection.acceleration()))
+    F_c = solve_2x2(J.T, inertia_times)
+
+    Y = arm.regressor(
+        q, dq, dq, controller.ddq, controller.l, controller.gravity, controller.coulomb_velocity
+    )
+    gradient = ca.mtimes(Y.T, solve_spd(H, ca.mtimes(J.T, rejection.e_star)))
+    updated = adaptation.next_estimate(p_hat, gradient, rejection.e_star)
+    controller.model.update_slowly(p_hat, updated, divisor="update_divisor")
+    model = controller.finish(tau_cmd, p_hat)
+    declare_outputs(rejection, adaptation, F_c)
+    return model

@@ -1,0 +1,58 @@
+"""SlotineLiAdaptiveImpedance: algorithm 2, eqs. (29) to (36).
+
+    s = de + Psi e,  dx_r = dx_t - Psi e,  ddx_r = ddx_t - Psi de
+    F = H_hat_x ddx_r + C_hat_x dx_r + g_hat_x + f_hat_x + F_hat - K_d s               (32)
+    dp_hat/dt = -Gamma W_s' s                                                          (33)
+
+In joint space, with dq_r = J^-1 dx_r and ddq_r = J^-1 (ddx_r - dJ/dt dq_r), the torque is
+Y_r p_hat + J' (F_hat - K_d s) (36) and the direction of (33) is Y_r' J^-1 s. ddx_t is that of the
+TIRT, eq. (11), so neither acceleration nor an inverse of the inertia is needed. Friction is taken
+at dq, not at dq_r.
+"""
+
+import casadi as ca
+
+from adaptimp_fmu import NOT_NEGATIVE, SampledModel
+from fmus.adaptation import declare_adaptation
+from fmus.algebra import solve_2x2
+from fmus.controller import declare_controller
+from fmus.impedance import target_acceleration
+
+GAIN_UNITS = ("kg.s2/m2", "N.m.s2/rad2", "N.m")  # p^2/(N.m) for m, viscous, coulomb
+GAINS = (0.0, 4.0, 0.0, 0.0, 0.0, 0.0)  # assumed: m2 is the unknown payload's mass
+
+
+def slotine_li_adaptive_impedance() -> SampledModel:
+    """Algorithm 2: impedance control with the adaptation of Slotine and Li."""
+    controller = declare_controller(
+        "SlotineLiAdaptiveImpedance", "Adaptive impedance control, algorithm 2 (after Slotine and Li)"
+    )
+    adaptation = declare_adaptation(controller, GAINS, GAIN_UNITS)
+    model, measured, arm = controller.model, controller.measured, controller.arm
+    K_d = model.parameter(
+        "K_d",
+        [100.0, 100.0],
+        unit="N.s/m",
+        limits=NOT_NEGATIVE,
+        tunable=True,
+        description="Damping gain on s, eq. (32)",
+    )
+    q, dq, F_hat = measured.q, measured.dq, measured.F_hat
+    p_hat = model.state("p_hat", controller.p_start)
+    s = adaptation.filtered_error()
+    de = controller.dx - controller.dx_t
+    ddx_t = target_acceleration(
+        controller.x_t, controller.dx_t, controller.virtual, F_hat, controller.impedance
+    )
+    J, dJ = arm.jacobian(q, controller.l), arm.jacobian_rate(q, dq, controller.l)
+    dq_r = solve_2x2(J, controller.dx - s)
+    ddq_r = solve_2x2(J, ddx_t - adaptation.Psi * de - ca.mtimes(dJ, dq_r))
+    tau_cmd = controller.arm_model(p_hat).torque(q, dq, dq_r, ddq_r) + ca.mtimes(J.T, F_hat - K_d * s)
+
+    constants = (controller.l, controller.gravity, controller.coulomb_velocity)
+    Y_r = arm.regressor(q, dq, dq_r, ddq_r, *constants)
+    gradient = ca.mtimes(Y_r.T, solve_2x2(J, s))
+    model.update_slowly(p_hat, adaptation.next_estimate(p_hat, gradient, s), divisor="update_divisor")
+    model = controller.finish(tau_cmd, p_hat)
+    model.output("s", s, unit="m/s", description="Augmented error de + Psi e, eq. (30)")
+    return model

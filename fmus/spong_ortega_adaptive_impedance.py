@@ -1,0 +1,71 @@
+"""SpongOrtegaAdaptiveImpedance: algorithm 1 with one fixed inverse (III-C, remark 2; Spong and Ortega 1990).
+
+With the model at p0 = p_start (index 0) and p_hat = p0 - phi_hat:
+
+    F = F_hat + C_0 dx + g_0 + f_0 + H_0 { ddx_v - M^-1 [...] + da } + F_c,  da = -H_0^-1 W_c phi_hat
+    dphi_hat/dt = Gamma W_c' H_0^-1 e*,  phi_hat(0) = 0
+
+so that the torque is that of the model at p0 minus Y(q, dq, a_f) phi_hat, Y the joint regressor. Here
+the acceleration enters the torque, and a tick's ddq belongs to the previous torque: unfiltered, the
+loop diverges once the spectral radius of H(p)^-1 H(phi_hat) reaches 1. Hence in the torque only
+
+    a_f[k] = a_f[k-1] + lambda (ddq[k] - a_f[k-1]),  lambda = Ts / (acc_filter_time + Ts)
+
+while the adaptation uses ddq. H(p) + H(phi_hat) must stay positive definite: choose p0 >= p.
+"""
+
+import casadi as ca
+
+from adaptimp_fmu import NOT_NEGATIVE, SampledModel
+from fmus.adaptation import declare_adaptation
+from fmus.algebra import solve_2x2, solve_spd
+from fmus.controller import declare_controller
+from fmus.craig_adaptive_impedance import GAIN_UNITS, GAINS
+from fmus.impedance import resolved_torque, target_acceleration
+from fmus.noise_rejection import declare_noise_rejection, declare_outputs
+
+
+def spong_ortega_adaptive_impedance() -> SampledModel:
+    """Algorithm 1 with the inverse inertia of fixed parameters."""
+    controller = declare_controller(
+        "SpongOrtegaAdaptiveImpedance",
+        "Adaptive impedance control, algorithm 1 with one fixed inverse (after Spong and Ortega)",
+    )
+    adaptation = declare_adaptation(controller, GAINS, GAIN_UNITS)
+    model, measured, arm = controller.model, controller.measured, controller.arm
+    filter_time = model.parameter(
+        "acc_filter_time",
+        1e-4,
+        unit="s",
+        limits=NOT_NEGATIVE,
+        description="Time constant of the filter on the acceleration that enters the torque",
+    )
+    q, dq = measured.q, measured.dq
+    phi_hat = model.state("phi_hat", ca.SX.zeros(3 * arm.n, 1))
+    previous = model.state("a_f", controller.ddq)
+    a_f = previous + model.period / (filter_time + model.period) * (controller.ddq - previous)
+    fixed = controller.arm_model(controller.p_start)
+    J, H_0 = arm.jacobian(q, controller.l), fixed.inertia(q)
+    rejection = declare_noise_rejection(adaptation, ca.mtimes(J, solve_spd(H_0, J.T)))
+
+    demand = target_acceleration(
+        controller.x, controller.dx, controller.virtual, measured.F_hat, controller.impedance
+    )
+
+    def correction(ddq: ca.SX) -> ca.SX:
+        constants = (controller.l, controller.gravity, controller.coulomb_velocity)
+        return arm.regressor(q, dq, dq, ddq, *constants)
+
+    tau_cmd = resolved_torque(measured, fixed, demand + rejection.acceleration())
+    tau_cmd = tau_cmd - ca.mtimes(correction(a_f), phi_hat)
+    F_c = solve_2x2(J.T, ca.mtimes(H_0, solve_2x2(J, rejection.acceleration())))
+
+    p_hat = controller.p_start - phi_hat
+    direction = solve_spd(H_0, ca.mtimes(J.T, rejection.e_star))
+    gradient = ca.mtimes(correction(controller.ddq).T, direction)
+    updated = adaptation.next_estimate(p_hat, gradient, rejection.e_star)
+    model.update_slowly(phi_hat, controller.p_start - updated, divisor="update_divisor")
+    model.update(previous, a_f)
+    model = controller.finish(tau_cmd, p_hat)
+    declare_outputs(rejection, adaptation, F_c)
+    return model

@@ -1,0 +1,122 @@
+"""The runs that the claims are measured on, made once."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from orchestration.errors import SimulationError
+from orchestration.paper.campaign import SEEDS, Job, Laboratory
+from orchestration.paper.measure import Summary
+from orchestration.paper.scenarios import SCENARIOS
+from orchestration.result import Result
+
+PSI_GRID = tuple(100.0 * 10.0 ** (k / 3) for k in range(-3, 4))  # 1/s, two decades
+GAMMA_GRID_FACTORS = tuple(10.0 ** (k / 3) for k in range(-3, 4))  # of the scenario's gain
+K_D_GRID = (30.0, 100.0, 300.0, 1000.0, 3000.0)  # N.s/m
+DIVISORS = (1, 10, 100)
+
+Outcomes = list[Summary | SimulationError | ValueError]
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """Results of the figures, and further runs made when they are first asked for.
+
+    Attributes
+    ----------
+    results
+        Runs of the scenarios, by name, with all outputs.
+    """
+
+    laboratory: Laboratory
+    results: Mapping[str, Result]
+
+    @cached_property
+    def ideal_force(self) -> np.ndarray:
+        """F_ext with the true mass and a perfect sensor, N, shape (n_rows, 2)."""
+        record = ("plant.F_ext[1]", "plant.F_ext[2]")
+        return self.laboratory.run(Job("ideal"), record).vector("plant.F_ext")
+
+    @cached_property
+    def noise(self) -> Mapping[str, list[Summary]]:
+        """Summaries over `SEEDS` of the adaptive scenarios.
+
+        Raises
+        ------
+        SimulationError
+            If a run fails: then the figures' settings are no good.
+        """
+        outcomes = {}
+        for name in ("fig5", "fig6", "fig7", "spong-ortega"):
+            jobs = [Job(name, {"sensor.seed": seed}) for seed in SEEDS]
+            outcomes[name] = [_required(s) for s in self.laboratory.summaries(jobs, self.ideal_force)]
+        return outcomes
+
+    @cached_property
+    def sensitivity(self) -> Mapping[str, list[tuple[float, float, Summary | None]]]:
+        """(Psi, factor on Gamma, summary or None if the run failed) for both algorithms."""
+        grid = [(psi, factor) for psi in PSI_GRID for factor in GAMMA_GRID_FACTORS]
+        table = {}
+        for name in ("fig5", "fig7"):
+            gain = "controller.Gamma[2]"
+            nominal = self.scenario_value(name, gain)
+            jobs = [
+                Job(
+                    name,
+                    {
+                        "controller.Psi[1]": psi,
+                        "controller.Psi[2]": psi,
+                        gain: factor * nominal,
+                        **_UNSATURATED,
+                    },
+                )
+                for psi, factor in grid
+            ]
+            outcomes = self.laboratory.summaries(jobs, self.ideal_force)
+            table[name] = [
+                (psi, factor, outcome if isinstance(outcome, Summary) else None)
+                for (psi, factor), outcome in zip(grid, outcomes, strict=True)
+            ]
+        return table
+
+    @cached_property
+    def divisors(self) -> Mapping[str, list[Summary]]:
+        """Summaries at the update divisors 1, 10, 100 for both algorithms."""
+        return {
+            name: [
+                _required(s)
+                for s in self.laboratory.summaries(
+                    [Job(name, {"controller.update_divisor": n}) for n in DIVISORS], self.ideal_force
+                )
+            ]
+            for name in ("fig5", "fig7")
+        }
+
+    @cached_property
+    def damped(self) -> list[Result]:
+        """Runs of fig7 without torque limits at the gains `K_D_GRID`."""
+        record = [f"controller.{n}[{i}]" for n in ("s", "e") for i in (1, 2)]
+        record += ["controller.p_hat[2]", *(f"plant.{n}[{i}]" for n in ("q", "F_ext") for i in (1, 2))]
+        record += [f"sensor.F_hat[{i}]" for i in (1, 2)]
+        return [
+            self.laboratory.run(
+                Job("fig7", {"controller.K_d[1]": gain, "controller.K_d[2]": gain, **_UNSATURATED}), record
+            )
+            for gain in K_D_GRID
+        ]
+
+    @staticmethod
+    def scenario_value(name: str, path: str) -> float:
+        """A number of a scenario."""
+        return SCENARIOS[name].values[path].number
+
+
+_UNSATURATED = {"actuator.tau_max[1]": 1e9, "actuator.tau_max[2]": 1e9}
+
+
+def _required(outcome: Summary | SimulationError | ValueError) -> Summary:
+    if isinstance(outcome, Summary):
+        return outcome
+    raise outcome
