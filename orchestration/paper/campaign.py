@@ -19,10 +19,17 @@ SEEDS = tuple(range(1, 31))
 
 @dataclass(frozen=True)
 class Job:
-    """A scenario with some start values changed, by ``component.variable``."""
+    """A scenario with some start values changed, by ``component.variable``.
+
+    Attributes
+    ----------
+    sample_time
+        Communication step and sampling period, s; the scenario's if None.
+    """
 
     scenario: str
     changes: Mapping[str, float] = field(default_factory=dict)
+    sample_time: float | None = None
 
 
 @dataclass(frozen=True)
@@ -40,7 +47,20 @@ class Laboratory:
         """
         scenario = {**SCENARIOS, **VARIANTS}[job.scenario]
         system = scenario.system(self.fmus).set(job.changes)
+        if job.sample_time is not None:
+            system = system.with_sample_time(job.sample_time)
         return simulate(system, options=Options(record=record, strict=True))
+
+    def results(self, jobs: Sequence[Job], record: Collection[str]) -> list[Result]:
+        """Run many jobs.
+
+        Raises
+        ------
+        SimulationError
+            Of the first job that fails.
+        """
+        with ThreadPoolExecutor(os.cpu_count()) as pool:
+            return list(pool.map(lambda job: self.run(job, record), jobs))
 
     def summaries(
         self, jobs: Sequence[Job], ideal_force: np.ndarray | None = None

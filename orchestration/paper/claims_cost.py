@@ -34,7 +34,8 @@ def _sensitivity(evidence: Evidence) -> Finding:
     return Finding(
         counts["fig7"] > counts["fig5"],
         f"stable and accurate: algorithm 1 {counts['fig5']} of {total} ({failed['fig5']} failed or refused,"
-        f" Psi must be below B/M = 170 1/s), algorithm 2 {counts['fig7']} of {total} ({failed['fig7']} failed)",
+        f" Psi must be below B/M = 170 1/s), algorithm 2 {counts['fig7']} of {total}"
+        f" ({failed['fig7']} failed)",
     )
 
 

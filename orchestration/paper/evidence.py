@@ -8,7 +8,7 @@ import numpy as np
 
 from orchestration.errors import SimulationError
 from orchestration.paper.campaign import SEEDS, Job, Laboratory
-from orchestration.paper.measure import Summary
+from orchestration.paper.measure import ESTIMATE, TRUE_M2, Summary
 from orchestration.paper.scenarios import SCENARIOS
 from orchestration.result import Result
 
@@ -16,6 +16,8 @@ PSI_GRID = tuple(100.0 * 10.0 ** (k / 3) for k in range(-3, 4))  # 1/s, two deca
 GAMMA_GRID_FACTORS = tuple(10.0 ** (k / 3) for k in range(-3, 4))  # of the scenario's gain
 K_D_GRID = (30.0, 100.0, 300.0, 1000.0, 3000.0)  # N.s/m
 DIVISORS = (1, 10, 100)
+PERIODS = (4e-5, 2e-5, 1e-5)  # s
+TOUCH = ("plant.F_ext", "plant.x")  # what `contact` needs
 
 Outcomes = list[Summary | SimulationError | ValueError]
 
@@ -95,17 +97,28 @@ class Evidence:
         }
 
     @cached_property
-    def damped(self) -> list[Result]:
+    def sampled(self) -> list[Result]:
+        """Runs of fig5 at the sampling periods `PERIODS`."""
+        record = [f"controller.{n}[{i}]" for n in ("e", "e_star", "p_hat") for i in (1, 2)]
+        return self.laboratory.results([Job("fig5", sample_time=period) for period in PERIODS], record)
+
+    @cached_property
+    def damped_from_wrong(self) -> list[Result]:
         """Runs of fig7 without torque limits at the gains `K_D_GRID`."""
-        record = [f"controller.{n}[{i}]" for n in ("s", "e") for i in (1, 2)]
-        record += ["controller.p_hat[2]", *(f"plant.{n}[{i}]" for n in ("q", "F_ext") for i in (1, 2))]
-        record += [f"sensor.F_hat[{i}]" for i in (1, 2)]
-        return [
-            self.laboratory.run(
-                Job("fig7", {"controller.K_d[1]": gain, "controller.K_d[2]": gain, **_UNSATURATED}), record
-            )
+        return self._damped({})
+
+    @cached_property
+    def damped_from_true(self) -> list[Result]:
+        """The same, with the true mass known from the start."""
+        return self._damped({"controller.p_start[2]": TRUE_M2})
+
+    def _damped(self, changes: Mapping[str, float]) -> list[Result]:
+        record = [f"{n}[{i}]" for n in ("controller.s", "controller.e", "plant.q", *TOUCH) for i in (1, 2)]
+        jobs = [
+            Job("fig7", {"controller.K_d[1]": gain, "controller.K_d[2]": gain, **_UNSATURATED, **changes})
             for gain in K_D_GRID
         ]
+        return self.laboratory.results(jobs, [*record, ESTIMATE])
 
     @staticmethod
     def scenario_value(name: str, path: str) -> float:

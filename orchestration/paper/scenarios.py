@@ -121,11 +121,7 @@ _UNITS = {
     "actuator": "Actuator",
     "plant": "Plant",
 }
-_CONVENTIONAL_STEP = 1e-4  # s, assumed: 10 kHz; halving it moves the peak force by less than 1 %
-
-
-def _known_masses(m2: float) -> dict[str, Value]:
-    return _vector("controller.p_start", (TRUE_MASSES[0], m2, 0.0, 0.0, 0.0, 0.0), "V")
+_CONVENTIONAL_STEP = 1e-4  # s, assumed: 10 kHz
 
 
 _CONVENTIONAL = {**_ARM_AND_WALL, **_PERFECT_SENSOR, **_TARGET, **_CRITICAL_DAMPING}
@@ -142,8 +138,9 @@ GAMMA_MARGIN, GAMMA_EPS = 1.5, 1e-4  # 1 and m/s, assumed
 
 # Computed by `python -m orchestration.paper.calibrate`: 15 % of the peak |F_ext| of fig5 without
 # noise, and 75 % of each joint's largest |tau_cmd| of fig5.
+NOISE_SHARE, TORQUE_SHARE = 0.15, 0.75  # V
 NOISE_BOUND = 91.12  # N
-TORQUE_LIMITS = (513.45, 304.31)  # N.m
+TORQUE_LIMITS = (499.58, 304.84)  # N.m
 
 _CHOSEN = "assumed: chosen by the procedure of docs/calibration.md, the same for Figs. 5 to 7"
 _ADAPTIVE = {
