@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import casadi as ca
 import jinja2
 
-from adaptimp_fmu.lowering import lower
+from adaptimp_fmu.lowering import Lowered, lower
 from adaptimp_fmu.model import Model, SampledModel
 
 GUID_PLACEHOLDER = "{guid}"
@@ -18,7 +18,7 @@ EQUATIONS_SOURCE = "equations.h"
 # C parameters of each function of the seam (runtime/model.h): name of the CasADi argument or
 # result, and its C declaration.
 _IN = {"t": "double t", "r": "const double *r"} | {
-    name: f"const double *{name}" for name in ("x", "u", "p", "c", "m", "w")
+    name: f"const double *{name}" for name in ("x", "u", "p", "c", "m", "w", "s")
 }
 _SEAM = {
     "calibrate": (("p",), ("c", "checks", "active")),
@@ -26,9 +26,10 @@ _SEAM = {
     "tick": (("t", "x", "u", "p", "c", "w"), ("y", "next", "checks")),
     "tick_update": (("t", "x", "u", "p", "c", "w"), ("y", "next", "checks")),
     "noise": (("r", "p", "c"), ("w",)),
-    "derivative": (("t", "x", "u", "p", "c", "m"), ("dx",)),
-    "output": (("t", "x", "u", "p", "c", "m"), ("y", "checks")),
-    "event_indicators": (("t", "x", "p", "c"), ("z",)),
+    "prepare": (("x", "p", "c"), ("s",)),
+    "derivative": (("t", "x", "u", "p", "c", "m", "s"), ("dx",)),
+    "output": (("t", "x", "u", "p", "c", "m", "s"), ("y", "checks")),
+    "event_indicators": (("t", "x", "p", "c", "s"), ("z",)),
 }
 
 
@@ -63,7 +64,7 @@ def generate(model: Model) -> dict[str, str]:
     main = template.render(
         model=model,
         sampled=isinstance(model, SampledModel),
-        n=_sizes(model, lowered.n_constants),
+        n=_sizes(model, lowered),
         period=model.reference(model.period_name),
         guid=GUID_PLACEHOLDER,
         variables=[(v, 0.0 if v.start is None else v.start) for v in model.ordered_variables()],
@@ -90,14 +91,15 @@ def _environment() -> jinja2.Environment:
     return environment
 
 
-def _sizes(model: Model, n_constants: int) -> dict[str, int]:
+def _sizes(model: Model, lowered: Lowered) -> dict[str, int]:
     noise = model.noise if isinstance(model, SampledModel) else None
     return {
         "PARAMETERS": sum(symbol.numel() for symbol in model.parameter_symbols),
         "INPUTS": sum(symbol.numel() for symbol in model.input_symbols),
         "OUTPUTS": sum(value.numel() for value in model.output_values),
         "STATES": sum(state.symbol.numel() for state in model.states),
-        "CONSTANTS": n_constants,
+        "CONSTANTS": lowered.n_constants,
+        "SHARED": lowered.n_shared,
         "EVENTS": len(getattr(model, "events", ())),
         "NOISE": noise.symbol.numel() if noise else 0,
         "STATIC_CHECKS": len(model.static_checks),
@@ -139,7 +141,7 @@ def _adapter(function: ca.Function) -> Adapter:
 
 def _result(name: str) -> str:
     """Results that share a name with an argument cannot; in C they are told apart."""
-    return {"c": "constants", "x": "states", "w": "drawn"}.get(name, name)
+    return {"c": "constants", "x": "states", "w": "drawn", "s": "shared"}.get(name, name)
 
 
 def _equations(functions: Sequence[ca.Function]) -> str:

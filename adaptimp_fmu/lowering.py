@@ -1,7 +1,8 @@
 """From a declaration to the functions that the runtime calls.
 
-Expressions of parameters alone are moved into ``calibrate``, which runs when parameters change;
-common subexpressions are shared within each function.
+Expressions of parameters alone are moved into ``calibrate``, which runs when parameters change, and
+those of a continuous model's states alone into ``prepare``, whose values serve derivative, outputs and
+event indicators. Common subexpressions are shared within each function.
 """
 
 import re
@@ -24,19 +25,23 @@ class Lowered:
         In the order of the seam, see ``runtime/model.h``.
     n_constants
         Number of constants that ``calibrate`` derives from the parameters.
+    n_shared
+        Number of values that ``prepare`` derives from the states of a continuous model.
     """
 
     functions: tuple[ca.Function, ...]
     n_constants: int
+    n_shared: int
 
 
 @dataclass(frozen=True)
 class Routine:
-    """A function before lowering: name, arguments besides p and c, and named results."""
+    """A function before lowering: name, arguments besides p, c and s, results, and whether it takes s."""
 
     name: str
     arguments: dict[str, ca.SX]
     results: dict[str, ca.SX]
+    prepared: bool = False
 
 
 def stack(parts: Sequence[ca.SX]) -> ca.SX:
@@ -64,30 +69,44 @@ def lower(model: Model) -> Lowered:
         depends on a symbol that the model does not declare.
     """
     _require_complete(model)
-    p = parameters(model)
-    routines = list(_routines(model))
+    p, x = parameters(model), stack([state.symbol for state in model.states])
+    routines = _routines(model)
     flat = stack([stack(list(r.results.values())) for r in routines])
-    flat, symbols, values = ca.extract_parametric(flat, p)
-    constants = stack([ca.vec(s) for s in symbols])
-    calibration = ca.cse(
-        stack([*(ca.vec(v) for v in values), *(c.value for c in model.static_checks), _noise_active(model)])
-    )
-    split = [0, constants.numel(), constants.numel() + len(model.static_checks), calibration.numel()]
-    functions = [
-        _function(
-            "calibrate",
-            {"p": p},
-            dict(zip(("c", "checks", "active"), ca.vertsplit(calibration, split), strict=True)),
-        )
-    ]
+    flat, constants, derived = _extract(flat, p)
+    functions = [_calibration(model, p, derived)]
+    shared = ca.SX(0, 1)
+    if isinstance(model, ContinuousModel):
+        first = routines[0].results["x"].numel()
+        rest, shared, prepared = _extract(ca.cse(flat[first:, 0]), stack([x, p, constants]))
+        flat = stack([flat[:first, 0], rest])
+        functions.append(_function("prepare", {"x": x, "p": p, "c": constants}, {"s": prepared}))
     offset = 0
     for routine in routines:
         results = {}
         for name, value in routine.results.items():
             results[name] = flat[offset : offset + value.numel(), 0]  # a bare slice of one element is a row
             offset += value.numel()
-        functions.append(_function(routine.name, {**routine.arguments, "p": p, "c": constants}, results))
-    return Lowered(tuple(functions), constants.numel())
+        arguments = {**routine.arguments, "p": p, "c": constants}
+        if routine.prepared:
+            arguments["s"] = shared
+        functions.append(_function(routine.name, arguments, results))
+    return Lowered(tuple(functions), constants.numel(), shared.numel())
+
+
+def _extract(flat: ca.SX, known: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX]:
+    """Replace subexpressions of the known symbols alone by new symbols.
+
+    Returns the rest, the new symbols and their values, each a column.
+    """
+    rest, symbols, values = ca.extract_parametric(flat, known)
+    return rest, stack([ca.vec(s) for s in symbols]), stack([ca.vec(v) for v in values])
+
+
+def _calibration(model: Model, p: ca.SX, derived: ca.SX) -> ca.Function:
+    """Constants, checks of the parameters, and whether the noise is on."""
+    checks = stack([check.value for check in model.static_checks])
+    results = {"c": derived, "checks": checks, "active": _noise_active(model)}
+    return _function("calibrate", {"p": p}, results)
 
 
 def _routines(model: Model) -> Sequence[Routine]:
@@ -115,12 +134,12 @@ def _routines(model: Model) -> Sequence[Routine]:
     arguments = {"t": t, "x": x, "u": u, "m": modes}
     routines = [
         initial,
-        Routine("derivative", arguments, {"dx": evolution}),
-        Routine("output", arguments, {"y": y, "checks": checks}),
+        Routine("derivative", arguments, {"dx": evolution}, prepared=True),
+        Routine("output", arguments, {"y": y, "checks": checks}, prepared=True),
     ]
     if model.events:
         z = stack([event.indicator for event in model.events])
-        routines.append(Routine("event_indicators", {"t": t, "x": x}, {"z": z}))
+        routines.append(Routine("event_indicators", {"t": t, "x": x}, {"z": z}, prepared=True))
     return routines
 
 

@@ -10,7 +10,16 @@ from pathlib import Path
 
 from adaptimp_fmu.errors import ToolchainError
 
-FLAGS = ("-std=c11", "-O2", "-ffp-contract=off", "-fvisibility=hidden", "-fno-sanitize=all", "-g0", "-s")
+FLAGS = (
+    "-std=c11",
+    "-O2",
+    "-ffp-contract=off",
+    "-fno-math-errno",  # lets sin and cos of one angle become one call, with the same bits
+    "-fvisibility=hidden",
+    "-fno-sanitize=all",
+    "-g0",
+    "-s",
+)
 WARNINGS = (
     "-Wall",
     "-Wextra",

@@ -57,12 +57,19 @@ class PlanarArm:
 
     @cached_property
     def inertia(self) -> ca.Function:
-        """Inertia matrix ``H(q, m, l)``, kg m2, shape (n, n): the Hessian of the kinetic energy."""
+        """Inertia matrix ``H(q, m, l)``, kg m2, shape (n, n): the Hessian of the kinetic energy.
+
+        The end of link i moves at sum_{j <= i} l_j w_j n_j, with w_j the absolute rate and n_j the
+        normal of link j. Squared through the angles between links, half of the terms of the
+        squared coordinates, which cancel, do not appear.
+        """
         q, dq, m, l = self._symbols("q", "dq", "m", "l")
+        rates = [ca.sum1(dq[: i + 1]) for i in range(self.n)]
         energy = ca.SX(0)
-        for i, end in enumerate(self._link_ends(q, l)):
-            velocity = ca.jtimes(end, q, dq)
-            energy += 0.5 * m[i] * ca.sumsqr(velocity)
+        for i in range(self.n):
+            for j in range(i + 1):
+                for k in range(i + 1):
+                    energy += 0.5 * m[i] * l[j] * l[k] * rates[j] * rates[k] * self._cosine(q, j, k)
         H = ca.hessian(energy, dq)[0]
         return ca.Function("H", [q, m, l], [H], ["q", "m", "l"], ["H"])
 
@@ -143,14 +150,27 @@ class PlanarArm:
     def _symbols(self, *names: str) -> list[ca.SX]:
         return [ca.SX.sym(name, self.n) for name in names]
 
+    def _cosine(self, q: ca.SX, j: int, k: int) -> ca.SX:
+        """Cosine of the angle between links j and k."""
+        direction = ca.SX([1, 0])
+        for i in range(min(j, k), max(j, k)):
+            direction = _rotated(direction, q[i + 1])
+        return direction[0]
+
     def _link_ends(self, q: ca.SX, l: ca.SX) -> list[ca.SX]:
         """Positions of the ends of the links, which are where the masses sit."""
-        ends, end, angle = [], ca.SX.zeros(DIMENSION, 1), ca.SX(0)
+        ends, end, direction = [], ca.SX.zeros(DIMENSION, 1), ca.SX([1, 0])
         for i in range(self.n):
-            angle = angle + q[i]
-            end = end + l[i] * ca.vertcat(ca.cos(angle), ca.sin(angle))
+            direction = _rotated(direction, q[i])
+            end = end + l[i] * direction
             ends.append(end)
         return ends
+
+
+def _rotated(vector: ca.SX, angle: ca.SX) -> ca.SX:
+    """A vector of the plane, turned by an angle."""
+    c, s = ca.cos(angle), ca.sin(angle)
+    return ca.vertcat(c * vector[0] - s * vector[1], s * vector[0] + c * vector[1])
 
 
 def _time_derivative(matrix: ca.SX, q: ca.SX, dq: ca.SX) -> ca.SX:

@@ -9,7 +9,7 @@ import stat
 import tempfile
 import zipfile
 import zlib
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path, PurePosixPath
 
@@ -34,20 +34,20 @@ def screen(path: Path) -> None:
 
 
 @contextmanager
-def unpacked(path: Path) -> Iterator[Path]:
-    """Unpack a screened archive into a temporary folder, removed at the end.
+def unpacked(path: Path, needed: Callable[[str], bool] = lambda name: True) -> Iterator[Path]:  # noqa: ARG005
+    """Unpack the entries that are needed of a screened archive into a temporary folder, removed at the end.
 
     Raises
     ------
     ArchiveError
     """
     with tempfile.TemporaryDirectory(prefix="adaptimp-") as folder:
-        unpack(path, Path(folder))
+        unpack(path, Path(folder), needed)
         yield Path(folder)
 
 
-def unpack(path: Path, folder: Path) -> None:
-    """Screen an archive and unpack it into an existing folder.
+def unpack(path: Path, folder: Path, needed: Callable[[str], bool] = lambda name: True) -> None:  # noqa: ARG005
+    """Screen an archive and unpack the entries that are needed into an existing folder.
 
     Raises
     ------
@@ -56,7 +56,7 @@ def unpack(path: Path, folder: Path) -> None:
     with _opened(path) as archive:
         _screen(path, archive)
         try:
-            archive.extractall(folder)
+            archive.extractall(folder, [name for name in archive.namelist() if needed(name)])
         except (zipfile.BadZipFile, zlib.error, EOFError, OSError) as error:
             msg = f"{path}: cannot be unpacked: {error}"
             raise ArchiveError(msg) from error

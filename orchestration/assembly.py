@@ -188,7 +188,7 @@ def _links(
             if causality == "input" and name == component.name:
                 links.append((places["output", *sources[name, variable]], place))
         table[i, column + 1] = len(links)
-    return np.array(links, np.int64).reshape(-1, 2)
+    return np.array(links, np.uint64).reshape(-1, 2)
 
 
 def _recorded(columns: dict[Path, int], places: dict[Key, int]) -> np.ndarray:
@@ -198,4 +198,4 @@ def _recorded(columns: dict[Path, int], places: dict[Key, int]) -> np.ndarray:
         for (causality, name, variable), place in places.items()
         if causality == "output" and (name, variable) in columns
     ]
-    return np.array(pairs, np.int64).reshape(-1, 2)
+    return np.array(pairs, np.uint64).reshape(-1, 2)

@@ -7,6 +7,7 @@ import re
 import sys
 import threading
 from collections.abc import Mapping
+from contextlib import chdir
 from dataclasses import dataclass, field
 from functools import cache, lru_cache
 from pathlib import Path
@@ -147,6 +148,11 @@ def parse_value(text: Any, kind: str) -> float:
     return number
 
 
+def needed_to_run(entry: str) -> bool:
+    """Whether an archive's entry is used when the FMU runs; sources and documentation are not."""
+    return not entry.startswith(("sources/", "documentation/"))
+
+
 def library_path(folder: Path, description: Description) -> Path:
     """The shared library for this machine in an unpacked FMU.
 
@@ -207,7 +213,7 @@ class Instance:
         instance = cls(name, description)
         library = library_path(folder, description)
         try:
-            with _LOADING:
+            with _LOADING, chdir(Path.cwd()):  # fmpy does not change back when it fails
                 instance.slave = FMU2Slave(
                     guid=description.guid,
                     modelIdentifier=description.identifier,
@@ -274,7 +280,8 @@ class Instance:
         environment = next(_environments)
         _loggers[environment] = self
         callbacks = fmi2CallbackFunctions()
-        callbacks.logger = _c_logger()
+        with _LOADING:  # one logger for the whole process, or the proxy would call one that is gone
+            callbacks.logger = _c_logger()
         callbacks.allocateMemory = fmi2CallbackAllocateMemoryTYPE(calloc)
         callbacks.freeMemory = fmi2CallbackFreeMemoryTYPE(free)
         callbacks.componentEnvironment = environment

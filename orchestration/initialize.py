@@ -9,7 +9,7 @@ import numpy as np
 from orchestration.archive import unpacked
 from orchestration.assembly import Assembly
 from orchestration.errors import InitializationError
-from orchestration.fmu import BOOLEAN, INTEGER, REAL, WORST_ACCEPTED, Instance
+from orchestration.fmu import BOOLEAN, INTEGER, REAL, WORST_ACCEPTED, Instance, needed_to_run
 from orchestration.loop import (
     CALL_NAMES,
     END_DISCRETE,
@@ -35,7 +35,7 @@ def opened(system: System) -> Iterator[list[Instance]]:
     """
     with ExitStack() as stack:
         folders = {
-            path: stack.enter_context(unpacked(path))
+            path: stack.enter_context(unpacked(path, needed_to_run))
             for path in dict.fromkeys(c.description.path for c in system.components)
         }
         instances = []

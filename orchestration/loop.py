@@ -49,12 +49,12 @@ class Plan(NamedTuple):
         references (uint32) and of the first value, and the number of variables (0: no call);
         ranges of the component's inputs in the links.
     real_links, discrete_links
-        (source, target) of each connection as indices into `reals` or `discretes`, int64,
+        (source, target) of each connection as indices into `reals` or `discretes`, uint64,
         shape (n_links, 2).
     reals, discretes
         Buffers of all outputs and inputs, float64 and int32.
     recorded_reals, recorded_discretes
-        (index, column) of each recorded output, int64, shape (n, 2).
+        (index, column) of each recorded output, uint64, shape (n, 2).
     """
 
     table: np.ndarray
@@ -84,7 +84,7 @@ def exchange(table: np.ndarray, i: int, call: int) -> int:
 @njit(cache=True, nogil=True, error_model="numpy")
 def copy_links(links: np.ndarray, first: int, end: int, values: np.ndarray) -> None:
     """Copy sources to targets."""
-    for j in range(first, end):
+    for j in range(np.uint64(first), np.uint64(end)):  # signed, each index would be tested for < 0
         values[links[j, 1]] = values[links[j, 0]]
 
 

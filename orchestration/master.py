@@ -218,9 +218,10 @@ def _advance(
 
 def _not_finite(result: Result, first: int, last: int) -> tuple[int, str] | None:
     """The first row with a value that is NaN or infinite, and the sentence that says so."""
-    bad = np.argwhere(~np.isfinite(result.rows[first:last]))
-    if not bad.size:
+    finite = np.isfinite(result.rows[first:last])
+    if finite.all():
         return None
+    bad = np.argwhere(~finite)
     k, column = first + int(bad[0, 0]), bad[0, 1]
     why = "the run has diverged" if k > 0 else "start values are wrong or missing"
     where = f"at t = {result.time[k]:.9g} s (row {k})"

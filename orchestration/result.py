@@ -85,7 +85,7 @@ class Result:
         OrchestrationError
             If the file cannot be written.
         """
-        header = ",".join(["time", *(f'"{n}"' if "," in n else n for n in self.names)])
+        header = ",".join(["time", *(_quoted(name) for name in self.names)])
         line = ",".join(["%.17g"] * (len(self.names) + 1))
         draft = path.with_name(path.name + ".part")
         try:
@@ -109,3 +109,8 @@ class Result:
             recorded = ", ".join(self.names) or "nothing"
             msg = f"The result has no column {name}; recorded are {recorded}."
             raise OrchestrationError(msg) from None
+
+
+def _quoted(name: str) -> str:
+    """A name as a field of a CSV file (RFC 4180)."""
+    return '"' + name.replace('"', '""') + '"' if set(name) & set(',"\r\n') else name

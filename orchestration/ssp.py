@@ -86,7 +86,7 @@ def read_ssp(path: Path) -> System:
     )
     connections = []
     for element in outer.iterfind(f"{{{SSD}}}Connections/{{{SSD}}}Connection"):
-        if len(element):
+        if any(etree.QName(child).namespace == SSC for child in element.iterchildren("*")):
             msg = f"{path}: connection {dict(element.attrib)} has a transformation, which is not supported."
             raise SystemDescriptionError(msg)
         ends = [element.get(a) for a in ("startElement", "startConnector", "endElement", "endConnector")]
@@ -160,7 +160,7 @@ def _structure(system: System) -> bytes:
             bindings = etree.SubElement(element, f"{{{SSD}}}ParameterBindings")
             source = f"resources/{component.name}.ssv"
             etree.SubElement(bindings, f"{{{SSD}}}ParameterBinding", type=PARAMETER_SET_TYPE, source=source)
-    connections = etree.SubElement(outer, f"{{{SSD}}}Connections")
+    connections = etree.Element(f"{{{SSD}}}Connections")
     for c in system.connections:
         etree.SubElement(
             connections,
@@ -170,14 +170,16 @@ def _structure(system: System) -> bytes:
             endElement=c.target,
             endConnector=c.input,
         )
+    if len(connections):  # an empty list is invalid
+        outer.append(connections)
     if units:
         _write_units(etree.SubElement(root, f"{{{SSD}}}Units"), units)
     experiment = etree.SubElement(
-        root, f"{{{SSD}}}DefaultExperiment", startTime="0.0", stopTime=repr(system.stop_time)
+        root, f"{{{SSD}}}DefaultExperiment", startTime="0.0", stopTime=repr(float(system.stop_time))
     )
     annotations = etree.SubElement(experiment, f"{{{SSD}}}Annotations")
     annotation = etree.SubElement(annotations, f"{{{SSC}}}Annotation", type=STEP_ANNOTATION)
-    etree.SubElement(annotation, "step", size=repr(system.step))
+    etree.SubElement(annotation, "step", size=repr(float(system.step)))
     return _validated(root, "SystemStructureDescription.xsd", system.name)
 
 
@@ -185,7 +187,7 @@ def _connectors(element: Any, system: System, component: Component, units: dict[
     connected = {(c.source, c.output) for c in system.connections} | {
         (c.target, c.input) for c in system.connections
     }
-    listing = etree.SubElement(element, f"{{{SSD}}}Connectors")
+    listing = etree.Element(f"{{{SSD}}}Connectors")
     for variable in component.description.variables.values():
         if (component.name, variable.name) not in connected:
             continue
@@ -195,8 +197,9 @@ def _connectors(element: Any, system: System, component: Component, units: dict[
         typed = etree.SubElement(connector, f"{{{SSC}}}{variable.type}")
         if variable.unit:
             typed.set("unit", variable.unit)
-            undefined = UnitDefinition(variable.unit, ((f"={variable.unit}", 1),))
-            units[variable.unit] = component.description.units.get(variable.unit, undefined)
+            units[variable.unit] = component.description.units[variable.unit]
+    if len(listing):
+        element.append(listing)
 
 
 def _write_units(listing: Any, units: dict[str, UnitDefinition]) -> None:
@@ -290,6 +293,9 @@ def _parse(file: Path, schema: str, path: Path) -> Any:
     except (etree.XMLSyntaxError, OSError) as error:
         msg = f"{path}: {file.name} is missing or no well-formed XML: {error}"
         raise ArchiveError(msg) from error
+    if root.getroottree().docinfo.doctype:
+        msg = f"{path}: {file.name} declares a document type; entities are not read."
+        raise ArchiveError(msg)
     if not _schema(schema).validate(root):
         msg = f"{path}: {file.name} is invalid: {_schema(schema).error_log.last_error}"
         raise ArchiveError(msg)

@@ -209,6 +209,7 @@ class System:
         old = self.component(name)
         description = read_description(Path(fmu))
         known = description.variables
+        inputs = {variable.name for variable in description.of_causality("input")}
         start = {n: v for n, v in old.start.items() if n in known and known[n].causality in _SETTABLE}
         notices = [
             f"{name}: start value of {n} dropped, {description.model_name} has no such variable."
@@ -217,7 +218,7 @@ class System:
         ]
         connections = []
         for connection in self.connections:
-            if connection.target == name and connection.input not in known:
+            if connection.target == name and connection.input not in inputs:
                 notices.append(
                     f"Connection {connection} dropped: {description.model_name} has no such input."
                 )

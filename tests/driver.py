@@ -1,6 +1,5 @@
 """Drives one FMU through fmpy, by variable names; for tests."""
 
-import ctypes
 import shutil
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -44,7 +43,9 @@ class Driver:
         self._callbacks.logger = fmi2CallbackLoggerTYPE(self._log)
         self.slave.instantiate(callbacks=self._callbacks, loggingOn=logging)
 
-    def initialize(self, start: Mapping[str, Value] | None = None, *, t0: float = 0.0, stop: float | None = None) -> None:
+    def initialize(
+        self, start: Mapping[str, Value] | None = None, *, t0: float = 0.0, stop: float | None = None
+    ) -> None:
         """Set start values and go through initialization mode."""
         self.set(start or {})
         self.slave.setupExperiment(startTime=t0, stopTime=stop)
@@ -77,9 +78,7 @@ class Driver:
 
     def raw(self, function: str) -> Any:
         """The C function without fmpy's checks: takes and returns plain ctypes values."""
-        pointer = getattr(self.slave.dll, function)
-        pointer.restype = ctypes.c_int
-        return pointer
+        return getattr(self.slave.dll, function)  # fmpy has declared its types
 
     def references(self, *names: str) -> Sequence[int]:
         """Value references by name."""
@@ -96,7 +95,7 @@ class Driver:
         getter = getattr(self.slave, f"get{variable.type}")
         return getter([variable.valueReference])[0]
 
-    def _log(self, environment: Any, name: bytes, status: int, category: bytes, message: bytes) -> None:
+    def _log(self, _environment: Any, _name: bytes, status: int, category: bytes, message: bytes) -> None:
         self.messages.append((status, category.decode(), message.decode().replace("%%", "%")))
 
 

@@ -51,13 +51,29 @@ static int arrays_present(const Instance *instance, size_t n, const void *refere
     return 0;
 }
 
+/* 1 if all references are inputs of the type: what a host sets at every step, needing no more checks. */
+static int all_inputs(const fmi2ValueReference vr[], size_t n, VariableType type) {
+    int all = 1;
+    for (size_t i = 0; i < n; ++i)
+        all &= vr[i] < MODEL_N_VARIABLES && model_kinds[vr[i]] == MODEL_KIND(type, ROLE_INPUT);
+    return all;
+}
+
+static int all_of_type(const fmi2ValueReference vr[], size_t n, VariableType type) {
+    int all = 1;
+    for (size_t i = 0; i < n; ++i)
+        all &= vr[i] < MODEL_N_VARIABLES && model_kinds[vr[i]] >> 2 == (int)type;
+    return all;
+}
+
 #define DEFINE_SETTER(FUNCTION, VALUE, TYPE, CONVERT)                                              \
     fmi2Status FUNCTION(fmi2Component c, const fmi2ValueReference vr[], size_t nvr,                \
                         const VALUE value[]) {                                                     \
         Instance *instance = allowed(c, ALLOWED_SET, #FUNCTION);                                   \
         int parameter_changed = 0;                                                                 \
         if (!instance || !arrays_present(instance, nvr, vr, value, #FUNCTION)) return fmi2Error;   \
-        for (size_t i = 0; i < nvr; ++i) {                                                         \
+        const int plain = all_inputs(vr, nvr, TYPE);                                               \
+        for (size_t i = 0; i < nvr && !plain; ++i) {                                               \
             if (!is_variable(instance, vr[i], TYPE, #FUNCTION) ||                                  \
                 !is_settable(instance, &model_variables[vr[i]], CONVERT(value[i]), #FUNCTION))     \
                 return fmi2Error;                                                                  \
@@ -73,7 +89,8 @@ static int arrays_present(const Instance *instance, size_t n, const void *refere
                         VALUE value[]) {                                                           \
         Instance *instance = allowed(c, ALLOWED_GET, #FUNCTION);                                   \
         if (!instance || !arrays_present(instance, nvr, vr, value, #FUNCTION)) return fmi2Error;   \
-        for (size_t i = 0; i < nvr; ++i)                                                           \
+        const int plain = all_of_type(vr, nvr, TYPE);                                              \
+        for (size_t i = 0; i < nvr && !plain; ++i)                                                 \
             if (!is_variable(instance, vr[i], TYPE, #FUNCTION)) return fmi2Error;                  \
         if (instance->state.phase == INITIALIZATION) refresh_outputs(instance);                    \
         for (size_t i = 0; i < nvr; ++i) value[i] = (VALUE)instance->state.values[vr[i]];          \

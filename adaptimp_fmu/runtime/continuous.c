@@ -18,39 +18,47 @@
 #define MAX_EVENTS_PER_SUBSTEP 64
 #define MAX_ITERATIONS 200
 
-static void runge_kutta_4(State *s, double t, double dt, double *end) {
-    const double *x = s->states, *u = inputs(s), *p = parameters(s), *c = s->constants;
+static void slope(const State *s, double t, const double *x, const double *shared, double *k) {
+    model_derivative(t, x, s->values + MODEL_FIRST_INPUT, s->values, s->constants, s->modes, shared, k);
+}
+
+/* stage = x + step k, and the slope there. */
+static void stage_slope(const State *s, double t, double step, const double *before, double *k) {
+    double stage[AT_LEAST_ONE(MODEL_N_STATES)], shared[AT_LEAST_ONE(MODEL_N_SHARED)];
+    for (int i = 0; i < MODEL_N_STATES; ++i) stage[i] = s->states[i] + step * before[i];
+    model_prepare(stage, s->values, s->constants, shared);
+    slope(s, t, stage, shared, k);
+}
+
+static void runge_kutta_4(const State *s, double t, double dt, double *end) {
     double k1[AT_LEAST_ONE(MODEL_N_STATES)], k2[AT_LEAST_ONE(MODEL_N_STATES)];
     double k3[AT_LEAST_ONE(MODEL_N_STATES)], k4[AT_LEAST_ONE(MODEL_N_STATES)];
-    double stage[AT_LEAST_ONE(MODEL_N_STATES)];
-    model_derivative(t, x, u, p, c, s->modes, k1);
-    for (int i = 0; i < MODEL_N_STATES; ++i) stage[i] = x[i] + 0.5 * dt * k1[i];
-    model_derivative(t + 0.5 * dt, stage, u, p, c, s->modes, k2);
-    for (int i = 0; i < MODEL_N_STATES; ++i) stage[i] = x[i] + 0.5 * dt * k2[i];
-    model_derivative(t + 0.5 * dt, stage, u, p, c, s->modes, k3);
-    for (int i = 0; i < MODEL_N_STATES; ++i) stage[i] = x[i] + dt * k3[i];
-    model_derivative(t + dt, stage, u, p, c, s->modes, k4);
+    slope(s, t, s->states, s->shared, k1);
+    stage_slope(s, t + 0.5 * dt, 0.5 * dt, k1, k2);
+    stage_slope(s, t + 0.5 * dt, 0.5 * dt, k2, k3);
+    stage_slope(s, t + dt, dt, k3, k4);
     for (int i = 0; i < MODEL_N_STATES; ++i)
-        end[i] = x[i] + dt * ((k1[i] + k4[i]) + 2.0 * (k2[i] + k3[i])) / 6.0;
+        end[i] = s->states[i] + dt * ((k1[i] + k4[i]) + 2.0 * (k2[i] + k3[i])) / 6.0;
 }
 
 #if MODEL_N_EVENTS
 static double indicator(State *s, double t, const double *x, int event) {
-    double z[MODEL_N_EVENTS];
-    model_event_indicators(t, x, parameters(s), s->constants, z);
+    double z[MODEL_N_EVENTS], shared[AT_LEAST_ONE(MODEL_N_SHARED)];
+    model_prepare(x, parameters(s), s->constants, shared);
+    model_event_indicators(t, x, parameters(s), s->constants, shared, z);
     return z[event];
 }
 
 static void set_modes(State *s) {
     double z[MODEL_N_EVENTS];
-    model_event_indicators(s->time, s->states, parameters(s), s->constants, z);
+    model_event_indicators(s->time, s->states, parameters(s), s->constants, s->shared, z);
     for (int i = 0; i < MODEL_N_EVENTS; ++i) s->modes[i] = z[i] > 0;
 }
 
 /* An event other than `known` whose indicator disagrees with its mode at (t, x), or -1. */
-static int crossed_event(State *s, double t, const double *x, int known) {
+static int crossed_event(State *s, double t, const double *x, const double *shared, int known) {
     double z[MODEL_N_EVENTS];
-    model_event_indicators(t, x, parameters(s), s->constants, z);
+    model_event_indicators(t, x, parameters(s), s->constants, shared, z);
     for (int i = 0; i < MODEL_N_EVENTS; ++i)
         if (i != known && (z[i] > 0) != (s->modes[i] > 0)) return i;
     return -1;
@@ -89,11 +97,13 @@ static double locate_crossing(State *s, double t, double dt, int event, double *
 #endif
 
 #if MODEL_N_EVENTS
-/* The first event within the step, or -1; on return `step` and `end` stop at it. */
-static int first_event(State *s, double t, double *step, double *end) {
+/* The first event within the step, or -1; on return `step` and `end` stop at it, and `shared` is
+ * prepared for `end`. */
+static int first_event(State *s, double t, double *step, double *end, double *shared) {
     int first = -1;
     for (int tries = 0; tries <= MODEL_N_EVENTS; ++tries) {
-        int event = crossed_event(s, t + *step, end, first);
+        model_prepare(end, parameters(s), s->constants, shared);
+        int event = crossed_event(s, t + *step, end, shared, first);
         if (event < 0) break;
         *step = locate_crossing(s, t, *step, event, end);
         first = event;
@@ -104,7 +114,7 @@ static int first_event(State *s, double t, double *step, double *end) {
 
 static int substep(Instance *instance, double t, double dt) {
     State *s = &instance->state;
-    double end[AT_LEAST_ONE(MODEL_N_STATES)];
+    double end[AT_LEAST_ONE(MODEL_N_STATES)], shared[AT_LEAST_ONE(MODEL_N_SHARED)] = {0};
     double rest = dt;
     for (int events = 0; events <= MAX_EVENTS_PER_SUBSTEP; ++events) {
         runge_kutta_4(s, t, rest, end);
@@ -115,15 +125,18 @@ static int substep(Instance *instance, double t, double dt) {
         }
 #if MODEL_N_EVENTS
         double step = rest;
-        const int event = first_event(s, t, &step, end);
+        const int event = first_event(s, t, &step, end, shared);
         memcpy(s->states, end, sizeof end);
+        memcpy(s->shared, shared, sizeof shared);
         if (event < 0) return 1;
         s->modes[event] = !(s->modes[event] > 0);
         t += step;
         rest -= step;
         if (!(rest > 0)) return 1;
 #else
+        model_prepare(end, parameters(s), s->constants, shared);
         memcpy(s->states, end, sizeof end);
+        memcpy(s->shared, shared, sizeof shared);
         return 1;
 #endif
     }
@@ -137,13 +150,19 @@ static int substep(Instance *instance, double t, double dt) {
 
 static void initialize_states(State *s) {
     model_initial(s->time, inputs(s), parameters(s), s->constants, s->states);
+    model_prepare(s->states, parameters(s), s->constants, s->shared);
 #if MODEL_N_EVENTS
     set_modes(s);
 #endif
 }
 
+static void constants_changed(State *s) {
+    model_prepare(s->states, parameters(s), s->constants, s->shared);
+}
+
 static void show_outputs(State *s, double t, double *checks) {
-    model_output(t, s->states, inputs(s), parameters(s), s->constants, s->modes, outputs(s), checks);
+    model_output(t, s->states, inputs(s), parameters(s), s->constants, s->modes, s->shared,
+                 outputs(s), checks);
 }
 
 static void show_initial_outputs(State *s, double *checks) { show_outputs(s, s->time, checks); }
@@ -151,15 +170,16 @@ static void show_initial_outputs(State *s, double *checks) { show_outputs(s, s->
 static int advance(Instance *instance, double t, double h) {
     State *s = &instance->state;
     const double dt_max = s->values[MODEL_PERIOD];
-    const double n = fmax(1, ceil(h / dt_max - 1e-6));
+    const double ratio = h / dt_max - 1e-6;
     double checks[AT_LEAST_ONE(MODEL_N_CHECKS)];
-    if (!(n <= MAX_SUBSTEPS)) {
+    if (!(ratio <= MAX_SUBSTEPS)) {
         fail(instance, "A step of %.17g s needs %g sub-steps of dt_max = %.17g s, more than %g.", h,
-             n, dt_max, MAX_SUBSTEPS);
+             ratio, dt_max, MAX_SUBSTEPS);
         return 0;
     }
-    const double dt = h / n;
-    for (int64_t i = 0; i < (int64_t)n; ++i)
+    const int64_t n = ratio > 1 ? (int64_t)ratio + ((double)(int64_t)ratio < ratio) : 1;
+    const double dt = h / (double)n;
+    for (int64_t i = 0; i < n; ++i)
         if (!substep(instance, t + (double)i * dt, dt)) return 0;
     show_outputs(s, t + h, checks);
     return checks_pass(instance, checks, MODEL_N_CHECKS, model_checks) &&

@@ -24,6 +24,7 @@ typedef struct {
     double states[AT_LEAST_ONE(MODEL_N_STATES)];
     double constants[AT_LEAST_ONE(MODEL_N_CONSTANTS)];
     double modes[AT_LEAST_ONE(MODEL_N_EVENTS)];
+    double shared[AT_LEAST_ONE(MODEL_N_SHARED)];   /* prepared for the states */
     double noise_active;
     double start_time, stop_time, time;
     int64_t tick;                                  /* ticks run since the start */
@@ -49,6 +50,7 @@ static double *outputs(State *s) { return s->values + MODEL_FIRST_OUTPUT; }
 
 /* Implemented by sampled.c or continuous.c. They return 1, or 0 after logging what is wrong. */
 static void initialize_states(State *s);
+static void constants_changed(State *s);
 static void show_initial_outputs(State *s, double *checks);
 static int advance(Instance *instance, double t, double h);
 

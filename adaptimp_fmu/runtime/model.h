@@ -34,6 +34,10 @@ typedef struct {
 static const char *const model_guid;
 static const ModelVariable model_variables[MODEL_N_VARIABLES];
 
+/* Type and role in one byte, for quick checks of value references. */
+#define MODEL_KIND(type, role) ((unsigned char)((type) << 2 | (role)))
+static const unsigned char model_kinds[MODEL_N_VARIABLES];
+
 /* One sentence per check; a check fails when its value is not > 0. */
 static const char *const model_static_checks[AT_LEAST_ONE(MODEL_N_STATIC_CHECKS)];
 static const char *const model_checks[AT_LEAST_ONE(MODEL_N_CHECKS)];
@@ -57,13 +61,16 @@ static uint64_t model_seed(const double *p);
 static void model_noise(const double *uniforms, const double *p, const double *c, double *w);
 #endif
 #else
+/* s: what the three functions below share, prepared for the same x. */
+static void model_prepare(const double *x, const double *p, const double *c, double *s);
 static void model_derivative(double t, const double *x, const double *u, const double *p,
-                             const double *c, const double *m, double *dx);
+                             const double *c, const double *m, const double *s, double *dx);
 static void model_output(double t, const double *x, const double *u, const double *p,
-                         const double *c, const double *m, double *y, double *checks);
+                         const double *c, const double *m, const double *s, double *y,
+                         double *checks);
 #if MODEL_N_EVENTS
 static void model_event_indicators(double t, const double *x, const double *p, const double *c,
-                                   double *z);
+                                   const double *s, double *z);
 #endif
 #endif
 

@@ -4,7 +4,10 @@
 #include "instance.h"
 
 /* A host's clock is summed or rounded to a nanosecond: so much may its time differ from ours. */
-static double time_tolerance(double t, double h) { return 1e-6 * h + 1e-9 * fmax(1, fabs(t)); }
+static double time_tolerance(double t, double h) {
+    const double scale = fabs(t) > 1 ? fabs(t) : 1;
+    return 1e-6 * h + 1e-9 * scale;
+}
 
 static int step_valid(const Instance *instance, double t, double h) {
     const State *s = &instance->state;

@@ -53,5 +53,6 @@ static int calibrated(Instance *instance) {
     model_calibrate(parameters(s), s->constants, checks, &s->noise_active);
     if (!checks_pass(instance, checks, MODEL_N_STATIC_CHECKS, model_static_checks)) return 0;
     s->constants_stale = 0;
+    constants_changed(s);
     return 1;
 }

@@ -170,13 +170,13 @@ def _setting(text: str) -> tuple[str, str]:
 
 @contextmanager
 def _progress() -> Iterator[Report]:
-    """A progress bar that appears when a run takes longer than a second."""
+    """A progress bar that appears on a terminal when a run takes longer than a second."""
     bar = Progress(TextColumn("running"), BarColumn(), TimeRemainingColumn(), console=errors, transient=True)
     started = time.perf_counter()
     task = bar.add_task("run")
 
     def report(done: int, total: int) -> None:
-        if time.perf_counter() - started > PROGRESS_AFTER:
+        if errors.is_terminal and time.perf_counter() - started > PROGRESS_AFTER:
             bar.start()
             bar.update(task, completed=done, total=total)
 

@@ -1,0 +1,1 @@
+"""Speed, measured: ``python -m tests.benchmarks.master``; no test asserts a time."""

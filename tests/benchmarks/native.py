@@ -1,0 +1,149 @@
+"""The C programs to compare with: compiled by zig with the FMUs' flags, called through ctypes.
+
+The bare functions come from the FMUs' own ``sources/``: each unit is compiled with ``bare_unit.c``
+in place of its runtime.
+"""
+
+import ctypes
+import subprocess
+import sys
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+from zipfile import ZipFile
+
+import numpy as np
+
+from adaptimp_fmu.errors import ToolchainError
+from adaptimp_fmu.toolchain import FLAGS, host_platform
+from orchestration.loop import Plan
+
+HERE = Path(__file__).parent
+COMPONENTS = ("trajectory", "sensor", "controller", "actuator", "plant")  # the order in bare.c
+_MODEL_FILES = ("model.c", "model.h", "equations.h")
+_UNIT = """#define NAME(x) {name}_##x
+#define CASADI_CODEGEN_PREFIX
+#define CODEGEN_PREFIX {name}_
+#include "{name}/model.c"
+"""
+_I64, _F64, _I32, _POINTER = ctypes.c_int64, ctypes.c_double, ctypes.c_int32, ctypes.c_void_p
+
+
+class _PlanStruct(ctypes.Structure):
+    """``Plan`` of loop.c."""
+
+    _fields_ = (
+        ("components", _POINTER),
+        ("n_components", _I64),
+        ("real_links", _POINTER),
+        ("discrete_links", _POINTER),
+        ("reals", _POINTER),
+        ("discretes", _POINTER),
+        ("recorded_reals", _POINTER),
+        ("recorded_discretes", _POINTER),
+        ("n_recorded_reals", _I64),
+        ("n_recorded_discretes", _I64),
+        ("n_columns", _I64),
+    )
+
+
+class BareUnits:
+    """The generated functions of the five units, called by a C loop without FMI.
+
+    Parameters
+    ----------
+    fmus
+        The FMU of each of `COMPONENTS`.
+    folder
+        A scratch folder.
+    """
+
+    def __init__(self, fmus: Mapping[str, Path], folder: Path) -> None:
+        for name in COMPONENTS:
+            unit = folder / name
+            unit.mkdir()
+            with ZipFile(fmus[name]) as archive:
+                for file in _MODEL_FILES:
+                    (unit / file).write_bytes(archive.read(f"sources/{file}"))
+            (unit / "runtime.c").write_bytes((HERE / "bare_unit.c").read_bytes())
+            (folder / f"{name}.c").write_text(_UNIT.format(name=name), encoding="utf-8")
+        sources = [HERE / "bare.c", *(folder / f"{name}.c" for name in COMPONENTS)]
+        self._library = _compile(sources, folder / "bare")
+        self._library.bare_outputs.restype = ctypes.POINTER(_F64)
+
+    def start(self, values: Mapping[str, np.ndarray], t0: float) -> None:
+        """Go to the start; `values` are all variables of each unit, by value reference."""
+        for i, name in enumerate(COMPONENTS):
+            self._library.bare_start(_I64(i), _address(values[name]), _F64(t0))
+
+    def run(self, times: np.ndarray, h: float, first: int, last: int) -> None:
+        """Make the steps first to last - 1."""
+        self._library.bare_run(_address(times), _F64(h), _I64(first), _I64(last))
+
+    def replay(self, name: str, times: np.ndarray, h: float, inputs: np.ndarray, step: bool) -> None:
+        """Copy the given rows of inputs to one unit; with `step`, step it after each."""
+        index, count = _I64(COMPONENTS.index(name)), _I64(len(inputs))
+        self._library.bare_replay(index, _address(times), _F64(h), count, _address(inputs), _I32(step))
+
+    def outputs(self, name: str, count: int) -> np.ndarray:
+        """The outputs a unit shows now, shape (count,)."""
+        pointer = self._library.bare_outputs(_I64(COMPONENTS.index(name)))
+        return np.ctypeslib.as_array(pointer, (count,)).copy()
+
+
+class CLoop:
+    """The Gauss-Seidel loop in C, on the tables of a plan.
+
+    Parameters
+    ----------
+    plan
+        Addresses and buffers; must outlive this object.
+    n_columns
+        Width of a row of records.
+    folder
+        A scratch folder.
+    """
+
+    def __init__(self, plan: Plan, n_columns: int, folder: Path) -> None:
+        self._library = _compile([HERE / "loop.c"], folder / "loop")
+        self._table = plan.table
+        self._plan = _PlanStruct(
+            *(_address(plan.table), plan.table.shape[0]),
+            *(_address(plan.real_links), _address(plan.discrete_links)),
+            *(_address(plan.reals), _address(plan.discretes)),
+            *(_address(plan.recorded_reals), _address(plan.recorded_discretes)),
+            *(len(plan.recorded_reals), len(plan.recorded_discretes), n_columns),
+        )
+
+    def run(self, times: np.ndarray, h: float, span: tuple[int, int], rows: np.ndarray) -> int:
+        """Make the steps span[0] to span[1] - 1 and fill their rows; returns the fmi2Status."""
+        return self._library.fmi_run(
+            ctypes.byref(self._plan), _address(times), _F64(h), _I64(span[0]), _I64(span[1]), _address(rows)
+        )
+
+    def replay(self, i: int, times: np.ndarray, h: float, inputs: np.ndarray, calls: Sequence[bool]) -> int:
+        """Make the calls (set, step, get) of component i with the given rows of inputs."""
+        return self._library.fmi_replay(
+            _address(self._table[i]),
+            *(_address(times), _F64(h), _I64(len(inputs)), _address(inputs)),
+            *(_I32(call) for call in calls),
+        )
+
+
+def _address(array: np.ndarray) -> Any:
+    return ctypes.c_void_p(array.ctypes.data)
+
+
+def _compile(sources: Sequence[Path], output: Path) -> ctypes.CDLL:
+    """Compile C files into one library, as the toolchain does with a unit, and load it."""
+    target = host_platform()
+    library = output.with_suffix(target.extension)
+    command = [
+        *(sys.executable, "-m", "ziglang", "cc", "-shared", "-target", target.target),
+        *(*FLAGS, *target.flags, *map(str, sources), "-o", str(library), "-lm"),
+    ]
+    run = subprocess.run(command, capture_output=True, text=True, check=False)
+    if run.returncode != 0:
+        msg = f"{output.name} does not compile:\n{run.stderr.strip()}"
+        raise ToolchainError(msg)
+    return ctypes.CDLL(str(library))
