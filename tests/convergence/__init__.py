@@ -1,0 +1,1 @@
+"""The order of the numerical methods, measured on problems with an independent solution."""

@@ -1,0 +1,1 @@
+"""The units of `fmus` as they are declared: starts, sensor, actuator."""

@@ -1,0 +1,137 @@
+"""Evidence for ForceSensor: NumPy draws the same noise; it is bounded, gated, and a function of seed and tick."""
+
+from collections.abc import Callable
+
+import casadi as ca
+import numpy as np
+import pytest
+
+from fmus.force_sensor import truncated_normal
+from tests.driver import Driver
+from tests.property.samples import EPS, evaluate
+
+Open = Callable[..., Driver]
+TS = 1e-3  # s
+STD, BOUND = 5.0, 15.0  # N
+FORCE = np.array([300.0, -40.0])  # N
+NOISY = {
+    "noise_std": STD,
+    "noise_bound": BOUND,
+    "seed": 7,
+    "sample_time": TS,
+    "F_ext[1]": FORCE[0],
+    "F_ext[2]": FORCE[1],
+}
+# The force, 300 N, is added and taken off again: two roundings of it; r and the angle round to far less.
+ROUNDING = 4 * EPS * 300
+
+
+def drawn(seed: int, ticks: range, std: float = STD, bound: float = BOUND) -> np.ndarray:
+    """The noise by DESIGN's recipe from `numpy.random.Philox`, N, shape (len(ticks), 2)."""
+    rows = []
+    for n in ticks:
+        words = np.random.Philox(key=seed, counter=(n - 1) % 2**256).random_raw(2)
+        u0, u1 = ((int(word) >> 11) * 2.0**-53 + 2.0**-54 for word in words)
+        r = std * np.sqrt(-2 * np.log(1 - u0 * (1 - np.exp(-(bound**2) / (2 * std**2)))))
+        rows.append([r * np.cos(2 * np.pi * u1), r * np.sin(2 * np.pi * u1)])
+    return np.array(rows)
+
+
+def errors(sensor: Driver, steps: int, h: float, first: int = 0) -> np.ndarray:
+    """F_hat - F_ext after each of `steps` steps of h."""
+    rows = []
+    for k in range(first, first + steps):
+        sensor.step(k * h, h)
+        rows.append(sensor.get("F_hat[1]", "F_hat[2]") - sensor.get("F_ext[1]", "F_ext[2]"))
+    return np.array(rows)
+
+
+@pytest.mark.parametrize("seed", [0, 7, 2**31 - 1])
+def test_noise_is_numpy_s_philox(open_fmu: Open, seed: int) -> None:
+    sensor = open_fmu("ForceSensor")
+    sensor.initialize(NOISY | {"seed": seed})
+    shown = sensor.get("F_hat[1]", "F_hat[2]") - FORCE
+    np.testing.assert_allclose(shown, drawn(seed, range(1))[0], rtol=0, atol=ROUNDING)  # what the first tick gives
+    np.testing.assert_allclose(errors(sensor, 500, TS), drawn(seed, range(500)), rtol=0, atol=ROUNDING)
+
+
+def test_noise_keeps_its_bound_and_fills_the_disc(open_fmu: Open) -> None:
+    sensor = open_fmu("ForceSensor")
+    sensor.initialize(NOISY | {"noise_std": 8.0})
+    noise = errors(sensor, 20_000, TS)
+    norms = np.linalg.norm(noise, axis=1)
+    assert norms.max() <= BOUND + ROUNDING
+    # P(r <= x) = (1 - exp(-x^2 / 2 s^2)) / (1 - exp(-b^2 / 2 s^2)); Kolmogorov-Smirnov at 1e-6: 2.7 / sqrt(20000).
+    order = np.sort(norms)
+    law = -np.expm1(-(order**2) / 128) / -np.expm1(-(BOUND**2) / 128)
+    assert np.abs(law - np.arange(1, 20_001) / 20_000).max() < 2.7 / np.sqrt(20_000)
+    # Means of 20000 independent values below 15 N: five standard errors of 7 N / sqrt(20000).
+    assert np.abs(noise.mean(axis=0)).max() < 5 * 7 / np.sqrt(20_000)
+    assert abs(np.corrcoef(noise[:-1, 0], noise[1:, 0])[0, 1]) < 5 / np.sqrt(20_000)
+    assert abs(np.corrcoef(noise.T)[0, 1]) < 5 / np.sqrt(20_000)
+
+
+def test_truncated_normal_at_the_ends_of_the_unit_interval() -> None:
+    # ((w >> 11) + 0.5) 2^-53 rounds to 1 for the largest w.
+    u0, u1 = ca.SX.sym("u0"), ca.SX.sym("u1")
+    function = ca.Function("noise", [u0, u1], [truncated_normal(u0, u1, ca.SX(STD), ca.SX(BOUND))])
+    values = evaluate(function, np.array([[2.0**-54, 1.0]]), np.array([[0.25, 0.25]]))[..., 0]
+    # Near the bound, 1 - u0 (1 - e) = e = exp(-4.5) loses EPS / e relative, r then EPS / (9 e) of 15 N.
+    np.testing.assert_allclose(np.linalg.norm(values, axis=1), [0, BOUND], rtol=0, atol=BOUND * 100 * EPS)
+
+
+def test_half_steps_hold_the_noise_of_the_tick(open_fmu: Open) -> None:
+    whole, halves = open_fmu("ForceSensor"), open_fmu("ForceSensor")
+    whole.initialize(NOISY)
+    halves.initialize(NOISY)
+    expected = errors(whole, 60, TS)
+    np.testing.assert_array_equal(errors(halves, 120, TS / 2), np.repeat(expected, 2, axis=0))
+
+
+def test_triple_steps_end_on_the_noise_of_their_last_tick(open_fmu: Open) -> None:
+    whole, triple = open_fmu("ForceSensor"), open_fmu("ForceSensor")
+    whole.initialize(NOISY)
+    triple.initialize(NOISY)
+    np.testing.assert_array_equal(errors(triple, 20, 3 * TS), errors(whole, 60, TS)[2::3])
+
+
+def test_a_rolled_back_sensor_repeats_its_noise(open_fmu: Open) -> None:
+    sensor = open_fmu("ForceSensor")
+    sensor.initialize(NOISY)
+    errors(sensor, 10, TS)
+    saved = sensor.slave.getFMUstate()
+    first = errors(sensor, 20, TS, first=10)
+    sensor.slave.setFMUstate(saved)
+    np.testing.assert_array_equal(errors(sensor, 20, TS, first=10), first)
+    sensor.slave.freeFMUstate(saved)
+    assert len(np.unique(first, axis=0)) == 20
+
+
+@pytest.mark.parametrize(("gated", "noisy"), [(True, False), (False, True)])
+def test_gating_silences_the_sensor_only_while_no_force_acts(open_fmu: Open, gated: bool, noisy: bool) -> None:
+    sensor = open_fmu("ForceSensor")
+    sensor.initialize(NOISY | {"F_ext[1]": 0.0, "F_ext[2]": 0.0, "contact_gated": gated})
+    free = errors(sensor, 5, TS)
+    assert (free != 0).all() == noisy
+    assert (free == 0).all() == (not noisy)
+    sensor.set({"F_ext[2]": 1e-12})
+    # Ticks went on while the sensor was silent.
+    np.testing.assert_allclose(errors(sensor, 5, TS, first=5), drawn(7, range(5, 10)), rtol=0, atol=ROUNDING)
+
+
+@pytest.mark.parametrize("bound", [0.0, 3.0])
+def test_without_noise_it_shows_the_force(open_fmu: Open, bound: float) -> None:
+    start = {"contact_gated": False, "noise_bound": bound, "F_ext[1]": FORCE[0], "F_ext[2]": FORCE[1]}
+    sensor = open_fmu("ForceSensor")
+    sensor.initialize(start)
+    assert (errors(sensor, 3, 1e-4) == 0).all()
+
+
+def test_noise_without_a_bound_is_an_error(open_fmu: Open) -> None:
+    sensor = open_fmu("ForceSensor")
+    sensor.set({"noise_std": 1.0})
+    sensor.slave.setupExperiment(startTime=0.0)
+    sensor.slave.enterInitializationMode()
+    fmi2_error = 3
+    assert sensor.status("fmi2ExitInitializationMode") == fmi2_error
+    assert any("noise_bound must be positive" in text for _, _, text in sensor.messages)
