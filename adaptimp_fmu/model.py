@@ -248,9 +248,7 @@ class Model:
         units = _per_element(unit, names, "units")
         descriptions = _per_element(description, names, "descriptions")
         for element, start, u, text in zip(names, starts, units, descriptions, strict=True):
-            self.variables.append(
-                Variable(element, role, type, u, text, start, limits.minimum, limits.maximum)
-            )
+            self.variables.append(Variable(element, role, type, u, text, start, limits.minimum, limits.maximum))
 
 
 @dataclass

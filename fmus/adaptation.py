@@ -65,9 +65,7 @@ class Adaptation:
         return ca.if_else(self.projection, projected, moved)
 
 
-def declare_adaptation(
-    controller: Controller, gains: Sequence[float], gain_units: Sequence[str]
-) -> Adaptation:
+def declare_adaptation(controller: Controller, gains: Sequence[float], gain_units: Sequence[str]) -> Adaptation:
     """Declare the parameters and the optional input of the adaptation.
 
     Parameters

@@ -75,9 +75,7 @@ class Controller:
             unit=parameter_units(self.arm.n),
             description=parameter_descriptions(self.arm.n, "Estimated"),
         )
-        x_t, dx_t = advance(
-            self.x_t, self.dx_t, self.virtual, self.measured.F_hat, self.impedance, model.period
-        )
+        x_t, dx_t = advance(self.x_t, self.dx_t, self.virtual, self.measured.F_hat, self.impedance, model.period)
         model.update(self.x_t, x_t)
         model.update(self.dx_t, dx_t)
         return model
@@ -89,7 +87,7 @@ def declare_controller(name: str, description: str, n: int = 2) -> Controller:
     arm, begin = PlanarArm(n), start.ARMS[n]
     q = model.input("q", begin.q, unit="rad", description="Joint angle")
     dq = model.input("dq", begin.dq, unit="rad/s", description="Joint rate")
-    ddq = model.input("ddq", begin.joint_accelerations(), unit="rad/s2", description="Joint acceleration")
+    ddq = model.input("ddq", begin.ddq, unit="rad/s2", description="Joint acceleration")
     F_hat = model.input("F_hat", [0.0] * DIMENSION, unit="N", description="Measured tip force")
     x_v = model.input("x_v", start.X_V, unit="m", description="Virtual position of the tip")
     dx_v = model.input("dx_v", start.DX_V, unit="m/s", description="Virtual velocity of the tip")

@@ -24,9 +24,7 @@ GAINS = (0.0, 5.0, 0.0, 0.0, 0.0, 0.0)  # assumed: m2 is the unknown payload's m
 
 def craig_adaptive_impedance() -> SampledModel:
     """Algorithm 1: impedance control with the adaptation of Craig, Hsu and Sastry."""
-    controller = declare_controller(
-        "CraigAdaptiveImpedance", "Adaptive impedance control, algorithm 1 (after Craig)"
-    )
+    controller = declare_controller("CraigAdaptiveImpedance", "Adaptive impedance control, algorithm 1 (after Craig)")
     adaptation = declare_adaptation(controller, GAINS, GAIN_UNITS)
     measured, arm = controller.measured, controller.arm
     q, dq = measured.q, measured.dq
@@ -35,16 +33,12 @@ def craig_adaptive_impedance() -> SampledModel:
     J, H = arm.jacobian(q, controller.l), arm_model.inertia(q)
     rejection = declare_noise_rejection(adaptation, ca.mtimes(J, solve_spd(H, J.T)))
 
-    demand = target_acceleration(
-        controller.x, controller.dx, controller.virtual, measured.F_hat, controller.impedance
-    )
+    demand = target_acceleration(controller.x, controller.dx, controller.virtual, measured.F_hat, controller.impedance)
     tau_cmd = resolved_torque(measured, arm_model, demand + rejection.acceleration())
     inertia_times = ca.mtimes(H, solve_2x2(J, rejection.acceleration()))
     F_c = solve_2x2(J.T, inertia_times)
 
-    Y = arm.regressor(
-        q, dq, dq, controller.ddq, controller.l, controller.gravity, controller.coulomb_velocity
-    )
+    Y = arm.regressor(q, dq, dq, controller.ddq, controller.l, controller.gravity, controller.coulomb_velocity)
     gradient = ca.mtimes(Y.T, solve_spd(H, ca.mtimes(J.T, rejection.e_star)))
     updated = adaptation.next_estimate(p_hat, gradient, rejection.e_star)
     controller.model.update_slowly(p_hat, updated, divisor="update_divisor")

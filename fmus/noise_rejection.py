@@ -99,9 +99,7 @@ def declare_noise_rejection(adaptation: Adaptation, mobility: ca.SX) -> NoiseRej
     beta, mu = ca.norm_2(e_star), ca.norm_2(ca.mtimes(mobility, e_star))
     excess = 2 * mu * delta - alpha
     gamma = margin * ca.fmax(0, excess / (beta**2 + eps**2))
-    return NoiseRejection(
-        e_star, alpha, beta, mu, gamma, _gamma_bound(alpha, beta, excess, delta, _norm_2x2(mobility))
-    )
+    return NoiseRejection(e_star, alpha, beta, mu, gamma, _gamma_bound(alpha, beta, excess, delta, _norm_2x2(mobility)))
 
 
 def declare_outputs(rejection: NoiseRejection, adaptation: Adaptation, F_c: ca.SX) -> None:

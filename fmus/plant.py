@@ -22,9 +22,7 @@ def plant(n: int = 2, name: str = "Plant") -> ContinuousModel:
     tau = model.input("tau", [0.0] * arm.n, unit="N.m", description="Joint torque")
     q_start = model.parameter("q_start", begin.q, unit="rad", description="Joint angle at the start")
     dq_start = model.parameter("dq_start", begin.dq, unit="rad/s", description="Joint rate at the start")
-    m = model.parameter(
-        "m", begin.masses, unit="kg", limits=POSITIVE, description="Point mass at the end of a link"
-    )
+    m = model.parameter("m", begin.masses, unit="kg", limits=POSITIVE, description="Point mass at the end of a link")
     l = model.parameter("l", begin.link_lengths, unit="m", limits=POSITIVE, description="Length of a link")
     viscous = model.parameter(
         "viscous",
@@ -68,9 +66,7 @@ def plant(n: int = 2, name: str = "Plant") -> ContinuousModel:
 
     model.output("q", q, unit="rad", description="Joint angle, relative to the previous link")
     model.output("dq", dq, unit="rad/s", description="Joint rate")
-    model.output(
-        "ddq", ddq, unit="rad/s2", description="Joint acceleration; at a communication point its left limit"
-    )
+    model.output("ddq", ddq, unit="rad/s2", description="Joint acceleration; at a communication point its left limit")
     model.output("x", x, unit="m", description="Tip position")
     model.output("dx", dx, unit="m/s", description="Tip velocity")
     model.output("F_ext", F_ext, unit="N", description="Force of the tip on the wall")
@@ -94,9 +90,7 @@ def plant(n: int = 2, name: str = "Plant") -> ContinuousModel:
 
 def _wall(model: ContinuousModel) -> Wall:
     """Declare the wall's parameters."""
-    normal = model.parameter(
-        "wall_normal", start.WALL_NORMAL, description="Unit normal of the wall, pointing into it"
-    )
+    normal = model.parameter("wall_normal", start.WALL_NORMAL, description="Unit normal of the wall, pointing into it")
     offset = model.parameter(
         "wall_offset",
         start.WALL_OFFSET,

@@ -41,9 +41,7 @@ def slotine_li_adaptive_impedance() -> SampledModel:
     p_hat = model.state("p_hat", controller.p_start)
     s = adaptation.filtered_error()
     de = controller.dx - controller.dx_t
-    ddx_t = target_acceleration(
-        controller.x_t, controller.dx_t, controller.virtual, F_hat, controller.impedance
-    )
+    ddx_t = target_acceleration(controller.x_t, controller.dx_t, controller.virtual, F_hat, controller.impedance)
     J, dJ = arm.jacobian(q, controller.l), arm.jacobian_rate(q, dq, controller.l)
     dq_r = solve_2x2(J, controller.dx - s)
     ddq_r = solve_2x2(J, ddx_t - adaptation.Psi * de - ca.mtimes(dJ, dq_r))

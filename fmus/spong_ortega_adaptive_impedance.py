@@ -48,9 +48,7 @@ def spong_ortega_adaptive_impedance() -> SampledModel:
     J, H_0 = arm.jacobian(q, controller.l), fixed.inertia(q)
     rejection = declare_noise_rejection(adaptation, ca.mtimes(J, solve_spd(H_0, J.T)))
 
-    demand = target_acceleration(
-        controller.x, controller.dx, controller.virtual, measured.F_hat, controller.impedance
-    )
+    demand = target_acceleration(controller.x, controller.dx, controller.virtual, measured.F_hat, controller.impedance)
 
     def correction(ddq: ca.SX) -> ca.SX:
         constants = (controller.l, controller.gravity, controller.coulomb_velocity)

@@ -7,11 +7,6 @@ finite outputs (at q = 0 the arm is singular).
 import math
 from dataclasses import dataclass
 
-import casadi as ca
-import numpy as np
-
-from fmus.arm import PlanarArm
-
 SEMI_AXIS = (1.5, 1.0)  # m, V
 PERIOD = 2.0  # s, V: one turn in 0 <= t <= 2 s
 WALL_NORMAL = (-1.0, 0.0)  # assumed: a vertical wall on the left
@@ -31,21 +26,15 @@ class ArmStart:
     ----------
     masses, link_lengths
         kg and m, shape (n,).
-    q, dq
-        rad and rad/s, shape (n,).
+    q, dq, ddq
+        rad, rad/s and rad/s2, shape (n,); ddq = -H^-1 C dq is the acceleration without torque.
     """
 
     masses: tuple[float, ...]
     link_lengths: tuple[float, ...]
     q: tuple[float, ...]
     dq: tuple[float, ...]
-
-    def joint_accelerations(self) -> tuple[float, ...]:
-        """Accelerations without torque, rad/s2, shape (n,): -H^-1 C dq."""
-        arm = PlanarArm(len(self.q))
-        H = np.array(arm.inertia(ca.DM(self.q), self.masses, self.link_lengths))
-        C = np.array(arm.coriolis(ca.DM(self.q), ca.DM(self.dq), self.masses, self.link_lengths))
-        return tuple(float(a) for a in np.linalg.solve(H, -C @ np.array(self.dq)))
+    ddq: tuple[float, ...]
 
 
 ARMS = {
@@ -55,6 +44,7 @@ ARMS = {
         link_lengths=(1.0, 1.0),
         q=(-0.7227342478, 1.4454684956),
         dq=(2.0943951024, 0.0),
+        ddq=(1.6405770964, -6.1977356975),
     ),
     # Assumed, for the redundant case: the same reach; q3 = 0.6, the rates of least norm.
     3: ArmStart(
@@ -62,5 +52,6 @@ ARMS = {
         link_lengths=(0.8, 0.7, 0.5),
         q=(-0.8564675332, 1.1625008008, 0.6),
         dq=(2.0267657571, 0.2020060324, -0.3102618316),
+        ddq=(2.5403557188, -6.5241913644, -1.0173216980),
     ),
 }

@@ -25,21 +25,15 @@ def virtual_trajectory() -> SampledModel:
         limits=POSITIVE,
         description=["Semi-axis of the ellipse along x1", "Semi-axis of the ellipse along x2"],
     )
-    period = model.parameter(
-        "period", start.PERIOD, unit="s", limits=POSITIVE, description="Time of one turn"
-    )
-    normal = model.parameter(
-        "wall_normal", start.WALL_NORMAL, description="Unit normal of the wall, pointing into it"
-    )
+    period = model.parameter("period", start.PERIOD, unit="s", limits=POSITIVE, description="Time of one turn")
+    normal = model.parameter("wall_normal", start.WALL_NORMAL, description="Unit normal of the wall, pointing into it")
     offset = model.parameter(
         "wall_offset",
         start.WALL_OFFSET,
         unit="m",
         description="Distance of the wall's surface from the origin along the normal",
     )
-    depth = model.parameter(
-        "depth", 0.01, unit="m", description="Depth of the straight segment inside the wall"
-    )
+    depth = model.parameter("depth", 0.01, unit="m", description="Depth of the straight segment inside the wall")
     require_unit_normal(model, normal)
 
     rate = 2 * math.pi / period
@@ -55,9 +49,7 @@ def virtual_trajectory() -> SampledModel:
         return vector - ca.if_else(straight, along_normal, 0) * normal
 
     model.output("x_v", clipped(x, excess), unit="m", description="Virtual position of the tip")
-    model.output(
-        "dx_v", clipped(dx, ca.dot(normal, dx)), unit="m/s", description="Virtual velocity of the tip"
-    )
+    model.output("dx_v", clipped(dx, ca.dot(normal, dx)), unit="m/s", description="Virtual velocity of the tip")
     model.output(
         "ddx_v",
         clipped(ddx, ca.dot(normal, ddx)),

@@ -12,9 +12,7 @@ from llvmlite import ir
 from numba import types
 from numba.extending import intrinsic, overload
 
-_TRANSFER = ctypes.CFUNCTYPE(
-    ctypes.c_int32, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_size_t, ctypes.c_void_p
-)
+_TRANSFER = ctypes.CFUNCTYPE(ctypes.c_int32, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_size_t, ctypes.c_void_p)
 _DO_STEP = ctypes.CFUNCTYPE(ctypes.c_int32, ctypes.c_void_p, ctypes.c_double, ctypes.c_double, ctypes.c_int32)
 _I8P, _I32, _I64, _F64 = ir.IntType(8).as_pointer(), ir.IntType(32), ir.IntType(64), ir.DoubleType()
 
@@ -70,9 +68,7 @@ def _do_step(typing: Any, function: Any, component: Any, t: Any, h: Any) -> Any:
 # numba compares the signatures of overload and implementation, annotations included: both have none.
 @overload(call_transfer)
 def _compile_transfer(function, component, references, n, values):
-    return lambda function, component, references, n, values: _transfer(
-        function, component, references, n, values
-    )
+    return lambda function, component, references, n, values: _transfer(function, component, references, n, values)
 
 
 @overload(call_do_step)

@@ -116,9 +116,7 @@ def _variable(raw: Any) -> Variable:
     start = None if raw.start is None or kind == STRING else parse_value(raw.start, kind)
     causality = raw.causality or "local"
     variability = raw.variability or "continuous"
-    return Variable(
-        raw.name, raw.valueReference, kind, causality, variability, unit, start, raw.description or ""
-    )
+    return Variable(raw.name, raw.valueReference, kind, causality, variability, unit, start, raw.description or "")
 
 
 def _unit(raw: Any) -> UnitDefinition:

@@ -81,9 +81,7 @@ def _set_start(component: Component, instance: Instance) -> None:
         reference = ctypes.c_uint32(variable.reference)
         number = int(value) if variable.type != REAL else value
         c_value = _C_TYPES[variable.type](number)
-        instance.call(
-            f"fmi2Set{variable.type}", ctypes.byref(reference), ctypes.c_size_t(1), ctypes.byref(c_value)
-        )
+        instance.call(f"fmi2Set{variable.type}", ctypes.byref(reference), ctypes.c_size_t(1), ctypes.byref(c_value))
 
 
 def _propagate(system: System, instances: Sequence[Instance], assembly: Assembly) -> None:

@@ -200,9 +200,7 @@ def _advance(
     while done < n:
         last = min(n, done + chunk)
         started = clock.perf_counter()
-        k, i, call, status = loop.run(
-            assembly.plan, algorithm, (result.time, steps), (done, last), result.rows
-        )
+        k, i, call, status = loop.run(assembly.plan, algorithm, (result.time, steps), (done, last), result.rows)
         elapsed = clock.perf_counter() - started
         if k < last:
             where = f" at t = {result.time[k]:.9g} s (step {k})"

@@ -81,8 +81,7 @@ def read_ssp(path: Path) -> System:
         msg = f"{path}: nested systems are not supported; flatten the package first."
         raise SystemDescriptionError(msg)
     components = tuple(
-        _component(element, folder, path)
-        for element in outer.iterfind(f"{{{SSD}}}Elements/{{{SSD}}}Component")
+        _component(element, folder, path) for element in outer.iterfind(f"{{{SSD}}}Elements/{{{SSD}}}Component")
     )
     connections = []
     for element in outer.iterfind(f"{{{SSD}}}Connections/{{{SSD}}}Connection"):
@@ -103,9 +102,7 @@ def read_ssp(path: Path) -> System:
     if stop is not None:
         options["stop_time"] = float(stop)
     if start != 0:
-        options["notices"] = (
-            f"{path}: its start time {start:g} s is not used; give it in Options.start_time.",
-        )
+        options["notices"] = (f"{path}: its start time {start:g} s is not used; give it in Options.start_time.",)
     return System(root.get("name"), components, tuple(connections), **options)
 
 
@@ -184,16 +181,12 @@ def _structure(system: System) -> bytes:
 
 
 def _connectors(element: Any, system: System, component: Component, units: dict[str, UnitDefinition]) -> None:
-    connected = {(c.source, c.output) for c in system.connections} | {
-        (c.target, c.input) for c in system.connections
-    }
+    connected = {(c.source, c.output) for c in system.connections} | {(c.target, c.input) for c in system.connections}
     listing = etree.Element(f"{{{SSD}}}Connectors")
     for variable in component.description.variables.values():
         if (component.name, variable.name) not in connected:
             continue
-        connector = etree.SubElement(
-            listing, f"{{{SSD}}}Connector", name=variable.name, kind=variable.causality
-        )
+        connector = etree.SubElement(listing, f"{{{SSD}}}Connector", name=variable.name, kind=variable.causality)
         typed = etree.SubElement(connector, f"{{{SSC}}}{variable.type}")
         if variable.unit:
             typed.set("unit", variable.unit)

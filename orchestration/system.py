@@ -104,9 +104,7 @@ class System:
             raise SystemDescriptionError(msg)
         for name in names:
             if names.count(name) > 1 or not name or "." in name:
-                msg = (
-                    f"System {self.name}: the component name {name!r} is empty, has a dot, or is used twice."
-                )
+                msg = f"System {self.name}: the component name {name!r} is empty, has a dot, or is used twice."
                 raise SystemDescriptionError(msg)
         for component in self.components:
             for name, value in component.start.items():
@@ -219,14 +217,10 @@ class System:
         connections = []
         for connection in self.connections:
             if connection.target == name and connection.input not in inputs:
-                notices.append(
-                    f"Connection {connection} dropped: {description.model_name} has no such input."
-                )
+                notices.append(f"Connection {connection} dropped: {description.model_name} has no such input.")
                 continue
             connections.append(connection)
-        components = tuple(
-            Component(name, description, start) if c.name == name else c for c in self.components
-        )
+        components = tuple(Component(name, description, start) if c.name == name else c for c in self.components)
         return replace(
             self,
             components=components,
@@ -250,9 +244,7 @@ class System:
 
     def with_sample_time(self, sample_time: float) -> "System":
         """Set the step and every ``sample_time``, s."""
-        values = {
-            f"{c.name}.{SAMPLE_TIME}": sample_time for c in self.components if c.sample_time is not None
-        }
+        values = {f"{c.name}.{SAMPLE_TIME}": sample_time for c in self.components if c.sample_time is not None}
         return replace(self.set(values), step=sample_time)
 
     def unconnected_inputs(self) -> list[str]:

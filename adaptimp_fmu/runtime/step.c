@@ -31,8 +31,9 @@ static int step_valid(const Instance *instance, double t, double h) {
     return 1;
 }
 
-/* A step that cannot be made for its arguments or inputs changes nothing; one that fails on the
- * way leaves the instance in the error state, from which reset and fmi2SetFMUstate lead back. */
+/* A step that is wrong for its time, size or inputs changes nothing; one that fails on the way, or
+ * would take seconds, leaves the instance in the error state, from which reset and fmi2SetFMUstate
+ * lead back. */
 fmi2Status fmi2DoStep(fmi2Component c, fmi2Real currentCommunicationPoint,
                       fmi2Real communicationStepSize,
                       fmi2Boolean noSetFMUStatePriorToCurrentPoint) {

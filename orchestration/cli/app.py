@@ -59,20 +59,14 @@ def run(
     algorithm: Annotated[str, typer.Option(help="gauss-seidel or jacobi.")] = "gauss-seidel",
     order: Annotated[str | None, typer.Option(help="Components in the order of stepping: A,B,...")] = None,
     step: Annotated[float | None, typer.Option(help="Communication step, s.")] = None,
-    sample_time: Annotated[
-        float | None, typer.Option(help="Communication step and every sample_time, s.")
-    ] = None,
+    sample_time: Annotated[float | None, typer.Option(help="Communication step and every sample_time, s.")] = None,
     stop: Annotated[float | None, typer.Option(help="Stop time, s.")] = None,
     out: Annotated[Path | None, typer.Option(help="CSV file for the result.")] = None,
-    record: Annotated[
-        str | None, typer.Option(help="Outputs to record: COMP.VAR,...; all by default.")
-    ] = None,
+    record: Annotated[str | None, typer.Option(help="Outputs to record: COMP.VAR,...; all by default.")] = None,
     strict: Annotated[bool, typer.Option("--strict", help="Unconnected inputs are an error.")] = False,
     allow_stale_inputs: Annotated[
         bool,
-        typer.Option(
-            "--allow-stale-inputs", help="Let a step hold several ticks, on the inputs of its start."
-        ),
+        typer.Option("--allow-stale-inputs", help="Let a step hold several ticks, on the inputs of its start."),
     ] = False,
 ) -> None:
     """Run a system and print what it did."""

@@ -38,8 +38,7 @@ def _deviates_little(evidence: Evidence) -> Finding:
 def _recovers(evidence: Evidence) -> Finding:
     spreads = {name: spread(evidence.noise[name], lambda s: s.m2_recovery) for name in FIGURES}
     text = "; ".join(
-        f"{name} {median * 1e3:.3g} ms, worst {worst * 1e3:.3g} ms"
-        for name, (median, worst) in spreads.items()
+        f"{name} {median * 1e3:.3g} ms, worst {worst * 1e3:.3g} ms" for name, (median, worst) in spreads.items()
     )
     return Finding(all(worst <= 0.1 for _, worst in spreads.values()), f"median: {text}")
 
@@ -85,8 +84,7 @@ def _small_in_free_motion(evidence: Evidence) -> Finding:
     start, free = (spread(evidence.noise["fig7"], f)[1] for f in (lambda s: s.e_start, lambda s: s.e_free))
     return Finding(
         start <= 5e-3 and free <= 1e-4,
-        f"|e| <= {start * 1e3:.2g} mm while m2_hat adapts, <= {free * 1e3:.2g} mm from half of the free"
-        " motion on",
+        f"|e| <= {start * 1e3:.2g} mm while m2_hat adapts, <= {free * 1e3:.2g} mm from half of the free motion on",
     )
 
 

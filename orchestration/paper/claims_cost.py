@@ -44,8 +44,7 @@ def operations(identifier: str) -> dict[str, int]:
     functions = {f.name(): f for f in lower(UNITS[identifier]()).functions}
     return {
         name: sum(
-            functions[name].instruction_id(i) not in _NOT_ARITHMETIC
-            for i in range(functions[name].n_instructions())
+            functions[name].instruction_id(i) not in _NOT_ARITHMETIC for i in range(functions[name].n_instructions())
         )
         for name in ("tick", "tick_update")
     }
@@ -78,9 +77,7 @@ def _cost(evidence: Evidence) -> Finding:
         first = runs[0]
         for n, run in zip(DIVISORS[1:], runs[1:], strict=True):
             harmless &= run.m2_in_contact < 0.2 and run.e_contact <= 2 * first.e_contact + 1e-4
-            parts.append(
-                f"{name} N = {n}: |e| in contact {run.e_contact * 1e3:.2g} mm, m2 {run.m2_in_contact:.1%}"
-            )
+            parts.append(f"{name} N = {n}: |e| in contact {run.e_contact * 1e3:.2g} mm, m2 {run.m2_in_contact:.1%}")
     return Finding(
         two["tick_update"] < one["tick_update"] and ratio < 1 and harmless,
         f"operations per tick with update: algorithm 1 {one['tick_update']}, algorithm 2 {two['tick_update']}"

@@ -72,8 +72,7 @@ QUESTIONS = (
     ),
     Question(
         "C2",
-        "With true parameters and a perfect sensor the tip follows its TIRT, slides from a to b in contact"
-        " and returns",
+        "With true parameters and a perfect sensor the tip follows its TIRT, slides from a to b in contact and returns",
         "V, Fig. 2",
         "|e| <= 1 mm; from 50 mm of a to 50 mm of b, with at most two bounces, touching at least 2/3 of the"
         " time (the wall is elastic); ends within 1 mm of (1.5, 0)",

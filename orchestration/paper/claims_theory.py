@@ -132,8 +132,7 @@ def _gamma_bound(evidence: Evidence) -> Finding:
     ratio = needed / bound[case_c]
     return Finding(
         bool(case_c.any() and ratio.max() <= 1 + 1e-9),
-        f"needed / gamma* <= {ratio.max():.3g} over {case_c.sum()} ticks in case (c), median"
-        f" {np.median(ratio):.2g}",
+        f"needed / gamma* <= {ratio.max():.3g} over {case_c.sum()} ticks in case (c), median {np.median(ratio):.2g}",
     )
 
 

@@ -49,9 +49,7 @@ def draw(results: Mapping[str, Result], folder: Path, image: str = "png") -> lis
     for name, result in results.items():
         with mpl.rc_context(STYLE):
             figure = _tirt_figure(result) if name == "fig3" else _control_figure(result)
-            figure.suptitle(
-                f"{name.capitalize()[:3]}. {name[3:]}: {SCENARIOS[name].caption}", x=0.01, ha="left"
-            )
+            figure.suptitle(f"{name.capitalize()[:3]}. {name[3:]}: {SCENARIOS[name].caption}", x=0.01, ha="left")
             paths.append(folder / f"{name}.{image}")
             figure.savefig(paths[-1], metadata=METADATA[image])
     return paths

@@ -79,9 +79,7 @@ def largest_norm(vectors: np.ndarray) -> float:
 
 
 RECORDED = tuple(
-    f"{name}[{i}]"
-    for name in ("controller.e", "controller.tau_cmd", "plant.F_ext", "plant.x")
-    for i in (1, 2)
+    f"{name}[{i}]" for name in ("controller.e", "controller.tau_cmd", "plant.F_ext", "plant.x") for i in (1, 2)
 )
 """Columns that `summarize` needs, besides the estimate."""
 

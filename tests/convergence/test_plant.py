@@ -23,7 +23,10 @@ DAMPED = Throw(v=(-1.5, 0.4), turn=0.3, tau=PULL, D_f=5.0)
 ROUGH = Throw(v=(-1.5, 0.4), turn=0.3, mu=0.3, friction_velocity=0.3)
 ALL = Throw(v=(-1.5, 0.4), turn=0.3, tau=PULL, viscous=(0.5, 0.3), D_f=5.0, mu=0.3, friction_velocity=0.3)
 
-DURING, AFTER = 2.0**-6, 2.0**-5  # s: in contact, and past it; powers of 2 so that T / 2^k and sums of it are exact
+DURING, AFTER = (
+    2.0**-6,
+    2.0**-5,
+)  # s: in contact, and past it; powers of 2 so that T / 2^k and sums of it are exact
 BOUNCE, LET_GO = ["+contact", "-contact"], ["+contact", "-pushing", "-contact"]
 CASES = {
     "spring, in contact": (SPRING, DURING, ["+contact"]),
@@ -138,5 +141,9 @@ def test_an_elastic_bounce_keeps_the_energy(open_fmu: Open) -> None:
     J, n = SPRING.jacobian(np.array(SPRING.q)), SPRING.normal
     w = np.sqrt(SPRING.K_f * n @ J @ np.linalg.solve(SPRING.inertia(np.array(SPRING.q)), J.T @ n))
     kinetic = 0.5 * SPRING.start[2:] @ SPRING.inertia(np.array(SPRING.q)) @ SPRING.start[2:]
-    assert errors[-1] <= 2 * np.pi / 72 * (w * LEVELS[-1]) ** 5 * kinetic + 100 * EPS * kinetic, (errors, w, kinetic)
+    assert errors[-1] <= 2 * np.pi / 72 * (w * LEVELS[-1]) ** 5 * kinetic + 100 * EPS * kinetic, (
+        errors,
+        w,
+        kinetic,
+    )
     assert slope(LEVELS, errors) >= ORDER

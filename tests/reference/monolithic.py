@@ -59,7 +59,7 @@ class Setup:
     q_start: tuple[float, float] = (-0.7227342478, 1.4454684956)
     dq_start: tuple[float, float] = (2.0943951024, 0.0)
     m: tuple[float, float] = (2.0, 1.0)
-    l: tuple[float, float] = (1.0, 1.0)  # noqa: E741 - the paper's letter
+    l: tuple[float, float] = (1.0, 1.0)
     viscous: tuple[float, float] = (0.0, 0.0)
     coulomb: tuple[float, float] = (0.0, 0.0)
     coulomb_velocity: float = 1e-2
@@ -102,12 +102,18 @@ class Setup:
         steps = (self.stop_time - self.t0) / self.sample_time
         length = np.hypot(*self.wall_normal)
         problems = (
-            (self.controller not in KINDS, f"controller {self.controller!r} is unknown; known: {', '.join(KINDS)}."),
+            (
+                self.controller not in KINDS,
+                f"controller {self.controller!r} is unknown; known: {', '.join(KINDS)}.",
+            ),
             (
                 steps < 0.5 or abs(steps - round(steps)) > 1e-6,
                 f"{self.t0} s to {self.stop_time} s is {steps} samples of {self.sample_time} s; give a whole number.",
             ),
-            (abs(length - 1.0) > 1e-9, f"wall_normal {self.wall_normal} has length {length}; give a unit vector."),
+            (
+                abs(length - 1.0) > 1e-9,
+                f"wall_normal {self.wall_normal} has length {length}; give a unit vector.",
+            ),
             (
                 self.noise_std > 0.0 and not self.noise_bound > 0.0,
                 f"noise_std is {self.noise_std} N but noise_bound {self.noise_bound} N; give both.",
@@ -192,9 +198,11 @@ def law_of(setup):
         "arm": arm_of(setup),
         "tirt": reference_transition(setup.M, setup.B, setup.K, setup.sample_time),
     }
-    convert = {np.ndarray: lambda value: np.array(value, dtype=np.float64)}
     types = {name: kind for name, kind in Law.__annotations__.items() if name not in derived}
-    return Law(**derived, **{name: convert.get(kind, kind)(getattr(setup, name)) for name, kind in types.items()})
+    given = {name: getattr(setup, name) for name in types}
+    arrays = {name: np.array(given[name], dtype=np.float64) for name, kind in types.items() if kind is np.ndarray}
+    scalars = {name: kind(given[name]) for name, kind in types.items() if kind is not np.ndarray}
+    return Law(**derived, **arrays, **scalars)
 
 
 def arm_of(setup):

@@ -52,9 +52,7 @@ def scale(expected: dict[str, np.ndarray], column: str) -> float:
 @pytest.mark.parametrize("dt_max", [DEFAULT_DT_MAX, FINE_DT_MAX])
 @pytest.mark.parametrize("sample_time", [1e-4, 2e-5])
 @pytest.mark.parametrize(("name", "m2"), [("fig2", 1.0), ("fig4", 2.5)])
-def test_every_signal_agrees_with_the_reference(
-    name: str, m2: float, sample_time: float, dt_max: float
-) -> None:
+def test_every_signal_agrees_with_the_reference(name: str, m2: float, sample_time: float, dt_max: float) -> None:
     expected = reference(m2, sample_time)
     result = simulate(system(name, sample_time, dt_max), options=Options(strict=True))
     assert set(result.names) <= set(expected)

@@ -75,8 +75,9 @@ def segment_by_solve_ivp(plant, y, tau, duration):
     while True:
         meets = lambda _, y: wall_gap(plant, y[:2])  # noqa: E731
         pulls = lambda _, y: 1.0 + wall.D_f * rate(y) if contact else 1.0  # noqa: B023, E731
-        meets.terminal = pulls.terminal = True
-        meets.direction, pulls.direction = (-1.0 if contact else 1.0), (-1.0 if pushing else 1.0)
+        for event, up in ((meets, not contact), (pulls, not pushing)):
+            setattr(event, "terminal", True)  # noqa: B010 - solve_ivp reads attributes of functions
+            setattr(event, "direction", 1.0 if up else -1.0)  # noqa: B010
         # rtol 1e-13 and max_step so small that SciPy cannot step over a contact.
         options = {"method": "DOP853", "rtol": 1e-13, "atol": 1e-15, "max_step": duration / 200}
         result = solve_ivp(right_side, (t, duration), y, events=[meets, pulls], **options)
@@ -237,7 +238,11 @@ def test_conventional_control_in_the_paper_scenario():
 @pytest.mark.parametrize("controller", ["HoganImpedance", "SlotineLiAdaptiveImpedance"])
 def test_halved_steps_change_nothing(controller):
     setup = Setup(
-        controller=controller, p_start=WRONG, Gamma=(0.0, 4.0, 0.0, 0.0, 0.0, 0.0), noise_std=20, noise_bound=60
+        controller=controller,
+        p_start=WRONG,
+        Gamma=(0.0, 4.0, 0.0, 0.0, 0.0, 0.0),
+        noise_std=20,
+        noise_bound=60,
     )
     coarse = simulate_reference(setup)
     fine = simulate_reference(setup, Solver(rtol=1e-13, atol=1e-15, substeps=2))
@@ -249,7 +254,11 @@ def test_halved_steps_change_nothing(controller):
 @pytest.mark.parametrize("controller", ADAPTIVE)
 def test_adaptation_finds_the_mass_in_free_motion(controller):
     setup = Setup(
-        controller=controller, p_start=WRONG, Gamma=(0.0, 4.0, 0.0, 0.0, 0.0, 0.0), sample_time=2e-5, stop_time=0.9
+        controller=controller,
+        p_start=WRONG,
+        Gamma=(0.0, 4.0, 0.0, 0.0, 0.0, 0.0),
+        sample_time=2e-5,
+        stop_time=0.9,
     )
     r = simulate_reference(setup)
     # The paper: m2_hat "quickly approaches its true value 1 kg during the first free-motion duration"; a tenth of the

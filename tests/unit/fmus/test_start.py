@@ -71,11 +71,19 @@ def test_plant_and_trajectory_meet_at_the_start(open_fmu: Open, name: str) -> No
 @pytest.mark.parametrize("name", [n for n in UNITS if n.endswith("Impedance")])
 def test_inputs_of_controllers_start_where_plant_and_trajectory_are(open_fmu: Open, name: str) -> None:
     inputs = starts(open_fmu(name))
-    plant, trajectory = defaults(open_fmu, "Plant").outputs(), defaults(open_fmu, "VirtualTrajectory").outputs()
-    for signal, unit in (("q", plant), ("dq", plant), ("x_v", trajectory), ("dx_v", trajectory), ("ddx_v", trajectory)):
+    plant, trajectory = (
+        defaults(open_fmu, "Plant").outputs(),
+        defaults(open_fmu, "VirtualTrajectory").outputs(),
+    )
+    for signal, unit in (
+        ("q", plant),
+        ("dq", plant),
+        ("x_v", trajectory),
+        ("dx_v", trajectory),
+        ("ddx_v", trajectory),
+    ):
         np.testing.assert_array_equal(vector(inputs, signal), vector(unit, signal))
-    # ddq = -H^-1 C dq by two routes (LDL' in C, NumPy): cond(H) is below 10, values of 10 rad/s2.
-    np.testing.assert_allclose(vector(inputs, "ddq"), vector(plant, "ddq"), rtol=0, atol=1e-13)
+    np.testing.assert_allclose(vector(inputs, "ddq"), vector(plant, "ddq"), rtol=0, atol=PRINTED)
     np.testing.assert_array_equal(vector(inputs, "F_hat"), vector(plant, "F_ext"))
 
 

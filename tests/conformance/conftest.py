@@ -1,0 +1,55 @@
+"""Fixtures: each unit's binary, loaded once, and its instances."""
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from fmus.catalog import UNITS
+from tests.conformance.binary import Binary, Instance
+
+
+@pytest.fixture(scope="session")
+def load(fmu_folder: Path, tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Binary]:
+    """Loads a unit's binary, once."""
+    loaded: dict[str, Binary] = {}
+
+    def load_once(name: str) -> Binary:
+        if name not in loaded:
+            loaded[name] = Binary(fmu_folder / f"{name}.fmu", tmp_path_factory.mktemp(name))
+        return loaded[name]
+
+    return load_once
+
+
+@pytest.fixture(params=list(UNITS))
+def unit(request: pytest.FixtureRequest) -> str:
+    """Name of each unit in turn."""
+    return request.param
+
+
+@pytest.fixture
+def fmu(fmu_folder: Path, unit: str) -> Path:
+    """File of each unit in turn."""
+    return fmu_folder / f"{unit}.fmu"
+
+
+@pytest.fixture
+def binary(load: Callable[[str], Binary], unit: str) -> Binary:
+    """Binary of each unit in turn."""
+    return load(unit)
+
+
+@pytest.fixture
+def create() -> Iterator[Callable[..., Instance]]:
+    """Creates instances, which are freed after the test."""
+    instances: list[Instance] = []
+
+    def create_one(binary: Binary, **options: Any) -> Instance:
+        instances.append(Instance(binary, **options))
+        return instances[-1]
+
+    yield create_one
+    for instance in instances:
+        instance.free()

@@ -1,0 +1,81 @@
+"""Start values that bring each unit's equations to life: contact, noise, limits, friction.
+
+A unit that is not listed is tested with its defaults.
+"""
+
+import numpy as np
+
+from tests.conformance.binary import OK, Binary, Instance
+
+H = 1e-4  # s, one tick of every unit
+# Steps in ticks: within one, across several, and off the grid.
+STEPS = (1.0, 0.5, 0.7, 2.0, 3.3, 0.25)
+# The tip starts 1 cm inside a wall at x1 <= 1.51 m; with 1e5 N/m it leaves it within about 5 ms.
+_PLANT = {
+    "wall_offset": -1.51,
+    "D_f": 0.5,
+    "mu": 0.3,
+    "friction_velocity": 1.0,
+    "gravity": 9.81,
+    "coulomb_velocity": 1.0,
+    **{f"viscous[{i}]": 0.2 * i for i in (1, 2, 3)},
+    **{f"coulomb[{i}]": 0.1 * i for i in (1, 2, 3)},
+}
+_CONTROLLER = {
+    "gravity": 9.81,
+    "coulomb_velocity": 1.0,
+    "F_hat[1]": 5.0,
+    "F_hat[2]": -3.0,
+    **{f"p_start[{i}]": 0.2 * i for i in range(3, 10)},
+    "null_damping": 1.0,
+    "noise_bound": 1e4,  # so large that F_c acts even far from the target
+    "gamma_eps": 0.1,
+}
+_ACTUATOR = {  # commands just past their limits
+    **{f"tau_max[{i}]": float(i) for i in (1, 2, 3)},
+    "tau_cmd[1]": 1.02,
+    "tau_cmd[2]": -2.02,
+    "tau_cmd[3]": -3.01,
+}
+
+# Of a scene, a unit uses what it has.
+SCENES: dict[str, dict[str, float]] = {
+    "Plant": _PLANT,
+    "Plant3R": _PLANT,
+    "ForceSensor": {"noise_std": 1.0, "noise_bound": 3.0, "seed": 7, "F_ext[1]": 2.0, "F_ext[2]": -1.0},
+    "Actuator": _ACTUATOR,
+    "Actuator3R": _ACTUATOR,
+    "VirtualTrajectory": {"wall_offset": -1.51, "period": 0.02},
+    "HoganImpedance": _CONTROLLER,
+    "HoganImpedance3R": _CONTROLLER,
+    "CraigAdaptiveImpedance": _CONTROLLER,
+    "SlotineLiAdaptiveImpedance": _CONTROLLER,
+    "SpongOrtegaAdaptiveImpedance": _CONTROLLER,
+}
+
+
+def scene(binary: Binary) -> dict[str, float]:
+    """Start values of a unit's scene."""
+    return {name: v for name, v in SCENES.get(binary.name, {}).items() if name in binary.variables}
+
+
+def random_inputs(binary: Binary, rng: np.random.Generator) -> dict[str, float]:
+    """Inputs near their scene's start: 1 % and 0.01 off, Booleans by a coin."""
+    starts = binary.starts("input") | {n: v for n, v in scene(binary).items() if n in binary.names("input")}
+    return {
+        name: float(rng.integers(2))
+        if binary.variables[name].type == "Boolean"
+        else value * (1 + 0.01 * rng.standard_normal()) + 0.01 * rng.standard_normal()
+        for name, value in starts.items()
+    }
+
+
+def run(instance: Instance, seed: int, steps: int = 60) -> np.ndarray:
+    """Outputs after each of some steps of random lengths with random inputs, shape (steps, n)."""
+    rng = np.random.default_rng(seed)
+    rows = []
+    for _ in range(steps):
+        assert instance.set(random_inputs(instance.binary, rng)) == OK
+        assert instance.step(H * rng.choice(STEPS)) == OK, instance.last
+        rows.append(instance.outputs())
+    return np.array(rows)

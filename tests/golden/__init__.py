@@ -1,0 +1,1 @@
+"""Generated files kept word for word, so that an unintended change is seen."""

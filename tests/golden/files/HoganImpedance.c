@@ -1,0 +1,195 @@
+/* HoganImpedance: sizes, tables and equations. Generated; do not edit. */
+#define MODEL_SAMPLED 1
+#define MODEL_N_PARAMETERS 17
+#define MODEL_N_INPUTS 14
+#define MODEL_N_OUTPUTS 14
+#define MODEL_N_STATES 4
+#define MODEL_N_CONSTANTS 21
+#define MODEL_N_SHARED 0
+#define MODEL_N_EVENTS 0
+#define MODEL_N_NOISE 0
+#define MODEL_N_STATIC_CHECKS 0
+#define MODEL_N_CHECKS 1
+#define MODEL_PERIOD 0 /* value reference of sample_time */
+
+#include <math.h>
+
+#include "model.h"
+
+#define CASADI_SYMBOL_EXPORT static
+#include "equations.h"
+
+static const char *const model_guid = "{guid}";
+
+static const ModelVariable model_variables[MODEL_N_VARIABLES] = {
+    {"sample_time", TYPE_REAL, ROLE_FIXED_PARAMETER,
+     0.0001, 1e-12, INFINITY },
+    {"M[1]", TYPE_REAL, ROLE_TUNABLE_PARAMETER,
+     2.0, 1e-12, INFINITY },
+    {"M[2]", TYPE_REAL, ROLE_TUNABLE_PARAMETER,
+     2.0, 1e-12, INFINITY },
+    {"B[1]", TYPE_REAL, ROLE_TUNABLE_PARAMETER,
+     340.0, 1e-12, INFINITY },
+    {"B[2]", TYPE_REAL, ROLE_TUNABLE_PARAMETER,
+     340.0, 1e-12, INFINITY },
+    {"K[1]", TYPE_REAL, ROLE_TUNABLE_PARAMETER,
+     4000.0, 1e-12, INFINITY },
+    {"K[2]", TYPE_REAL, ROLE_TUNABLE_PARAMETER,
+     4000.0, 1e-12, INFINITY },
+    {"l[1]", TYPE_REAL, ROLE_FIXED_PARAMETER,
+     1.0, 1e-12, INFINITY },
+    {"l[2]", TYPE_REAL, ROLE_FIXED_PARAMETER,
+     1.0, 1e-12, INFINITY },
+    {"gravity", TYPE_REAL, ROLE_FIXED_PARAMETER,
+     0.0, -INFINITY, INFINITY },
+    {"coulomb_velocity", TYPE_REAL, ROLE_FIXED_PARAMETER,
+     0.01, 1e-12, INFINITY },
+    {"p_start[1]", TYPE_REAL, ROLE_FIXED_PARAMETER,
+     2.0, 0.0, INFINITY },
+    {"p_start[2]", TYPE_REAL, ROLE_FIXED_PARAMETER,
+     1.0, 0.0, INFINITY },
+    {"p_start[3]", TYPE_REAL, ROLE_FIXED_PARAMETER,
+     0.0, 0.0, INFINITY },
+    {"p_start[4]", TYPE_REAL, ROLE_FIXED_PARAMETER,
+     0.0, 0.0, INFINITY },
+    {"p_start[5]", TYPE_REAL, ROLE_FIXED_PARAMETER,
+     0.0, 0.0, INFINITY },
+    {"p_start[6]", TYPE_REAL, ROLE_FIXED_PARAMETER,
+     0.0, 0.0, INFINITY },
+    {"q[1]", TYPE_REAL, ROLE_INPUT,
+     -0.7227342478, -INFINITY, INFINITY },
+    {"q[2]", TYPE_REAL, ROLE_INPUT,
+     1.4454684956, -INFINITY, INFINITY },
+    {"dq[1]", TYPE_REAL, ROLE_INPUT,
+     2.0943951024, -INFINITY, INFINITY },
+    {"dq[2]", TYPE_REAL, ROLE_INPUT,
+     0.0, -INFINITY, INFINITY },
+    {"ddq[1]", TYPE_REAL, ROLE_INPUT,
+     1.6405770964, -INFINITY, INFINITY },
+    {"ddq[2]", TYPE_REAL, ROLE_INPUT,
+     -6.1977356975, -INFINITY, INFINITY },
+    {"F_hat[1]", TYPE_REAL, ROLE_INPUT,
+     0.0, -INFINITY, INFINITY },
+    {"F_hat[2]", TYPE_REAL, ROLE_INPUT,
+     0.0, -INFINITY, INFINITY },
+    {"x_v[1]", TYPE_REAL, ROLE_INPUT,
+     1.5, -INFINITY, INFINITY },
+    {"x_v[2]", TYPE_REAL, ROLE_INPUT,
+     0.0, -INFINITY, INFINITY },
+    {"dx_v[1]", TYPE_REAL, ROLE_INPUT,
+     0.0, -INFINITY, INFINITY },
+    {"dx_v[2]", TYPE_REAL, ROLE_INPUT,
+     3.141592653589793, -INFINITY, INFINITY },
+    {"ddx_v[1]", TYPE_REAL, ROLE_INPUT,
+     -14.804406601634037, -INFINITY, INFINITY },
+    {"ddx_v[2]", TYPE_REAL, ROLE_INPUT,
+     0.0, -INFINITY, INFINITY },
+    {"tau_cmd[1]", TYPE_REAL, ROLE_OUTPUT,
+     0.0, -INFINITY, INFINITY },
+    {"tau_cmd[2]", TYPE_REAL, ROLE_OUTPUT,
+     0.0, -INFINITY, INFINITY },
+    {"x_t[1]", TYPE_REAL, ROLE_OUTPUT,
+     0.0, -INFINITY, INFINITY },
+    {"x_t[2]", TYPE_REAL, ROLE_OUTPUT,
+     0.0, -INFINITY, INFINITY },
+    {"dx_t[1]", TYPE_REAL, ROLE_OUTPUT,
+     0.0, -INFINITY, INFINITY },
+    {"dx_t[2]", TYPE_REAL, ROLE_OUTPUT,
+     0.0, -INFINITY, INFINITY },
+    {"e[1]", TYPE_REAL, ROLE_OUTPUT,
+     0.0, -INFINITY, INFINITY },
+    {"e[2]", TYPE_REAL, ROLE_OUTPUT,
+     0.0, -INFINITY, INFINITY },
+    {"p_hat[1]", TYPE_REAL, ROLE_OUTPUT,
+     0.0, -INFINITY, INFINITY },
+    {"p_hat[2]", TYPE_REAL, ROLE_OUTPUT,
+     0.0, -INFINITY, INFINITY },
+    {"p_hat[3]", TYPE_REAL, ROLE_OUTPUT,
+     0.0, -INFINITY, INFINITY },
+    {"p_hat[4]", TYPE_REAL, ROLE_OUTPUT,
+     0.0, -INFINITY, INFINITY },
+    {"p_hat[5]", TYPE_REAL, ROLE_OUTPUT,
+     0.0, -INFINITY, INFINITY },
+    {"p_hat[6]", TYPE_REAL, ROLE_OUTPUT,
+     0.0, -INFINITY, INFINITY },
+};
+
+static const unsigned char model_kinds[MODEL_N_VARIABLES] = {
+    MODEL_KIND(TYPE_REAL, ROLE_FIXED_PARAMETER),
+    MODEL_KIND(TYPE_REAL, ROLE_TUNABLE_PARAMETER),
+    MODEL_KIND(TYPE_REAL, ROLE_TUNABLE_PARAMETER),
+    MODEL_KIND(TYPE_REAL, ROLE_TUNABLE_PARAMETER),
+    MODEL_KIND(TYPE_REAL, ROLE_TUNABLE_PARAMETER),
+    MODEL_KIND(TYPE_REAL, ROLE_TUNABLE_PARAMETER),
+    MODEL_KIND(TYPE_REAL, ROLE_TUNABLE_PARAMETER),
+    MODEL_KIND(TYPE_REAL, ROLE_FIXED_PARAMETER),
+    MODEL_KIND(TYPE_REAL, ROLE_FIXED_PARAMETER),
+    MODEL_KIND(TYPE_REAL, ROLE_FIXED_PARAMETER),
+    MODEL_KIND(TYPE_REAL, ROLE_FIXED_PARAMETER),
+    MODEL_KIND(TYPE_REAL, ROLE_FIXED_PARAMETER),
+    MODEL_KIND(TYPE_REAL, ROLE_FIXED_PARAMETER),
+    MODEL_KIND(TYPE_REAL, ROLE_FIXED_PARAMETER),
+    MODEL_KIND(TYPE_REAL, ROLE_FIXED_PARAMETER),
+    MODEL_KIND(TYPE_REAL, ROLE_FIXED_PARAMETER),
+    MODEL_KIND(TYPE_REAL, ROLE_FIXED_PARAMETER),
+    MODEL_KIND(TYPE_REAL, ROLE_INPUT),
+    MODEL_KIND(TYPE_REAL, ROLE_INPUT),
+    MODEL_KIND(TYPE_REAL, ROLE_INPUT),
+    MODEL_KIND(TYPE_REAL, ROLE_INPUT),
+    MODEL_KIND(TYPE_REAL, ROLE_INPUT),
+    MODEL_KIND(TYPE_REAL, ROLE_INPUT),
+    MODEL_KIND(TYPE_REAL, ROLE_INPUT),
+    MODEL_KIND(TYPE_REAL, ROLE_INPUT),
+    MODEL_KIND(TYPE_REAL, ROLE_INPUT),
+    MODEL_KIND(TYPE_REAL, ROLE_INPUT),
+    MODEL_KIND(TYPE_REAL, ROLE_INPUT),
+    MODEL_KIND(TYPE_REAL, ROLE_INPUT),
+    MODEL_KIND(TYPE_REAL, ROLE_INPUT),
+    MODEL_KIND(TYPE_REAL, ROLE_INPUT),
+    MODEL_KIND(TYPE_REAL, ROLE_OUTPUT),
+    MODEL_KIND(TYPE_REAL, ROLE_OUTPUT),
+    MODEL_KIND(TYPE_REAL, ROLE_OUTPUT),
+    MODEL_KIND(TYPE_REAL, ROLE_OUTPUT),
+    MODEL_KIND(TYPE_REAL, ROLE_OUTPUT),
+    MODEL_KIND(TYPE_REAL, ROLE_OUTPUT),
+    MODEL_KIND(TYPE_REAL, ROLE_OUTPUT),
+    MODEL_KIND(TYPE_REAL, ROLE_OUTPUT),
+    MODEL_KIND(TYPE_REAL, ROLE_OUTPUT),
+    MODEL_KIND(TYPE_REAL, ROLE_OUTPUT),
+    MODEL_KIND(TYPE_REAL, ROLE_OUTPUT),
+    MODEL_KIND(TYPE_REAL, ROLE_OUTPUT),
+    MODEL_KIND(TYPE_REAL, ROLE_OUTPUT),
+    MODEL_KIND(TYPE_REAL, ROLE_OUTPUT),
+};
+
+static const char *const model_static_checks[] = {
+    0,
+};
+
+static const char *const model_checks[] = {
+    "The arm is singular: q is stretched or folded, det(J J') / (sum of l)^4 must exceed 1e-12",
+};
+
+static const char *const model_events[] = {
+    0,
+};
+
+static void model_calibrate(const double *p, double *constants, double *checks, double *active) {
+    const double *arguments[] = {p};
+    double *results[] = {constants, checks, active};
+    calibrate(arguments, results, 0, 0, 0);
+}
+
+static void model_initial(double t, const double *u, const double *p, const double *c, double *states) {
+    const double *arguments[] = {&t, u, p, c};
+    double *results[] = {states};
+    initial(arguments, results, 0, 0, 0);
+}
+
+static void model_tick(double t, const double *x, const double *u, const double *p, const double *c, const double *w, double *y, double *next, double *checks) {
+    const double *arguments[] = {&t, x, u, w, p, c};
+    double *results[] = {y, next, checks};
+    tick(arguments, results, 0, 0, 0);
+}
+
+#include "runtime.c"

@@ -1,0 +1,193 @@
+/* Plant: sizes, tables and equations. Generated; do not edit. */
+#define MODEL_SAMPLED 0
+#define MODEL_N_PARAMETERS 22
+#define MODEL_N_INPUTS 2
+#define MODEL_N_OUTPUTS 14
+#define MODEL_N_STATES 4
+#define MODEL_N_CONSTANTS 10
+#define MODEL_N_SHARED 17
+#define MODEL_N_EVENTS 2
+#define MODEL_N_NOISE 0
+#define MODEL_N_STATIC_CHECKS 1
+#define MODEL_N_CHECKS 0
+#define MODEL_PERIOD 0 /* value reference of dt_max */
+
+#include <math.h>
+
+#include "model.h"
+
+#define CASADI_SYMBOL_EXPORT static
+#include "equations.h"
+
+static const char *const model_guid = "{guid}";
+
+static const ModelVariable model_variables[MODEL_N_VARIABLES] = {
+    {"dt_max", TYPE_REAL, ROLE_FIXED_PARAMETER,
+     0.0001, 1e-12, INFINITY },
+    {"q_start[1]", TYPE_REAL, ROLE_FIXED_PARAMETER,
+     -0.7227342478, -INFINITY, INFINITY },
+    {"q_start[2]", TYPE_REAL, ROLE_FIXED_PARAMETER,
+     1.4454684956, -INFINITY, INFINITY },
+    {"dq_start[1]", TYPE_REAL, ROLE_FIXED_PARAMETER,
+     2.0943951024, -INFINITY, INFINITY },
+    {"dq_start[2]", TYPE_REAL, ROLE_FIXED_PARAMETER,
+     0.0, -INFINITY, INFINITY },
+    {"m[1]", TYPE_REAL, ROLE_FIXED_PARAMETER,
+     2.0, 1e-12, INFINITY },
+    {"m[2]", TYPE_REAL, ROLE_FIXED_PARAMETER,
+     1.0, 1e-12, INFINITY },
+    {"l[1]", TYPE_REAL, ROLE_FIXED_PARAMETER,
+     1.0, 1e-12, INFINITY },
+    {"l[2]", TYPE_REAL, ROLE_FIXED_PARAMETER,
+     1.0, 1e-12, INFINITY },
+    {"viscous[1]", TYPE_REAL, ROLE_FIXED_PARAMETER,
+     0.0, 0.0, INFINITY },
+    {"viscous[2]", TYPE_REAL, ROLE_FIXED_PARAMETER,
+     0.0, 0.0, INFINITY },
+    {"coulomb[1]", TYPE_REAL, ROLE_FIXED_PARAMETER,
+     0.0, 0.0, INFINITY },
+    {"coulomb[2]", TYPE_REAL, ROLE_FIXED_PARAMETER,
+     0.0, 0.0, INFINITY },
+    {"coulomb_velocity", TYPE_REAL, ROLE_FIXED_PARAMETER,
+     0.01, 1e-12, INFINITY },
+    {"gravity", TYPE_REAL, ROLE_FIXED_PARAMETER,
+     0.0, -INFINITY, INFINITY },
+    {"wall_normal[1]", TYPE_REAL, ROLE_FIXED_PARAMETER,
+     -1.0, -INFINITY, INFINITY },
+    {"wall_normal[2]", TYPE_REAL, ROLE_FIXED_PARAMETER,
+     0.0, -INFINITY, INFINITY },
+    {"wall_offset", TYPE_REAL, ROLE_FIXED_PARAMETER,
+     1.45, -INFINITY, INFINITY },
+    {"K_f", TYPE_REAL, ROLE_FIXED_PARAMETER,
+     100000.0, 0.0, INFINITY },
+    {"D_f", TYPE_REAL, ROLE_FIXED_PARAMETER,
+     0.0, 0.0, INFINITY },
+    {"mu", TYPE_REAL, ROLE_FIXED_PARAMETER,
+     0.0, 0.0, INFINITY },
+    {"friction_velocity", TYPE_REAL, ROLE_FIXED_PARAMETER,
+     0.01, 1e-12, INFINITY },
+    {"tau[1]", TYPE_REAL, ROLE_INPUT,
+     0.0, -INFINITY, INFINITY },
+    {"tau[2]", TYPE_REAL, ROLE_INPUT,
+     0.0, -INFINITY, INFINITY },
+    {"q[1]", TYPE_REAL, ROLE_OUTPUT,
+     0.0, -INFINITY, INFINITY },
+    {"q[2]", TYPE_REAL, ROLE_OUTPUT,
+     0.0, -INFINITY, INFINITY },
+    {"dq[1]", TYPE_REAL, ROLE_OUTPUT,
+     0.0, -INFINITY, INFINITY },
+    {"dq[2]", TYPE_REAL, ROLE_OUTPUT,
+     0.0, -INFINITY, INFINITY },
+    {"ddq[1]", TYPE_REAL, ROLE_OUTPUT,
+     0.0, -INFINITY, INFINITY },
+    {"ddq[2]", TYPE_REAL, ROLE_OUTPUT,
+     0.0, -INFINITY, INFINITY },
+    {"x[1]", TYPE_REAL, ROLE_OUTPUT,
+     0.0, -INFINITY, INFINITY },
+    {"x[2]", TYPE_REAL, ROLE_OUTPUT,
+     0.0, -INFINITY, INFINITY },
+    {"dx[1]", TYPE_REAL, ROLE_OUTPUT,
+     0.0, -INFINITY, INFINITY },
+    {"dx[2]", TYPE_REAL, ROLE_OUTPUT,
+     0.0, -INFINITY, INFINITY },
+    {"F_ext[1]", TYPE_REAL, ROLE_OUTPUT,
+     0.0, -INFINITY, INFINITY },
+    {"F_ext[2]", TYPE_REAL, ROLE_OUTPUT,
+     0.0, -INFINITY, INFINITY },
+    {"gap", TYPE_REAL, ROLE_OUTPUT,
+     0.0, -INFINITY, INFINITY },
+    {"penetration", TYPE_REAL, ROLE_OUTPUT,
+     0.0, -INFINITY, INFINITY },
+};
+
+static const unsigned char model_kinds[MODEL_N_VARIABLES] = {
+    MODEL_KIND(TYPE_REAL, ROLE_FIXED_PARAMETER),
+    MODEL_KIND(TYPE_REAL, ROLE_FIXED_PARAMETER),
+    MODEL_KIND(TYPE_REAL, ROLE_FIXED_PARAMETER),
+    MODEL_KIND(TYPE_REAL, ROLE_FIXED_PARAMETER),
+    MODEL_KIND(TYPE_REAL, ROLE_FIXED_PARAMETER),
+    MODEL_KIND(TYPE_REAL, ROLE_FIXED_PARAMETER),
+    MODEL_KIND(TYPE_REAL, ROLE_FIXED_PARAMETER),
+    MODEL_KIND(TYPE_REAL, ROLE_FIXED_PARAMETER),
+    MODEL_KIND(TYPE_REAL, ROLE_FIXED_PARAMETER),
+    MODEL_KIND(TYPE_REAL, ROLE_FIXED_PARAMETER),
+    MODEL_KIND(TYPE_REAL, ROLE_FIXED_PARAMETER),
+    MODEL_KIND(TYPE_REAL, ROLE_FIXED_PARAMETER),
+    MODEL_KIND(TYPE_REAL, ROLE_FIXED_PARAMETER),
+    MODEL_KIND(TYPE_REAL, ROLE_FIXED_PARAMETER),
+    MODEL_KIND(TYPE_REAL, ROLE_FIXED_PARAMETER),
+    MODEL_KIND(TYPE_REAL, ROLE_FIXED_PARAMETER),
+    MODEL_KIND(TYPE_REAL, ROLE_FIXED_PARAMETER),
+    MODEL_KIND(TYPE_REAL, ROLE_FIXED_PARAMETER),
+    MODEL_KIND(TYPE_REAL, ROLE_FIXED_PARAMETER),
+    MODEL_KIND(TYPE_REAL, ROLE_FIXED_PARAMETER),
+    MODEL_KIND(TYPE_REAL, ROLE_FIXED_PARAMETER),
+    MODEL_KIND(TYPE_REAL, ROLE_FIXED_PARAMETER),
+    MODEL_KIND(TYPE_REAL, ROLE_INPUT),
+    MODEL_KIND(TYPE_REAL, ROLE_INPUT),
+    MODEL_KIND(TYPE_REAL, ROLE_OUTPUT),
+    MODEL_KIND(TYPE_REAL, ROLE_OUTPUT),
+    MODEL_KIND(TYPE_REAL, ROLE_OUTPUT),
+    MODEL_KIND(TYPE_REAL, ROLE_OUTPUT),
+    MODEL_KIND(TYPE_REAL, ROLE_OUTPUT),
+    MODEL_KIND(TYPE_REAL, ROLE_OUTPUT),
+    MODEL_KIND(TYPE_REAL, ROLE_OUTPUT),
+    MODEL_KIND(TYPE_REAL, ROLE_OUTPUT),
+    MODEL_KIND(TYPE_REAL, ROLE_OUTPUT),
+    MODEL_KIND(TYPE_REAL, ROLE_OUTPUT),
+    MODEL_KIND(TYPE_REAL, ROLE_OUTPUT),
+    MODEL_KIND(TYPE_REAL, ROLE_OUTPUT),
+    MODEL_KIND(TYPE_REAL, ROLE_OUTPUT),
+    MODEL_KIND(TYPE_REAL, ROLE_OUTPUT),
+};
+
+static const char *const model_static_checks[] = {
+    "wall_normal must have length 1",
+};
+
+static const char *const model_checks[] = {
+    0,
+};
+
+static const char *const model_events[] = {
+    "contact",
+    "pushing",
+};
+
+static void model_calibrate(const double *p, double *constants, double *checks, double *active) {
+    const double *arguments[] = {p};
+    double *results[] = {constants, checks, active};
+    calibrate(arguments, results, 0, 0, 0);
+}
+
+static void model_prepare(const double *x, const double *p, const double *c, double *shared) {
+    const double *arguments[] = {x, p, c};
+    double *results[] = {shared};
+    prepare(arguments, results, 0, 0, 0);
+}
+
+static void model_initial(double t, const double *u, const double *p, const double *c, double *states) {
+    const double *arguments[] = {&t, u, p, c};
+    double *results[] = {states};
+    initial(arguments, results, 0, 0, 0);
+}
+
+static void model_derivative(double t, const double *x, const double *u, const double *p, const double *c, const double *m, const double *s, double *dx) {
+    const double *arguments[] = {&t, x, u, m, p, c, s};
+    double *results[] = {dx};
+    derivative(arguments, results, 0, 0, 0);
+}
+
+static void model_output(double t, const double *x, const double *u, const double *p, const double *c, const double *m, const double *s, double *y, double *checks) {
+    const double *arguments[] = {&t, x, u, m, p, c, s};
+    double *results[] = {y, checks};
+    output(arguments, results, 0, 0, 0);
+}
+
+static void model_event_indicators(double t, const double *x, const double *p, const double *c, const double *s, double *z) {
+    const double *arguments[] = {&t, x, p, c, s};
+    double *results[] = {z};
+    event_indicators(arguments, results, 0, 0, 0);
+}
+
+#include "runtime.c"

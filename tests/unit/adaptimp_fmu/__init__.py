@@ -1,0 +1,1 @@
+"""Parts of the exporter, one at a time."""

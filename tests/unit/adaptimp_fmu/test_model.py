@@ -1,0 +1,287 @@
+"""What a model's declaration refuses, and what follows from it."""
+
+import math
+
+import casadi as ca
+import pytest
+from lxml import etree
+
+from adaptimp_fmu import ContinuousModel, DefinitionError, Model, Role, SampledModel, Type
+from adaptimp_fmu.lowering import lower
+from adaptimp_fmu.package import definition
+from adaptimp_fmu.structure import dependencies
+
+
+def sampled(name: str = "Unit") -> SampledModel:
+    """A sampled model without variables of its own."""
+    return SampledModel(name, "A unit for tests")
+
+
+def continuous() -> ContinuousModel:
+    """A continuous model without variables of its own."""
+    return ContinuousModel("Unit", "A unit for tests")
+
+
+@pytest.mark.parametrize(
+    ("first", "second"),
+    [(0.0, 0.0), ([0.0, 0.0], [0.0, 0.0]), (0.0, [0.0, 0.0]), ([0.0, 0.0], 0.0)],
+    ids=["scalars", "vectors", "scalar, vector", "vector, scalar"],
+)
+def test_names_are_taken_once(first, second) -> None:
+    model = sampled()
+    model.parameter("a", first, description="First")
+    with pytest.raises(DefinitionError, match="Unit already has a variable a"):
+        model.input("a", second, description="Second")
+
+
+def test_names_of_outputs_are_taken_too() -> None:
+    model = sampled()
+    u = model.input("u", [0.0, 0.0], description="Input")
+    with pytest.raises(DefinitionError, match="already has a variable u"):
+        model.output("u", u, description="Output")
+    with pytest.raises(DefinitionError, match="already has a variable sample_time"):
+        model.input("sample_time", 0.0, description="Taken by the model itself")
+
+
+def test_longer_names_are_other_names() -> None:
+    model = sampled()
+    model.input("x", [0.0, 0.0], description="Position")
+    model.input("x_v", [0.0, 0.0], description="Virtual position")
+    assert [v.name for v in model.with_role(Role.INPUT)] == ["x[1]", "x[2]", "x_v[1]", "x_v[2]"]
+
+
+@pytest.mark.parametrize("name", ["", "My Model", "1st", "a/b", "../a", "a-b", "é"])
+def test_model_identifier_is_a_c_identifier(name: str) -> None:
+    """It names a file and, in static libraries, C functions (checklist 6)."""
+    model = sampled(name)
+    model.output("y", model.input("u", 0.0, description="Input"), description="Output")
+    with pytest.raises(DefinitionError, match="no C identifier"):
+        definition(model)
+
+
+def test_a_model_without_outputs_is_refused() -> None:
+    model = sampled()
+    model.input("u", 0.0, description="Input")
+    with pytest.raises(DefinitionError, match="Unit has no outputs"):
+        definition(model)
+
+
+@pytest.mark.parametrize("what", ["units", "descriptions"])
+def test_one_text_per_element(what: str) -> None:
+    texts = {"units": {"unit": ["m"]}, "descriptions": {"description": ["Only one"]}}[what]
+    with pytest.raises(DefinitionError, match=rf"x\[1\]: 2 elements but 1 {what}"):
+        sampled().input("x", [0.0, 0.0], **({"description": "Both"} | texts))
+
+
+def test_evolution_has_the_shape_of_its_state() -> None:
+    model = continuous()
+    x = model.state("x", ca.SX([0.0, 0.0]))
+    with pytest.raises(DefinitionError, match=r"Unit\.x has 2 elements, its evolution 3"):
+        model.derivative(x, ca.SX([1.0, 2.0, 3.0]))
+
+
+def test_only_states_evolve() -> None:
+    model = sampled()
+    u = model.input("u", 0.0, description="Input")
+    with pytest.raises(DefinitionError, match="u is no state of this model"):
+        model.update(u, u)
+
+
+def test_missing_evolution_is_named() -> None:
+    model = sampled()
+    model.output("y", model.state("forgotten", ca.SX(0.0)), description="Output")
+    with pytest.raises(DefinitionError, match="state forgotten has no derivative or update"):
+        lower(model)
+
+
+def test_events_do_not_depend_on_inputs() -> None:
+    """The runtime locates them while inputs are held; only states move within a step."""
+    model = continuous()
+    u, x = model.input("u", 0.0, description="Input"), model.state("x", ca.SX(1.0))
+    with pytest.raises(DefinitionError, match="event bounce depends on inputs"):
+        model.event("bounce", x - u)
+    assert model.event("ground", x).numel() == 1
+
+
+def test_events_do_not_need_inputs() -> None:
+    model = continuous()
+    x = model.state("x", ca.SX(1.0))
+    model.derivative(x, -model.event("ground", x))
+    model.output("y", x, description="Output")
+    assert [function.name() for function in lower(model).functions][-1] == "event_indicators"
+
+
+def test_events_do_not_depend_on_modes() -> None:
+    model = continuous()
+    x = model.state("x", ca.SX(1.0))
+    mode = model.event("ground", x)
+    model.event("second", x + mode)
+    model.derivative(x, -x)
+    model.output("y", x, description="Output")
+    with pytest.raises(DefinitionError, match="event_indicators depends on a symbol that is not declared"):
+        lower(model)
+
+
+@pytest.mark.parametrize("where", ["output", "update", "initial", "require"])
+def test_symbols_must_be_declared(where: str) -> None:
+    model, stranger = sampled(), ca.SX.sym("stranger")
+    x = model.state("x", stranger if where == "initial" else ca.SX(0.0))
+    model.update(x, stranger if where == "update" else x)
+    model.output("y", stranger if where == "output" else x, description="Output")
+    if where == "require":
+        model.require(stranger, "must be positive")
+    with pytest.raises(DefinitionError, match=r"not declared(.|\n)*stranger"):
+        lower(model)
+
+
+def test_first_value_of_a_state_is_no_function_of_states() -> None:
+    model = sampled()
+    x = model.state("x", ca.SX(0.0))
+    y = model.state("y", x + 1)
+    model.update(x, x)
+    model.update(y, y)
+    model.output("z", y, description="Output")
+    with pytest.raises(DefinitionError, match="Function initial depends on a symbol that is not declared"):
+        lower(model)
+
+
+def test_only_the_two_kinds_can_be_lowered() -> None:
+    model = Model("Unit", "Neither kind")
+    model.output("y", ca.SX(1.0), description="Output")
+    with pytest.raises(DefinitionError, match="neither a ContinuousModel nor a SampledModel"):
+        lower(model)
+
+
+def test_noise_is_declared_once_with_a_seed_that_exists() -> None:
+    model = sampled()
+    w = model.random(lambda u: u[0] + u[3], active=ca.SX(1), seed="sed")
+    model.output("y", w, description="Output")
+    with pytest.raises(DefinitionError, match="already declares noise"):
+        model.random(lambda u: u[0], active=ca.SX(1), seed="seed")
+    with pytest.raises(DefinitionError, match="Unit has no variable sed; it has sample_time, y"):
+        definition(model)
+
+
+def test_references_are_parameters_then_inputs_then_outputs() -> None:
+    model = sampled()
+    u = model.input("u", [0.0, 0.0], description="Input")
+    model.output("y", u, description="Output")
+    model.parameter("late", 1, type=Type.INTEGER, description="Declared last, counted second")
+    names = [variable.name for variable in model.ordered_variables()]
+    assert names == ["sample_time", "late", "u[1]", "u[2]", "y[1]", "y[2]"]
+    assert [model.reference(name) for name in names] == list(range(6))
+
+
+def test_requirements_on_parameters_alone_are_checked_when_they_change() -> None:
+    model = sampled()
+    p, u = model.parameter("p", 1.0, description="Parameter"), model.input("u", 1.0, description="Input")
+    model.require(p - 1, "static")
+    model.require(p - u, "dynamic")
+    model.require(2 - model.time, "also dynamic")
+    assert [check.sentence for check in model.static_checks] == ["static"]
+    assert [check.sentence for check in model.checks] == ["dynamic", "also dynamic"]
+
+
+def test_integers_fit_into_32_bits() -> None:
+    model = sampled()
+    model.parameter("n", 0, type=Type.INTEGER, description="Number")
+    assert (model.variables[-1].minimum, model.variables[-1].maximum) == (-(2**31) + 1, 2**31 - 1)
+
+
+# What lowering moves, and what it keeps
+
+
+def operations(function: ca.Function) -> set[int]:
+    """Codes of the operations in a function."""
+    return {function.instruction_id(i) for i in range(function.n_instructions())}
+
+
+def lowered(model: Model) -> dict[str, ca.Function]:
+    """The lowered functions by name."""
+    return {function.name(): function for function in lower(model).functions}
+
+
+def example() -> SampledModel:
+    """A unit with every kind of argument: y = sqrt(a^2 + b) x + exp(u), x becomes x + sin(t)."""
+    model = sampled()
+    a, b = model.parameter("a", 3.0, description="A"), model.parameter("b", 16.0, description="B")
+    u, x = model.input("u", 0.0, description="Input"), model.state("x", ca.SX(2.0))
+    model.update(x, x + ca.sin(model.time))
+    model.output("y", ca.sqrt(a**2 + b) * x + ca.exp(u), description="Output")
+    return model
+
+
+def test_expressions_of_parameters_alone_are_derived_once() -> None:
+    functions = lowered(example())
+    assert lower(example()).n_constants == 1
+    assert functions["calibrate"].name_in() == ["p"]
+    assert ca.OP_SQRT in operations(functions["calibrate"])
+    assert ca.OP_SQRT not in operations(functions["tick"])
+    assert float(functions["calibrate"](ca.DM([1e-4, 3.0, 16.0]))[0]) == 5.0
+
+
+def test_expressions_of_anything_else_stay() -> None:
+    """A constant that depended on time, inputs, states or noise would go stale."""
+    functions = lowered(example())
+    assert operations(functions["tick"]) >= {ca.OP_SIN, ca.OP_EXP}
+    assert not operations(functions["calibrate"]) & {ca.OP_SIN, ca.OP_EXP}
+
+
+def test_lowering_keeps_the_values() -> None:
+    functions = lowered(example())
+    p = ca.DM([1e-4, 3.0, 16.0])
+    c = functions["calibrate"](p)[0]
+    names = functions["tick"].name_in()
+    values = {"t": 0.5, "x": 2.0, "u": 1.0, "w": ca.DM(0, 1), "p": p, "c": c}
+    y, following, checks = functions["tick"](*(values[name] for name in names))
+    # one rounding per operation, of terms no larger than the sum: 4 ulp
+    assert float(y) == pytest.approx(5 * 2 + math.e, rel=4 * 2.3e-16)
+    assert float(following) == pytest.approx(2 + math.sin(0.5), rel=4 * 2.3e-16)
+    assert checks.numel() == 0
+
+
+def test_common_subexpressions_are_evaluated_once() -> None:
+    model = sampled()
+    u = model.input("u", 0.0, description="Input")
+    model.output("y", ca.vertcat(ca.sin(u), 2 * ca.sin(u), ca.sin(u) ** 2), description="Output")
+    tick = lowered(model)["tick"]
+    sines = [i for i in range(tick.n_instructions()) if tick.instruction_id(i) == ca.OP_SIN]
+    assert len(sines) == 1
+
+
+def test_one_output_and_nothing_else_can_be_lowered() -> None:
+    """A slice of no elements out of one is a row to CasADi."""
+    model = sampled()
+    model.output("y", model.input("u", 0.0, description="Input"), description="Output")
+    assert lowered(model)["tick"].numel_out(0) == 1
+
+
+def test_dependencies_follow_the_equations() -> None:
+    model = continuous()
+    a, u = model.parameter("a", 1.0, description="A"), model.input("u", [0.0, 0.0], description="Input")
+    x = model.state("x", a)
+    model.derivative(x, u[1])
+    model.output("y", ca.vertcat(x, x + u[0], 0 * u[1]), description="Output")
+    depends = dependencies(model)
+    assert depends.in_step == ((), (2,), ())
+    assert depends.initial == ((1,), (1, 2), ())
+
+
+# What the XML says
+
+
+def test_special_characters_survive() -> None:
+    model = SampledModel("Unit", 'Angle < 90° & "more"')
+    model.output("y", model.input("u", 0.0, description="a < b > c & 'd'"), description="Output")
+    root = etree.fromstring(definition(model)[1])
+    assert root.get("description") == 'Angle < 90° & "more"'
+    assert root.find("ModelVariables")[1].get("description") == "a < b > c & 'd'"
+
+
+@pytest.mark.parametrize("value", [0.1, 1e-300, 1e300, -2.5e-8, 2.0943951024, math.pi, 1e22, 123456789012345680.0])
+def test_starts_are_written_to_the_last_bit(value: float) -> None:
+    model = sampled()
+    model.output("y", model.input("u", value, description="Input"), description="Output")
+    sources, xml = definition(model)
+    assert float(etree.fromstring(xml).find(".//ScalarVariable[@name='u']/Real").get("start")) == value
+    assert f'{{"u", TYPE_REAL, ROLE_INPUT,\n     {value!r},' in sources["model.c"]
