@@ -39,16 +39,17 @@ def build(
 def paper(
     out: Annotated[Path, typer.Option(help="Folder for the figures and claims.json.")] = Path("out"),
     image: Annotated[str, typer.Option("--format", help="Format of the figures: png or svg.")] = "png",
+    fresh: Annotated[bool, typer.Option("--fresh", help="Measure the claims even if they are in the cache.")] = False,
 ) -> None:
     """Reproduce the paper's figures and claims from real FMUs."""
     from orchestration.cli.commands import reproduce_paper
 
-    reproduce_paper(out, image)
+    reproduce_paper(out, image, fresh=fresh)
 
 
 @app.command()
 def run(
-    system: Annotated[str, typer.Argument(help="A scenario (fig2, fig3, fig4) or an .ssp file.")],
+    system: Annotated[str, typer.Argument(help="A scenario (fig2, fig3, ..., fig7) or an .ssp file.")],
     controller: Annotated[
         Path | None, typer.Option(help="FMU to put in the place of the component 'controller'.")
     ] = None,

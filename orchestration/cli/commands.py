@@ -65,7 +65,7 @@ def build_fmus(out: Path, platforms: Sequence[str]) -> None:
         typer.echo(f"{path}  {path.stat().st_size / 1024:.0f} kB")
 
 
-def reproduce_paper(out: Path, image: str) -> None:
+def reproduce_paper(out: Path, image: str, *, fresh: bool) -> None:
     """Run, draw, measure; print the table of claims."""
     from orchestration.paper.report import reproduce
 
@@ -73,13 +73,15 @@ def reproduce_paper(out: Path, image: str) -> None:
         msg = f"There is no image format {image}; there are {', '.join(IMAGES)}."
         raise SystemDescriptionError(msg)
     _require_folder(out)
-    report = reproduce(out, lambda sentence: typer.echo(f"{sentence} ..."), image)
+    report = reproduce(out, lambda sentence: typer.echo(f"{sentence} ..."), image, fresh=fresh)
     table = Table("id", "claim", "measured", "verdict", title="Claims of the paper")
     colours = {"holds": "green", "not reproduced": "red"}
     for claim in report.claims:
         colour = colours.get(claim.verdict, "dim")
         table.add_row(claim.id, claim.claim, claim.measured, Text(claim.verdict, colour))
     console.print(table)
+    if report.kept:
+        typer.echo("The claims were measured by an earlier run on the same FMUs, numbers and code; --fresh repeats it.")
     for path in (*report.figures, report.claims_file):
         typer.echo(f"wrote {path}")
 

@@ -27,7 +27,13 @@ STYLE: dict[str, Any] = {
     "legend.fontsize": 8,
     "lines.linewidth": 1.2,
     "savefig.dpi": 150,
-    "figure.constrained_layout.use": True,
+    # Fixed: a computed layout draws every figure twice.
+    "figure.subplot.left": 0.07,
+    "figure.subplot.right": 0.985,
+    "figure.subplot.bottom": 0.065,
+    "figure.subplot.top": 0.925,
+    "figure.subplot.hspace": 0.26,
+    "figure.subplot.wspace": 0.2,
     "svg.hashsalt": "adaptimp",
 }
 ACTUAL, IDEAL, WALL = "tab:blue", "black", "0.75"
@@ -45,14 +51,16 @@ def draw(results: Mapping[str, Result], folder: Path, image: str = "png") -> lis
         File format, ``"png"`` or ``"svg"``.
     """
     folder.mkdir(parents=True, exist_ok=True)
-    paths = []
-    for name, result in results.items():
-        with mpl.rc_context(STYLE):
-            figure = _tirt_figure(result) if name == "fig3" else _control_figure(result)
-            figure.suptitle(f"{name.capitalize()[:3]}. {name[3:]}: {SCENARIOS[name].caption}", x=0.01, ha="left")
-            paths.append(folder / f"{name}.{image}")
-            figure.savefig(paths[-1], metadata=METADATA[image])
-    return paths
+    drawn = {}
+    with mpl.rc_context(STYLE):
+        for name, result in results.items():
+            drawn[name] = _tirt_figure(result) if name == "fig3" else _control_figure(result)
+            drawn[name].suptitle(f"Fig. {name[3:]}: {SCENARIOS[name].caption}", x=0.01, ha="left")
+        if {"fig5", "fig7"} <= set(results):
+            drawn["torques"] = _torque_figure(results["fig5"], results["fig7"])
+        for name, figure in drawn.items():
+            figure.savefig(folder / f"{name}.{image}", metadata=METADATA[image])
+    return [folder / f"{name}.{image}" for name in drawn]
 
 
 def _control_figure(result: Result) -> Figure:

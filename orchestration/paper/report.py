@@ -12,6 +12,7 @@ from orchestration.paper.claim import Claim
 from orchestration.paper.claims import as_markdown, as_records, evaluate
 from orchestration.paper.evidence import Evidence
 from orchestration.paper.figures import draw
+from orchestration.paper.kept import claims_of
 from orchestration.paper.provide import fmus
 from orchestration.paper.scenarios import SCENARIOS, VARIANTS, Scenario
 from orchestration.result import Result
@@ -21,14 +22,15 @@ Tell = Callable[[str], None]
 
 @dataclass(frozen=True)
 class Report:
-    """Files written, and the claims."""
+    """Files written, the claims, and whether those are of an earlier run with the same inputs."""
 
     figures: list[Path]
     claims_file: Path
     claims: list[Claim]
+    kept: bool
 
 
-def reproduce(folder: Path, tell: Tell, image: str = "png") -> Report:
+def reproduce(folder: Path, tell: Tell, image: str = "png", *, fresh: bool = False) -> Report:
     """Run all scenarios, draw the figures, measure the claims.
 
     Parameters
@@ -39,6 +41,8 @@ def reproduce(folder: Path, tell: Tell, image: str = "png") -> Report:
         Called with a sentence before each stage.
     image
         Format of the figures, ``"png"`` or ``"svg"``.
+    fresh
+        Whether to measure the claims even if they are in the cache.
     """
     scenarios = {**SCENARIOS, **VARIANTS}
     identifiers = {i for scenario in scenarios.values() for i in scenario.units.values()}
@@ -50,13 +54,13 @@ def reproduce(folder: Path, tell: Tell, image: str = "png") -> Report:
         results[scenario.name] = laboratory.run(Job(scenario.name))
     tell("Drawing the figures")
     figures = draw(results, folder, image)
-    tell("Measuring the claims, over 30 seeds where noise matters")
-    claims = evaluate(Evidence(laboratory, results))
+    tell("Measuring the claims, over 30 seeds where noise matters, or taking them from the cache")
     digests = _digests(laboratory, scenarios)
+    claims, kept = claims_of(digests, lambda: evaluate(Evidence(laboratory, results)), fresh=fresh)
     claims_file = folder / "claims.json"
     claims_file.write_text(json.dumps(as_records(claims, digests), indent=2) + "\n", encoding="utf-8")
     (folder / "claims.md").write_text(as_markdown(claims, digests), encoding="utf-8")
-    return Report(figures, claims_file, claims)
+    return Report(figures, claims_file, claims, kept)
 
 
 def _digests(laboratory: Laboratory, scenarios: Mapping[str, Scenario]) -> dict[str, str]:
