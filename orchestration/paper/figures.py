@@ -23,7 +23,8 @@ STYLE: dict[str, Any] = {
     "grid.alpha": 0.3,
     "axes.titlesize": 10,
     "axes.titlelocation": "left",
-    "legend.frameon": False,
+    "legend.framealpha": 0.7,
+    "legend.edgecolor": "none",
     "legend.fontsize": 8,
     "lines.linewidth": 1.2,
     "savefig.dpi": 150,
@@ -82,6 +83,7 @@ def _control_figure(result: Result) -> Figure:
         error = result.at_ticks(f"controller.e[{i}]") * 1e3
         axes[1, 0].plot(ticks, error, label=f"$e_{i}$")
     _time_axis(axes[1, 0], result, "(c) Tracking error $e = x - x_t$", "error (mm)")
+    axes[1, 0].legend(loc="lower right")
     force = np.linalg.norm(result.vector("plant.F_ext"), axis=1)
     axes[1, 1].plot(result.time, force, color=ACTUAL, label=r"$\|F_{ext}\|$")
     _time_axis(axes[1, 1], result, "(d) Contact force", "force (N)")
@@ -102,8 +104,10 @@ def _torque_figure(one: Result, two: Result) -> Figure:
             title = f"({'abcd'[2 * row + column]}) Joint {row + 1}{', in contact' if column else ''}"
             _time_axis(axis, one, title, "torque (N m)")
     touch = contact(one)
-    for axis in axes[:, 1]:
-        axis.set_xlim(touch.first - 0.01, touch.last + 0.02)
+    for whole, detail in axes:
+        whole.legend(loc="lower right")
+        detail.get_legend().remove()
+        detail.set_xlim(touch.first - 0.01, touch.last + 0.02)
     figure.suptitle("Commanded torques of algorithm 1 (Fig. 5) and algorithm 2 (Fig. 7)", x=0.01, ha="left")
     return figure
 
@@ -167,7 +171,7 @@ def _zoom(axis: Axes) -> None:
     axis.set_aspect("auto")
     axis.set_xlim(*ZOOM_X)
     axis.set_ylim(*ZOOM_Y)
-    axis.xaxis.set_major_locator(MaxNLocator(4))
+    axis.xaxis.set_major_locator(MaxNLocator(4 if axis.get_window_extent().width > 300 else 2))
 
 
 def _wall(axis: Axes, *, labels: bool = True) -> None:
