@@ -3,7 +3,9 @@
 Declare a `ContinuousModel` or a `SampledModel`, then `build` it.
 """
 
+from adaptimp_fmu.documentation import present
 from adaptimp_fmu.errors import DefinitionError, ToolchainError
+from adaptimp_fmu.icon import Icon, Stroke
 from adaptimp_fmu.model import (
     ANY,
     NOT_NEGATIVE,
@@ -24,15 +26,18 @@ __all__ = [
     "POSITIVE",
     "ContinuousModel",
     "DefinitionError",
+    "Icon",
     "Limits",
     "Model",
     "Platform",
     "Role",
     "SampledModel",
+    "Stroke",
     "ToolchainError",
     "Type",
     "Variable",
     "build",
     "default_cache",
     "host_platform",
+    "present",
 ]

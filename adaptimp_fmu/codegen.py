@@ -18,7 +18,7 @@ EQUATIONS_SOURCE = "equations.h"
 # C parameters of each function of the seam (runtime/model.h): name of the CasADi argument or
 # result, and its C declaration.
 _IN = {"t": "double t", "r": "const double *r"} | {
-    name: f"const double *{name}" for name in ("x", "u", "p", "c", "m", "w", "s")
+    name: f"const double *{name}" for name in ("x", "u", "p", "c", "m", "w", "s", "v", "q")
 }
 _SEAM = {
     "calibrate": (("p",), ("c", "checks", "active")),
@@ -30,6 +30,9 @@ _SEAM = {
     "derivative": (("t", "x", "u", "p", "c", "m", "s"), ("dx",)),
     "output": (("t", "x", "u", "p", "c", "m", "s"), ("y", "checks")),
     "event_indicators": (("t", "x", "p", "c", "s"), ("z",)),
+    "output_rate": (("t", "x", "u", "p", "m", "v"), ("dy",)),
+    "output_sensitivity": (("t", "x", "u", "p", "m", "v"), ("dy",)),
+    "initial_sensitivity": (("t", "u", "p", "r", "v", "q"), ("dy",)),
 }
 
 

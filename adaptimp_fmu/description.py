@@ -81,18 +81,19 @@ def number(value: float, type: Type) -> str:
 
 
 def _co_simulation(root: Any, model: Model, sources: Iterable[str]) -> None:
+    continuous = "false" if isinstance(model, SampledModel) else "true"
     element = etree.SubElement(
         root,
         "CoSimulation",
         modelIdentifier=model.name,
         canHandleVariableCommunicationStepSize="true",
-        canInterpolateInputs="false",
-        maxOutputDerivativeOrder="0",
+        canInterpolateInputs=continuous,
+        maxOutputDerivativeOrder="1",
         canBeInstantiatedOnlyOncePerProcess="false",
         canNotUseMemoryManagementFunctions="true",
         canGetAndSetFMUstate="true",
         canSerializeFMUstate="true",
-        providesDirectionalDerivative="false",
+        providesDirectionalDerivative="true",
     )
     files = etree.SubElement(element, "SourceFiles")
     for name in sources:

@@ -11,8 +11,10 @@ from dataclasses import dataclass
 
 import casadi as ca
 
+from adaptimp_fmu.columns import inputs, parameters, stack
 from adaptimp_fmu.errors import DefinitionError
 from adaptimp_fmu.model import ContinuousModel, Model, SampledModel
+from adaptimp_fmu.sensitivity import sensitivity_functions
 
 
 @dataclass(frozen=True)
@@ -42,21 +44,6 @@ class Routine:
     arguments: dict[str, ca.SX]
     results: dict[str, ca.SX]
     prepared: bool = False
-
-
-def stack(parts: Sequence[ca.SX]) -> ca.SX:
-    """Concatenate column vectors; the empty list gives an empty column."""
-    return ca.vertcat(*parts) if parts else ca.SX(0, 1)
-
-
-def parameters(model: Model) -> ca.SX:
-    """All parameters, shape (n_p,), in the order of their value references."""
-    return stack(model.parameter_symbols)
-
-
-def inputs(model: Model) -> ca.SX:
-    """All inputs, shape (n_u,), in the order of their value references."""
-    return stack(model.input_symbols)
 
 
 def lower(model: Model) -> Lowered:
@@ -90,6 +77,7 @@ def lower(model: Model) -> Lowered:
         if routine.prepared:
             arguments["s"] = shared
         functions.append(_function(routine.name, arguments, results))
+    functions.extend(sensitivity_functions(model))
     return Lowered(tuple(functions), constants.numel(), shared.numel())
 
 

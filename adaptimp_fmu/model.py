@@ -7,12 +7,13 @@ integrates; a `SampledModel` is updated every ``sample_time``.
 Every symbol is a CasADi ``SX`` column vector (a scalar is of length one).
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import casadi as ca
 
 from adaptimp_fmu.errors import DefinitionError
+from adaptimp_fmu.icon import Icon
 from adaptimp_fmu.variables import INTEGER_LIMIT, Role, Type, Variable, element_names
 
 Start = float | Sequence[float]
@@ -84,6 +85,13 @@ class Model:
         Model identifier, a C identifier.
     description
         One sentence for modelDescription.xml.
+
+    Attributes
+    ----------
+    documentation
+        Texts with the equations by title, for the documentation in the FMU.
+    icon
+        The FMU's picture.
     """
 
     name: str
@@ -96,6 +104,8 @@ class Model:
     static_checks: list[Check] = field(default_factory=list)
     checks: list[Check] = field(default_factory=list)
     time: ca.SX = field(default_factory=lambda: ca.SX.sym("t"))
+    documentation: Mapping[str, str] = field(default_factory=dict)
+    icon: Icon = field(default_factory=Icon)
 
     def parameter(
         self,

@@ -17,6 +17,8 @@ import platformdirs
 
 from adaptimp_fmu.codegen import GUID_PLACEHOLDER, MAIN_SOURCE, generate
 from adaptimp_fmu.description import model_description
+from adaptimp_fmu.documentation import documentation
+from adaptimp_fmu.icon import png
 from adaptimp_fmu.model import Model
 from adaptimp_fmu.toolchain import Platform, compile_library, host_platform, identity
 
@@ -58,12 +60,13 @@ def build(
     """
     cache = cache or default_cache()
     sources, description = definition(model)
-    entries = {"modelDescription.xml": description}
+    entries = {"modelDescription.xml": description, "model.png": png(model.icon)}
     for platform in sorted(platforms or [host_platform()], key=lambda p: p.name):
         binary = _binary(sources, platform, cache, model.name)
         entries[f"binaries/{platform.name}/{model.name}{platform.extension}"] = binary
     for name, text in sources.items():
         entries[f"sources/{name}"] = text.encode()
+    entries |= {f"documentation/{name}": content for name, content in documentation(model).items()}
     content = _archive(entries)
     if folder is None:
         folder = cache / "fmus" / hashlib.sha256(content).hexdigest()[:32]

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from adaptimp_fmu.lowering import inputs, parameters, stack
+from adaptimp_fmu.columns import inputs, parameters, stack
 from adaptimp_fmu.model import Model, SampledModel
 
 

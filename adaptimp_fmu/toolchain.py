@@ -40,6 +40,8 @@ class Platform:
         Folder under ``binaries/`` in the FMU.
     target
         Compiler's target; Linux with glibc 2.17, macOS 11.
+    flags
+        Compiler's flags besides `FLAGS`; ``{library}`` stands for the library's file name.
     """
 
     name: str
@@ -48,14 +50,17 @@ class Platform:
     flags: tuple[str, ...] = ()
 
 
+# Without a name the linker writes the output's path, here of a temporary folder, into the library.
+_DARWIN = ("-fPIC", "-Wl,-install_name,@rpath/{library}")
+
 PLATFORMS = {
     platform.name: platform
     for platform in (
         Platform("linux64", "x86_64-linux-gnu.2.17", ".so", ("-fPIC",)),
         Platform("win64", "x86_64-windows-gnu", ".dll"),
-        Platform("darwin64", "x86_64-macos.11.0", ".dylib", ("-fPIC",)),
+        Platform("darwin64", "x86_64-macos.11.0", ".dylib", _DARWIN),
         Platform("aarch64-linux", "aarch64-linux-gnu.2.17", ".so", ("-fPIC",)),
-        Platform("aarch64-darwin", "aarch64-macos.11.0", ".dylib", ("-fPIC",)),
+        Platform("aarch64-darwin", "aarch64-macos.11.0", ".dylib", _DARWIN),
     )
 }
 
@@ -107,7 +112,7 @@ def compile_library(source: Path, output: Path, target: Platform) -> None:
         *(sys.executable, "-m", "ziglang", "cc", "-shared", "-target", target.target),
         *FLAGS,
         *WARNINGS,
-        *target.flags,
+        *(flag.format(library=output.name) for flag in target.flags),
         *("-I", str(fmi_headers()), source.name, "-o", str(output.resolve()), "-lm"),
     ]
     run = subprocess.run(command, cwd=source.parent, capture_output=True, text=True, check=False)

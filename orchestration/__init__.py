@@ -1,9 +1,12 @@
 """Who steps the units: systems of FMUs, masters, results.
 
-from orchestration import System, simulate
-system = System.read("fig2.ssp").set({"controller.K[1]": 4000.0})
-result = simulate(system, stop_time=2.0, step=1e-4)
-result["plant.x[1]"]
+Example::
+
+    from orchestration import System, simulate
+
+    system = System.read("fig2.ssp").set({"controller.K[1]": 4000.0})
+    result = simulate(system, stop_time=2.0, step=1e-4)
+    result["plant.x[1]"]
 """
 
 from importlib import import_module

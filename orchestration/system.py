@@ -5,7 +5,7 @@ a system that exists can be run.
 """
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -140,7 +140,7 @@ class System:
         connections = []
         for target in components:
             for variable in target.description.of_causality("input"):
-                sources = [c for c in components if _has_output(c, variable.name) and c is not target]
+                sources = _sources(components, target, variable.name)
                 if len(sources) > 1:
                     names = " or ".join(source.name for source in sources)
                     msg = f"{target.name}.{variable.name} could come from {names}; connect it by hand."
@@ -197,7 +197,8 @@ class System:
         """Put another FMU in the place of a component.
 
         Start values and connections of variables that the new FMU has are kept; connections to
-        inputs that it lacks are dropped with a notice.
+        inputs that it lacks are dropped, and its further inputs connected to outputs of the same
+        name, with a notice each.
 
         Raises
         ------
@@ -220,7 +221,14 @@ class System:
                 notices.append(f"Connection {connection} dropped: {description.model_name} has no such input.")
                 continue
             connections.append(connection)
-        components = tuple(Component(name, description, start) if c.name == name else c for c in self.components)
+        new = Component(name, description, start)
+        components = tuple(new if c.name == name else c for c in self.components)
+        had = {variable.name for variable in old.description.of_causality("input")}
+        for variable in description.of_causality("input"):
+            sources = _sources(components, new, variable.name) if variable.name not in had else []
+            if len(sources) == 1:
+                connections.append(Connection(sources[0].name, variable.name, name, variable.name))
+                notices.append(f"Connection {connections[-1]} added: {description.model_name} has this input too.")
         return replace(
             self,
             components=components,
@@ -319,9 +327,9 @@ class System:
 _SETTABLE = ("parameter", "input")
 
 
-def connect(source: str, outputs: Iterable[str], target: str) -> list[Connection]:
-    """Connections between variables of equal names."""
-    return [Connection(source, name, target, name) for name in outputs]
+def _sources(components: Sequence[Component], target: Component, name: str) -> list[Component]:
+    """Components other than the target with an output of that name."""
+    return [c for c in components if _has_output(c, name) and c is not target]
 
 
 def _has_output(component: Component, name: str) -> bool:

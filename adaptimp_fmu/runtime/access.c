@@ -31,8 +31,8 @@ static int is_settable(const Instance *instance, const ModelVariable *variable, 
         return 0;
     }
     if (!(isfinite(value) && value >= variable->min && value <= variable->max)) {
-        fail(instance, "%s: %s = %.17g is outside [%.17g, %.17g].", function, variable->name, value,
-             variable->min, variable->max);
+        fail(instance, "%s: %s = %.17g is not finite or outside [%.17g, %.17g].", function, variable->name,
+             value, variable->min, variable->max);
         return 0;
     }
     return 1;

@@ -18,8 +18,18 @@
 #define MAX_EVENTS_PER_SUBSTEP 64
 #define MAX_ITERATIONS 200
 
+/* The inputs at time t: held, or continued from the start of the step by their derivatives. */
+static const double *inputs_at(const State *s, double t, double *continued) {
+    const double *u = s->values + MODEL_FIRST_INPUT, dt = t - s->step_start;
+    if (!s->rates_given) return u;
+    for (int i = 0; i < MODEL_N_INPUTS; ++i)
+        continued[i] = u[i] + dt * (s->input_rates[0][i] + 0.5 * dt * s->input_rates[1][i]);
+    return continued;
+}
+
 static void slope(const State *s, double t, const double *x, const double *shared, double *k) {
-    model_derivative(t, x, s->values + MODEL_FIRST_INPUT, s->values, s->constants, s->modes, shared, k);
+    double continued[AT_LEAST_ONE(MODEL_N_INPUTS)];
+    model_derivative(t, x, inputs_at(s, t, continued), s->values, s->constants, s->modes, shared, k);
 }
 
 /* stage = x + step k, and the slope there. */
@@ -161,11 +171,28 @@ static void constants_changed(State *s) {
 }
 
 static void show_outputs(State *s, double t, double *checks) {
-    model_output(t, s->states, inputs(s), parameters(s), s->constants, s->modes, s->shared,
+    model_output(t, s->states, s->end_inputs, parameters(s), s->constants, s->modes, s->shared,
                  outputs(s), checks);
 }
 
-static void show_initial_outputs(State *s, double *checks) { show_outputs(s, s->time, checks); }
+static void show_initial_outputs(State *s, double *checks) {
+    memcpy(s->end_inputs, inputs(s), sizeof s->end_inputs);
+    show_outputs(s, s->time, checks);
+}
+
+/* Where the inputs are, and how they move, when the step ends; derivatives serve one step only. */
+static void end_inputs(State *s, double t) {
+    double continued[AT_LEAST_ONE(MODEL_N_INPUTS)];
+    memcpy(s->end_inputs, inputs_at(s, t, continued), sizeof s->end_inputs);
+    if (!s->rates_given) {
+        memset(s->end_rates, 0, sizeof s->end_rates);
+        return;
+    }
+    for (int i = 0; i < MODEL_N_INPUTS; ++i)
+        s->end_rates[i] = s->input_rates[0][i] + (t - s->step_start) * s->input_rates[1][i];
+    memset(s->input_rates, 0, sizeof s->input_rates);
+    s->rates_given = 0;
+}
 
 static int advance(Instance *instance, double t, double h) {
     State *s = &instance->state;
@@ -179,9 +206,19 @@ static int advance(Instance *instance, double t, double h) {
     }
     const int64_t n = ratio > 1 ? (int64_t)ratio + ((double)(int64_t)ratio < ratio) : 1;
     const double dt = h / (double)n;
+    s->step_start = t;
     for (int64_t i = 0; i < n; ++i)
         if (!substep(instance, t + (double)i * dt, dt)) return 0;
+    end_inputs(s, t + h);
     show_outputs(s, t + h, checks);
     return checks_pass(instance, checks, MODEL_N_CHECKS, model_checks) &&
            outputs_valid(instance, outputs(s), t + h);
+}
+
+static void rates_of_outputs(const State *s, double *dy) {
+    model_output_rate(s->time, s->states, s->end_inputs, s->values, s->modes, s->end_rates, dy);
+}
+
+static void sensitivity_of_outputs(const State *s, const double *v, double *dy) {
+    model_output_sensitivity(s->time, s->states, s->end_inputs, s->values, s->modes, v, dy);
 }

@@ -18,6 +18,8 @@ typedef enum {
 
 enum { LOG_ERROR = 1 << 0, LOG_WARNING = 1 << 1, LOG_ALL = LOG_ERROR | LOG_WARNING };
 
+#define MAX_INPUT_ORDER 2                          /* of input derivatives that are used */
+
 /* All that a rollback restores. Plain numbers, so a copy is a snapshot. */
 typedef struct {
     double values[MODEL_N_VARIABLES];              /* by value reference */
@@ -25,6 +27,12 @@ typedef struct {
     double constants[AT_LEAST_ONE(MODEL_N_CONSTANTS)];
     double modes[AT_LEAST_ONE(MODEL_N_EVENTS)];
     double shared[AT_LEAST_ONE(MODEL_N_SHARED)];   /* prepared for the states */
+#if !MODEL_SAMPLED
+    double input_rates[MAX_INPUT_ORDER][AT_LEAST_ONE(MODEL_N_INPUTS)]; /* for the next step */
+    double end_inputs[AT_LEAST_ONE(MODEL_N_INPUTS)];                   /* at the communication point */
+    double end_rates[AT_LEAST_ONE(MODEL_N_INPUTS)];
+    double step_start;
+#endif
     double noise_active;
     double start_time, stop_time, time;
     int64_t tick;                                  /* ticks run since the start */
@@ -34,7 +42,7 @@ typedef struct {
     int32_t experiment_defined;
     int32_t constants_stale;                       /* a parameter was set since calibration */
     int32_t outputs_stale;                         /* only during initialization */
-    int32_t reserved;
+    int32_t rates_given;                           /* input_rates are not all zero */
 } State;
 
 typedef struct {

@@ -47,6 +47,10 @@ static const char *const model_events[AT_LEAST_ONE(MODEL_N_EVENTS)];
  * m: modes of the events (1 while the indicator is positive), w: noise, y: outputs. */
 static void model_calibrate(const double *p, double *c, double *checks, double *noise_active);
 static void model_initial(double t, const double *u, const double *p, const double *c, double *x);
+/* Outputs in initialization mode along the directions v of the inputs and q of the parameters, with
+ * the uniform numbers r of the first tick. */
+static void model_initial_sensitivity(double t, const double *u, const double *p, const double *r,
+                                      const double *v, const double *q, double *dy);
 #if MODEL_SAMPLED
 static void model_tick(double t, const double *x, const double *u, const double *p, const double *c,
                        const double *w, double *y, double *next, double *checks);
@@ -68,6 +72,11 @@ static void model_derivative(double t, const double *x, const double *u, const d
 static void model_output(double t, const double *x, const double *u, const double *p,
                          const double *c, const double *m, const double *s, double *y,
                          double *checks);
+/* dy/dt for inputs that change at the rates v, and (dy/du) v at fixed states. */
+static void model_output_rate(double t, const double *x, const double *u, const double *p,
+                              const double *m, const double *v, double *dy);
+static void model_output_sensitivity(double t, const double *x, const double *u, const double *p,
+                                     const double *m, const double *v, double *dy);
 #if MODEL_N_EVENTS
 static void model_event_indicators(double t, const double *x, const double *p, const double *c,
                                    const double *s, double *z);

@@ -12,4 +12,5 @@
 #include "lifecycle.c"
 #include "access.c"
 #include "step.c"
+#include "derivatives.c"
 #include "snapshot.c"

@@ -21,18 +21,27 @@ static double tick_time(const State *s) {
     return s->start_time + (double)s->tick * s->values[MODEL_PERIOD];
 }
 
-/* Noise of the present tick: a function of seed and tick alone, so a rollback replays it. */
-static void draw_noise(State *s, double *w) {
+/* Uniform numbers of the present tick: a function of seed and tick alone, so a rollback replays them. */
+static void draw_uniforms(const State *s, double uniforms[4]) {
+#if MODEL_N_NOISE
+    uint64_t block[4];
+    philox4x64((uint64_t)s->tick, model_seed(s->values), block);
+    for (int i = 0; i < 4; ++i) uniforms[i] = uniform(block[i]);
+#else
+    (void)s;
+    memset(uniforms, 0, 4 * sizeof *uniforms);
+#endif
+}
+
+static void draw_noise(const State *s, double *w) {
 #if MODEL_N_NOISE
     double uniforms[4];
-    uint64_t block[4];
     if (!(s->noise_active > 0)) {
         memset(w, 0, MODEL_N_NOISE * sizeof *w);
         return;
     }
-    philox4x64((uint64_t)s->tick, model_seed(parameters(s)), block);
-    for (int i = 0; i < 4; ++i) uniforms[i] = uniform(block[i]);
-    model_noise(uniforms, parameters(s), s->constants, w);
+    draw_uniforms(s, uniforms);
+    model_noise(uniforms, s->values, s->constants, w);
 #else
     (void)s;
     (void)w;
@@ -103,4 +112,15 @@ static int advance(Instance *instance, double t, double h) {
         if (!run_tick(instance)) return 0;
     s->tick_fraction = end - floor_of(end);
     return 1;
+}
+
+/* Between ticks outputs are held, and inputs do not reach them. */
+static void rates_of_outputs(const State *s, double *dy) {
+    (void)s;
+    memset(dy, 0, AT_LEAST_ONE(MODEL_N_OUTPUTS) * sizeof *dy);
+}
+
+static void sensitivity_of_outputs(const State *s, const double *v, double *dy) {
+    (void)v;
+    rates_of_outputs(s, dy);
 }

@@ -100,31 +100,3 @@ fmi2Status fmi2GetStringStatus(fmi2Component c, const fmi2StatusKind s, fmi2Stri
     *value = "";
     return fmi2OK;
 }
-
-/* Capabilities that modelDescription.xml declares as absent. */
-fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference vr[], size_t nvr,
-                                       const fmi2Integer order[], const fmi2Real value[]) {
-    Instance *instance = allowed(c, ALLOWED_SET, "fmi2SetRealInputDerivatives");
-    (void)vr, (void)nvr, (void)order, (void)value;
-    if (!instance) return fmi2Error;
-    return fail(instance, "fmi2SetRealInputDerivatives: canInterpolateInputs is false.");
-}
-
-fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReference vr[], size_t nvr,
-                                        const fmi2Integer order[], fmi2Real value[]) {
-    Instance *instance = allowed(c, ALLOWED_STATUS, "fmi2GetRealOutputDerivatives");
-    (void)vr, (void)nvr, (void)order, (void)value;
-    if (!instance) return fmi2Error;
-    return fail(instance, "fmi2GetRealOutputDerivatives: maxOutputDerivativeOrder is 0.");
-}
-
-fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReference vUnknown_ref[],
-                                        size_t nUnknown, const fmi2ValueReference vKnown_ref[],
-                                        size_t nKnown, const fmi2Real dvKnown[],
-                                        fmi2Real dvUnknown[]) {
-    Instance *instance = allowed(c, ALLOWED_GET, "fmi2GetDirectionalDerivative");
-    (void)vUnknown_ref, (void)nUnknown, (void)vKnown_ref, (void)nKnown, (void)dvKnown,
-        (void)dvUnknown;
-    if (!instance) return fmi2Error;
-    return fail(instance, "fmi2GetDirectionalDerivative: providesDirectionalDerivative is false.");
-}

@@ -167,8 +167,7 @@ class Bench:
         for k in range(1, len(records)):
             self.bare.run(self.times, self.step, k - 1, k)
             shown = [
-                self.bare.outputs(c.name, len(c.description.of_causality("output")))
-                for c in self.system.components
+                self.bare.outputs(c.name, len(c.description.of_causality("output"))) for c in self.system.components
             ]
             if np.concatenate(shown).tobytes() != records[k].tobytes():
                 return k - 1

@@ -192,4 +192,10 @@ static void model_tick(double t, const double *x, const double *u, const double 
     tick(arguments, results, 0, 0, 0);
 }
 
+static void model_initial_sensitivity(double t, const double *u, const double *p, const double *r, const double *v, const double *q, double *dy) {
+    const double *arguments[] = {&t, u, p, r, v, q};
+    double *results[] = {dy};
+    initial_sensitivity(arguments, results, 0, 0, 0);
+}
+
 #include "runtime.c"

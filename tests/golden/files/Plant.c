@@ -190,4 +190,22 @@ static void model_event_indicators(double t, const double *x, const double *p, c
     event_indicators(arguments, results, 0, 0, 0);
 }
 
+static void model_initial_sensitivity(double t, const double *u, const double *p, const double *r, const double *v, const double *q, double *dy) {
+    const double *arguments[] = {&t, u, p, r, v, q};
+    double *results[] = {dy};
+    initial_sensitivity(arguments, results, 0, 0, 0);
+}
+
+static void model_output_rate(double t, const double *x, const double *u, const double *p, const double *m, const double *v, double *dy) {
+    const double *arguments[] = {&t, x, u, p, m, v};
+    double *results[] = {dy};
+    output_rate(arguments, results, 0, 0, 0);
+}
+
+static void model_output_sensitivity(double t, const double *x, const double *u, const double *p, const double *m, const double *v, double *dy) {
+    const double *arguments[] = {&t, x, u, p, m, v};
+    double *results[] = {dy};
+    output_sensitivity(arguments, results, 0, 0, 0);
+}
+
 #include "runtime.c"

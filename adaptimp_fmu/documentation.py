@@ -1,0 +1,123 @@
+"""``documentation/`` of an FMU: what it computes, its interface, its semantics, how to rebuild it, its license.
+
+The equations are the docstrings of the modules that declare them, word for word.
+"""
+
+import importlib
+import importlib.resources
+import inspect
+import math
+import re
+from dataclasses import dataclass
+
+import jinja2
+
+from adaptimp_fmu.codegen import runtime_sources
+from adaptimp_fmu.description import number
+from adaptimp_fmu.errors import DefinitionError
+from adaptimp_fmu.icon import Icon
+from adaptimp_fmu.model import ContinuousModel, Model, SampledModel
+from adaptimp_fmu.variables import Role, Type, Variable
+
+INDEX = "index.html"
+LICENSE = "licenses/license.txt"  # the place FMI 2.0.5, section 2.3, reserves for it
+_LIMITS = ("MAX_TICKS", "MAX_SUBSTEPS", "MAX_EVENTS_PER_SUBSTEP")
+
+
+@dataclass(frozen=True)
+class Row:
+    """A line of an interface table, as text."""
+
+    name: str
+    type: str
+    unit: str
+    start: str
+    minimum: str
+    maximum: str
+    tunable: str
+    description: str
+
+
+def present(model: Model, icon: Icon, *modules: str) -> None:
+    """Give a model its icon and its documentation, the docstrings of modules: the unit's own first.
+
+    Raises
+    ------
+    DefinitionError
+        If a docstring is missing.
+    """
+    texts = {name: importlib.import_module(name).__doc__ for name in modules}
+    for name, text in texts.items():
+        if not text:
+            msg = f"{model.name}: {name} has no docstring to document it; do not run Python with -OO."
+            raise DefinitionError(msg)
+    model.icon = icon
+    model.documentation = {name: inspect.cleandoc(text) for name, text in texts.items() if text}
+
+
+def documentation(model: Model) -> dict[str, bytes]:
+    """Files of ``documentation/`` by name; the same for the same model."""
+    page = _environment().get_template("documentation.html.j2")
+    html = page.render(
+        model=model,
+        sampled=isinstance(model, SampledModel),
+        noisy=isinstance(model, SampledModel) and model.noise is not None,
+        divisor=model.divisor_name if isinstance(model, SampledModel) else None,
+        events=[event.name for event in model.events] if isinstance(model, ContinuousModel) else [],
+        tables={
+            "Inputs": _rows(model, Role.INPUT),
+            "Outputs": _rows(model, Role.OUTPUT),
+            "Parameters": _rows(model, Role.FIXED_PARAMETER, Role.TUNABLE_PARAMETER),
+        },
+        demands=[check.sentence for check in (*model.static_checks, *model.checks)],
+        limits=_limits(),
+        license=LICENSE,
+    )
+    text = (importlib.resources.files("adaptimp_fmu") / "templates" / "license.txt").read_text(encoding="utf-8")
+    return {INDEX: html.encode(), LICENSE: text.encode()}
+
+
+def _environment() -> jinja2.Environment:
+    return jinja2.Environment(
+        loader=jinja2.PackageLoader("adaptimp_fmu"),
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+        autoescape=True,
+    )
+
+
+def _rows(model: Model, *roles: Role) -> list[Row]:
+    return [_row(variable) for variable in model.ordered_variables() if variable.role in roles]
+
+
+def _row(variable: Variable) -> Row:
+    bounded = variable.type is not Type.BOOLEAN
+    return Row(
+        name=variable.name,
+        type=variable.type.value,
+        unit=variable.unit,
+        start="" if variable.start is None else number(variable.start, variable.type),
+        minimum=_bound(variable.minimum, variable.type) if bounded else "",
+        maximum=_bound(variable.maximum, variable.type) if bounded else "",
+        tunable="yes" if variable.role is Role.TUNABLE_PARAMETER else "",
+        description=variable.description,
+    )
+
+
+def _bound(value: float, type: Type) -> str:
+    return number(value, type) if math.isfinite(value) else ""
+
+
+def _limits() -> dict[str, str]:
+    """Limits of the runtime by name, read from its sources, so that this page cannot contradict them."""
+    sources = "\n".join(runtime_sources().values())
+    limits = {}
+    for name in _LIMITS:
+        match = re.search(rf"#define {name} (\S+)", sources)
+        if match is None:
+            msg = f"The runtime defines no {name}, which the documentation states."
+            raise DefinitionError(msg)
+        limits[name] = match[1]
+    return limits

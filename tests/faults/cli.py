@@ -1,0 +1,43 @@
+"""Runs the command line in this process, through its real entry point."""
+
+import re
+import sys
+from collections.abc import Callable
+from typing import NamedTuple
+
+import pytest
+
+from orchestration.cli import main
+
+
+class Outcome(NamedTuple):
+    """What a command left behind."""
+
+    code: int
+    out: str
+    err: str
+
+    @property
+    def sentence(self) -> str:
+        """The one error, without its "Error: "."""
+        found = re.findall(r"^Error: (.*)$", self.err, re.MULTILINE)
+        assert len(found) == 1, self.err
+        return found[0]
+
+
+Command = Callable[..., Outcome]
+
+
+def runner(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Command:
+    """A function that runs ``adaptimp`` with arguments."""
+
+    def adaptimp(*arguments: object) -> Outcome:
+        capsys.readouterr()
+        monkeypatch.setattr(sys, "argv", ["adaptimp", *map(str, arguments)])
+        with pytest.raises(SystemExit) as exit_:
+            main()
+        out, err = capsys.readouterr()
+        assert "Traceback" not in out + err
+        return Outcome(int(exit_.value.code or 0), out, err)
+
+    return adaptimp

@@ -1,0 +1,131 @@
+"""Evidence for the command line when all is well, and for what it must not do: load much, or leave debris."""
+
+import csv
+import os
+import re
+import signal
+import subprocess
+import sys
+import sysconfig
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from adaptimp_fmu import SampledModel, build
+from orchestration import System, simulate
+from orchestration.cli.app import app
+from tests.faults.cli import Command
+
+ADAPTIMP = Path(sysconfig.get_path("scripts")) / "adaptimp"
+HEAVY = ("numba", "casadi", "fmpy", "numpy", "scipy", "matplotlib", "lxml")
+COMMANDS = [
+    command.name or command.callback.__name__ for command in app.registered_commands if command.callback
+]
+
+
+def test_run_writes_one_row_per_communication_point(adaptimp: Command, fig2: System, tmp_path: Path) -> None:
+    outcome = adaptimp("run", "fig2", "--out", "new/fig2.csv")
+    assert outcome.code == 0
+    assert outcome.err == ""
+    assert "order trajectory > sensor > controller > actuator > plant, step 0.0001 s" in outcome.out
+    assert "wrote new/fig2.csv: 20001 rows" in outcome.out
+    with (tmp_path / "new" / "fig2.csv").open(newline="") as file:
+        header, *lines = csv.reader(file)
+    result = simulate(fig2)
+    assert header == ["time", *result.names]
+    read = np.array(lines, dtype=float)
+    assert read[:, 0].tobytes() == result.time.tobytes()
+    assert np.ascontiguousarray(read[:, 1:]).tobytes() == result.rows.tobytes()
+
+
+def test_options_do_what_the_library_does(adaptimp: Command, fig2: System, tmp_path: Path) -> None:
+    order = ("plant", "actuator", "controller", "sensor", "trajectory")
+    outcome = adaptimp(
+        *("run", "fig2", "--set", "plant.K_f=5e4", "--set", "sensor.contact_gated=false"),
+        *("--algorithm", "jacobi"),
+        *("--order", ",".join(order), "--sample-time", "2e-4", "--stop", "0.1", "--out", "x.csv"),
+        *("--record", "plant.x[1],controller.tau_cmd[2]"),
+    )  # fmt: skip
+    assert outcome.code == 0
+    system = fig2.set({"plant.K_f": 5e4, "sensor.contact_gated": False}).with_sample_time(2e-4)
+    result = simulate(system, 0.1, algorithm="jacobi", order=order)
+    table = np.genfromtxt(tmp_path / "x.csv", delimiter=",", skip_header=1)
+    np.testing.assert_array_equal(table[:, 1], result["plant.x[1]"])
+    np.testing.assert_array_equal(table[:, 2], result["controller.tau_cmd[2]"])
+    assert table.shape == (501, 3)
+
+
+def test_a_package_runs_like_its_scenario(
+    adaptimp: Command, packages: dict[str, Path], tmp_path: Path
+) -> None:
+    for system in ("fig2", packages["good"]):
+        assert adaptimp("run", system, "--stop", "0.05", "--out", f"{Path(system).stem}.csv").code == 0
+    assert (tmp_path / "fig2.csv").read_bytes() == (tmp_path / "good.csv").read_bytes()
+
+
+def test_summary_names_every_signal(adaptimp: Command, fig2: System) -> None:
+    outcome = adaptimp("run", "fig2", "--stop", "0.01")
+    for component in fig2.components:
+        for variable in component.description.of_causality("output"):
+            assert f"{component.name}.{variable.name} " in outcome.out
+
+
+def test_dropped_connections_are_told(adaptimp: Command, fmu_folder: Path, tmp_path: Path) -> None:
+    same = fmu_folder / "HoganImpedance.fmu"
+    outcome = adaptimp("run", "fig2", "--controller", same, "--stop", "0.01")
+    assert (outcome.code, outcome.err) == (0, "")
+    model = SampledModel("Limp", "A controller that does nothing")
+    zero = model.parameter("zero", [0.0, 0.0], unit="N.m", description="Zero")
+    model.output("tau_cmd", zero, unit="N.m", description="Commanded torque")
+    limp = adaptimp("run", "fig2", "--controller", build(model, tmp_path), "--stop", "0.01")
+    assert limp.code == 0
+    assert "Notice: Connection plant.q[1] -> controller.q[1] dropped: Limp has no such input.\n" in limp.err
+    assert "Notice: controller: start value of K[1] dropped, Limp has no such variable.\n" in limp.err
+
+
+@pytest.mark.parametrize("arguments", [(), *((name,) for name in COMMANDS)])
+def test_help(adaptimp: Command, arguments: tuple[str, ...]) -> None:
+    outcome = adaptimp(*arguments, "--help")
+    assert outcome.code == 0
+    assert re.match(rf"Usage: .*{' '.join(('adaptimp', *arguments))} \[OPTIONS\]", outcome.out)
+    assert "--help" in outcome.out
+    assert outcome.err == ""
+
+
+@pytest.mark.parametrize("arguments", [(), *((name,) for name in COMMANDS)])
+def test_help_imports_nothing_heavy(arguments: tuple[str, ...]) -> None:
+    code = (
+        "import sys\n"
+        "from orchestration.cli import main\n"
+        f"sys.argv = {['adaptimp', *arguments, '--help']!r}\n"
+        "try:\n    main()\n"
+        f"finally:\n    print('loaded', [n for n in {HEAVY!r} if n in sys.modules])\n"
+    )
+    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert run.returncode == 0, run.stderr
+    assert run.stdout.endswith("loaded []\n")
+
+
+@pytest.mark.skipif(os.name == "nt", reason="Windows has no SIGINT for another process")
+def test_interrupt_leaves_no_file(tmp_path: Path) -> None:
+    command = [ADAPTIMP, "run", "fig2", "--stop", "2000", "--record", "plant.x[1]", "--out", "long.csv"]
+    with subprocess.Popen(
+        command, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    ) as run:
+        assert run.stdout is not None
+        assert run.stdout.readline().startswith("fig2: gauss-seidel")
+        time.sleep(2.0)  # s; the run itself takes more than 8 s
+        run.send_signal(signal.SIGINT)
+        _, err = run.communicate(timeout=30)
+    assert run.returncode == 130  # as shells have it
+    assert err.strip() == "Interrupted: the run was stopped and nothing is written."
+    assert not list(tmp_path.iterdir())
+
+
+def test_installed_command_explains_itself(tmp_path: Path) -> None:
+    run = subprocess.run(
+        [ADAPTIMP, "run", "none.ssp"], cwd=tmp_path, capture_output=True, text=True, check=False
+    )
+    assert (run.returncode, run.stdout, run.stderr) == (2, "", "Error: none.ssp: there is no such package.\n")

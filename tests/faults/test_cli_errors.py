@@ -1,0 +1,153 @@
+"""Evidence that the command line explains what is wrong: one sentence, no traceback, no debris.
+
+Exit code 2 says that the request cannot be carried out as it stands, start values that an FMU refuses
+included; 1 that a run failed on its way; 0 success.
+"""
+
+import re
+from pathlib import Path
+
+import pytest
+
+from tests.faults.cli import Command
+
+SHORT = ("--stop", "0.01")
+
+BAD_SETTINGS = {
+    "plant.stiffness=1": r"plant has no variable stiffness; it has .*\bK_f\b",
+    "arm.K_f=1": r"System fig2 has no component arm; it has trajectory, sensor, controller, actuator",
+    "K_f=1": r"'K_f' is no component\.variable, such as trajectory\.",
+    "plant.K_f": r"--set plant\.K_f: COMPONENT\.VARIABLE=VALUE is needed, such as",
+    "plant.q[1]=0": r"plant\.q\[1\] has causality output; only parameters and inputs can be set\.",
+    "plant.K_f=hard": r"plant\.K_f = 'hard': a number is needed\.",
+    "plant.K_f=": r"plant\.K_f = '': a number is needed\.",
+    "sensor.seed=0.5": r"sensor\.seed = '0\.5': an integer of 32 bits is needed\.",
+    "sensor.seed=1e12": r"sensor\.seed = '1e12': an integer of 32 bits is needed\.",
+    "sensor.contact_gated=2": r"sensor\.contact_gated = '2': true or false is needed\.",
+    "plant.q_start[1]=nan": r"plant\.q_start\[1\] = 'nan': a number is needed\.",
+    "plant.tau[1]=NaN": r"plant\.tau\[1\] = 'NaN': a number is needed\.",  # though a connection drives it
+    "sensor.sample_time=nan": r"sensor\.sample_time = 'nan': a number is needed\.",
+    "sensor.sample_time=0": r"sensor: sample time 0 s is not positive; use 0\.0001 s, the step\.",
+    "sensor.sample_time=1.5e-4": r"sensor: sample time 0\.00015 s is no multiple of the step 0\.0001 s; use ",
+    "plant.q_start[2]=0": r'controller: fmi2ExitInitializationMode .* message: "The arm is singular: .*"\.',
+    "plant.K_f=-1": r'plant: fmi2SetReal returned fmi2Error; .* message: ".*K_f = -1 is outside \[0, inf\]',
+    "plant.m[1]=inf": r"plant: fmi2SetReal returned fmi2Error; .*m\[1\] = inf is outside",
+    "trajectory.period=0": r"trajectory: fmi2SetReal returned fmi2Error; .*period = 0 is outside",
+}
+BAD_OPTIONS = {
+    "fig2 --step 3e-4": r"trajectory: sample time 0\.0001 s is no multiple of the step 0\.0003 s; use",
+    "fig2 --step 0": r"The step 0\.0 s is not positive\.",
+    "fig2 --step nan": r"The step nan s is not positive\.",
+    "fig2 --step small": r"Invalid value for '--step': .*number",
+    "fig2 --step 1e-4 --sample-time 1e-4": r"--step and --sample-time exclude each other",
+    "fig2 --stop 0.00015": r"from 0 s to 0\.00015 s is no multiple of the step 0\.0001 s; stop at 0\.0001 s",
+    "fig2 --stop -1": r"The run from 0 s to -1 s is no multiple of the step",
+    "fig2 --controller missing.fmu": r"missing\.fmu: there is no such FMU\.",
+    "missing.ssp": r"missing\.ssp: there is no such package\.",
+    "fig1": r"There is no scenario fig1; there are fig2, fig3, fig4",
+    "fig2 --algorithm euler": r"There is no algorithm 'euler'; there are gauss-seidel, jacobi",
+    "fig2 --order plant,sensor": r"order plant, sensor must name each of trajectory, sensor, controller, act",
+    "fig2 --record plant.energy": r"plant has no variable energy; it has ",
+    "fig2 --record plant.tau[1]": r"plant\.tau\[1\] is a Real of causality input; only outputs",
+    "fig2 --out fig2.xlsx": r"fig2\.xlsx: results are written as \.csv",
+    "fig2 --fast": r"No such option: --fast",
+    "": r"Missing argument",
+}
+
+
+@pytest.mark.parametrize("setting", BAD_SETTINGS)
+def test_bad_start_values(adaptimp: Command, tmp_path: Path, setting: str) -> None:
+    outcome = adaptimp("run", "fig2", "--set", setting, "--out", "x.csv")
+    assert re.search(BAD_SETTINGS[setting], outcome.sentence), outcome.sentence
+    assert outcome.code == 2
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("options", BAD_OPTIONS)
+def test_bad_options(adaptimp: Command, tmp_path: Path, options: str) -> None:
+    outcome = adaptimp("run", *options.split())
+    assert re.search(BAD_OPTIONS[options], outcome.sentence), outcome.sentence
+    assert outcome.code == 2
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    ("arguments", "pattern"),
+    [
+        (
+            ("build", "--platform", "amiga"),
+            r"There is no platform amiga; there are linux64, win64, .* and all\.",
+        ),
+        (("simulate",), r"No such command 'simulate'"),
+    ],
+)
+def test_other_bad_requests(
+    adaptimp: Command, tmp_path: Path, arguments: tuple[str, ...], pattern: str
+) -> None:
+    outcome = adaptimp(*arguments)
+    assert re.match(pattern, outcome.sentence), outcome.sentence
+    assert outcome.code == 2
+    assert not list(tmp_path.iterdir())
+
+
+def test_file_that_is_no_archive(adaptimp: Command, tmp_path: Path) -> None:
+    (tmp_path / "notes.fmu").write_text("text")
+    outcome = adaptimp("run", "fig2", "--controller", "notes.fmu")
+    assert re.search(r"notes\.fmu is no readable zip archive", outcome.sentence)
+    assert outcome.code == 2
+
+
+def test_controller_that_commands_nothing(adaptimp: Command, fmu_folder: Path) -> None:
+    outcome = adaptimp("run", "fig2", "--controller", fmu_folder / "ForceSensor.fmu")
+    assert re.match(r"controller has no variable tau_cmd\[1\]; it has ", outcome.sentence)
+    assert outcome.code == 2
+
+
+def test_unconnected_input(adaptimp: Command, packages: dict[str, Path]) -> None:
+    warned = adaptimp("run", packages["loose"], *SHORT)
+    assert warned.code == 0
+    sentence = "Unconnected inputs keep their start values: sensor.F_ext[2]."
+    assert warned.err.strip() == f"Warning: {sentence}"
+    refused = adaptimp("run", packages["loose"], *SHORT, "--strict")
+    assert (refused.code, refused.sentence) == (2, sentence)
+    assert adaptimp("run", packages["good"], *SHORT, "--strict").err == ""
+
+
+def test_units_that_differ(adaptimp: Command, packages: dict[str, Path]) -> None:
+    outcome = adaptimp("run", packages["units"], *SHORT)
+    assert outcome.sentence == "Connection plant.x[1] -> sensor.F_ext[1]: units m and N differ."
+    assert outcome.code == 2
+
+
+@pytest.mark.parametrize("place", ["file.txt/x.csv", "folder.csv", "/proc/none/x.csv"])
+def test_places_that_cannot_be_written(adaptimp: Command, tmp_path: Path, place: str) -> None:
+    (tmp_path / "file.txt").write_text("mine")
+    (tmp_path / "folder.csv").mkdir()
+    outcome = adaptimp("run", "fig2", *SHORT, "--out", place)
+    assert re.search(r"nothing can be written to \S+: .*; choose|folder\.csv is a folder", outcome.sentence)
+    assert outcome.code == 2
+    assert sorted(p.name for p in tmp_path.rglob("*")) == ["file.txt", "folder.csv"]
+
+
+@pytest.mark.parametrize("command", ["build", "paper"])
+def test_folders_that_cannot_be_written(adaptimp: Command, tmp_path: Path, command: str) -> None:
+    (tmp_path / "file.txt").write_text("mine")
+    outcome = adaptimp(command, "--out", "file.txt/out")
+    assert re.search(r"^--out: nothing can be written to file\.txt/out: ", outcome.sentence)
+    assert outcome.code == 2
+
+
+def test_failed_run_keeps_its_rows_apart(adaptimp: Command, tmp_path: Path) -> None:
+    outcome = adaptimp("run", "fig2", "--set", "controller.K[1]=1e9", "--out", "x.csv")
+    found = re.fullmatch(
+        r'plant: fmi2DoStep returned fmi2Error at t = (\S+) s \(step (\d+)\); .* message: ".*diverge.*"\.',
+        outcome.sentence,
+    )
+    assert found
+    assert outcome.code == 1
+    step = int(found[2])
+    assert float(found[1]) == pytest.approx(step * 1e-4, rel=1e-8)  # printed with nine digits
+    assert [p.name for p in tmp_path.iterdir()] == ["x.partial.csv"]
+    lines = (tmp_path / "x.partial.csv").read_text().splitlines()
+    assert len(lines) == step + 2  # names, rows 0 to `step`
+    assert f"wrote x.partial.csv: the {step + 1} rows before the failure" in outcome.err

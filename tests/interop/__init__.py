@@ -1,0 +1,1 @@
+"""The FMUs and our Jacobi master against other tools: fmpy, ecos, libcosim."""

@@ -1,0 +1,1 @@
+"""The paper's scenarios from start to end: runs, figures, claims."""

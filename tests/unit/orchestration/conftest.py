@@ -1,0 +1,43 @@
+"""Fixtures: the small units, fig2, and a cache of its own for every test that reads packages."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from orchestration import System
+from orchestration.paper.scenarios import SCENARIOS
+from tests.unit.orchestration.units import H, build_units, mixed
+
+
+@pytest.fixture(scope="session")
+def small(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
+    """FMU files of the small units, by model identifier."""
+    return build_units(tmp_path_factory.mktemp("small"))
+
+
+@pytest.fixture(scope="session")
+def fig2(fmu_folder: Path) -> System:
+    """The system of Fig. 2."""
+    scenario = SCENARIOS["fig2"]
+    return scenario.system({unit: fmu_folder / f"{unit}.fmu" for unit in scenario.units.values()})
+
+
+@pytest.fixture
+def own_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A cache folder of the test's own."""
+    monkeypatch.setenv("ADAPTIMP_CACHE", str(tmp_path / "cache"))
+    return tmp_path / "cache"
+
+
+@pytest.fixture
+def signals(small: dict[str, Path]) -> System:
+    """A system with a start value of each type."""
+    values = {"relay.offset": 0.1, "relay.n": -7, "relay.even": True, "switch.flag": False, "source.sample_time": H}
+    return replace(mixed(small).set(values), step=H / 2, stop_time=1.5)
+
+
+@pytest.fixture
+def package(signals: System, tmp_path: Path) -> Path:
+    """That system as a package."""
+    return signals.write(tmp_path / "signals.ssp")
