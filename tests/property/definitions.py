@@ -1,0 +1,57 @@
+"""The equations of a unit, as declared in fmus/, evaluated at many samples: no FMU, no time stepping."""
+
+from functools import cache
+
+import casadi as ca
+import numpy as np
+
+from adaptimp_fmu import ContinuousModel
+from adaptimp_fmu.variables import Role
+from fmus.catalog import UNITS
+
+
+def outputs(identifier: str, **columns: np.ndarray) -> dict[str, np.ndarray]:
+    """Outputs of a unit at given states, inputs and parameters.
+
+    Parameters
+    ----------
+    columns
+        By name, shape (k, size): all states, the modes of events as ``mode_NAME``, and those inputs and
+        parameters that differ from their start values.
+
+    Returns
+    -------
+    dict
+        By name, shape (size, k).
+    """
+    function, starts = _function(identifier)
+    size = max(values.shape[1] for values in columns.values())
+    given = {name: np.tile(values[:, None], size) for name, values in starts.items()} | columns
+    values = function.map(size)(*(given[name] for name in function.name_in()))
+    values = values if isinstance(values, tuple) else (values,)
+    return {name: np.array(value).T for name, value in zip(function.name_out(), values, strict=True)}
+
+
+@cache
+def _function(identifier: str) -> tuple[ca.Function, dict[str, np.ndarray]]:
+    """The map to all outputs, and the start values of inputs and parameters."""
+    model = UNITS[identifier]()
+    parameters = [variable for variable in model.variables if variable.role.is_parameter]
+    inputs, shown = model.with_role(Role.INPUT), model.with_role(Role.OUTPUT)
+    symbols = dict(zip(_names(parameters), model.parameter_symbols, strict=True))
+    symbols |= dict(zip(_names(inputs), model.input_symbols, strict=True))
+    starts = {
+        name: np.array([v.start for v in (*parameters, *inputs) if v.name.partition("[")[0] == name], dtype=float)
+        for name in symbols
+    }
+    symbols |= {state.name: state.symbol for state in model.states}
+    if isinstance(model, ContinuousModel):
+        symbols |= {f"mode_{event.name}": event.mode for event in model.events}
+    values = dict(zip(_names(shown), model.output_values, strict=True))
+    result = {f"{name}_out" if name in symbols else name: value for name, value in values.items()}
+    return ca.Function("unit", list(symbols.values()), list(result.values()), list(symbols), list(result)), starts
+
+
+def _names(variables: list) -> list[str]:
+    """Names of the vectors, in order."""
+    return list(dict.fromkeys(variable.name.partition("[")[0] for variable in variables))

@@ -1,0 +1,47 @@
+"""Systems of the adaptive figures with numbers changed, and what a run shows."""
+
+from collections.abc import Mapping
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+
+from fmus.catalog import UNITS
+from orchestration import Options, Result, System, simulate
+from orchestration.paper.provide import fmus
+from orchestration.paper.scenarios import SCENARIOS, VARIANTS
+
+CONTROLLERS = (
+    "HoganImpedance",
+    "CraigAdaptiveImpedance",
+    "SlotineLiAdaptiveImpedance",
+    "SpongOrtegaAdaptiveImpedance",
+)
+QUIET = {"sensor.noise_std": 0.0, "sensor.noise_bound": 0.0}
+UNLIMITED = {"actuator.tau_max[1]": 1e9, "actuator.tau_max[2]": 1e9}
+
+
+@cache
+def files() -> Mapping[str, Path]:
+    """All FMU files by model identifier."""
+    return fmus(UNITS)
+
+
+def system(name: str, changes: Mapping[str, float] | None = None) -> System:
+    """A figure's system, with start values changed by ``component.variable``."""
+    return {**SCENARIOS, **VARIANTS}[name].system(files()).set(changes or {})
+
+
+def run(given: System, **options: object) -> Result:
+    """A run in which an unconnected input is an error."""
+    return simulate(given, options=Options(strict=True, **options))
+
+
+def pair(path: str, first: float, second: float) -> dict[str, float]:
+    """Both elements of a vector."""
+    return {f"{path}[1]": first, f"{path}[2]": second}
+
+
+def norms(result: Result, name: str) -> np.ndarray:
+    """Euclidean norms of a vector at the communication points, shape (n_rows,)."""
+    return np.linalg.norm(result.vector(name), axis=1)
