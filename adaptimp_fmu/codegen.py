@@ -10,6 +10,7 @@ import jinja2
 
 from adaptimp_fmu.lowering import Lowered, lower
 from adaptimp_fmu.model import Model, SampledModel
+from adaptimp_fmu.variables import element_names
 
 GUID_PLACEHOLDER = "{guid}"
 MAIN_SOURCE = "model.c"
@@ -115,6 +116,7 @@ def _sentences(model: Model) -> dict[str, list[str]]:
         "model_static_checks": [check.sentence for check in model.static_checks],
         "model_checks": [check.sentence for check in model.checks],
         "model_events": [event.name for event in getattr(model, "events", ())],
+        "model_states": [name for s in model.states for name in element_names(s.name, s.symbol.numel())],
     }
 
 

@@ -128,11 +128,7 @@ static int substep(Instance *instance, double t, double dt) {
     double rest = dt;
     for (int events = 0; events <= MAX_EVENTS_PER_SUBSTEP; ++events) {
         runge_kutta_4(s, t, rest, end);
-        if (!all_finite(end, MODEL_N_STATES)) {
-            fail(instance, "The states diverge in the sub-step from t = %.17g s, length %.17g s.",
-                 t, rest);
-            return 0;
-        }
+        if (!states_valid(instance, end, t + rest)) return 0;
 #if MODEL_N_EVENTS
         double step = rest;
         const int event = first_event(s, t, &step, end, shared);

@@ -36,8 +36,8 @@ fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference
             return fail(instance, "%s: order %d of %s; orders 1 to %d are used.", name, (int)order[i],
                         model_variables[vr[i]].name, INPUT_ORDER);
         if (!all_finite(&value[i], 1))
-            return fail(instance, "%s: the derivative of %s is %g; it must be finite.", name,
-                        model_variables[vr[i]].name, value[i]);
+            return fail(instance, "%s: the derivative of %s is %s; it must be finite.", name,
+                        model_variables[vr[i]].name, not_finite(value[i]));
     }
 #if !MODEL_SAMPLED
     for (size_t i = 0; i < nvr; ++i)

@@ -42,6 +42,7 @@ static const unsigned char model_kinds[MODEL_N_VARIABLES];
 static const char *const model_static_checks[AT_LEAST_ONE(MODEL_N_STATIC_CHECKS)];
 static const char *const model_checks[AT_LEAST_ONE(MODEL_N_CHECKS)];
 static const char *const model_events[AT_LEAST_ONE(MODEL_N_EVENTS)];
+static const char *const model_states[AT_LEAST_ONE(MODEL_N_STATES)];
 
 /* t: time, x: states, u: inputs, p: parameters, c: constants derived from p alone,
  * m: modes of the events (1 while the indicator is positive), w: noise, y: outputs. */

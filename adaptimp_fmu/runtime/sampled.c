@@ -81,10 +81,7 @@ static int run_tick(Instance *instance) {
     compute_tick(s, y, next, checks);
     if (!checks_pass(instance, checks, MODEL_N_CHECKS, model_checks)) return 0;
     if (!outputs_valid(instance, y, tick_time(s))) return 0;
-    if (!all_finite(next, MODEL_N_STATES)) {
-        fail(instance, "The state after the tick at t = %.17g s is not finite.", tick_time(s));
-        return 0;
-    }
+    if (!states_valid(instance, next, tick_time(s))) return 0;
     memcpy(outputs(s), y, MODEL_N_OUTPUTS * sizeof *y);
     memcpy(s->states, next, MODEL_N_STATES * sizeof *next);
     ++s->tick;

@@ -16,12 +16,17 @@ static size_t first_not_finite(const double *values, size_t n) {
     return i;
 }
 
+/* How a number that is not finite reads, on every platform. */
+static const char *not_finite(double value) {
+    return isnan(value) ? "nan" : value > 0 ? "inf" : "-inf";
+}
+
 static int inputs_valid(const Instance *instance) {
     const double *u = instance->state.values + MODEL_FIRST_INPUT;
     if (all_finite(u, MODEL_N_INPUTS)) return 1;
     size_t i = first_not_finite(u, MODEL_N_INPUTS);
-    fail(instance, "Input %s is %g; it must be finite.", model_variables[MODEL_FIRST_INPUT + i].name,
-         u[i]);
+    fail(instance, "Input %s is %s; it must be finite.", model_variables[MODEL_FIRST_INPUT + i].name,
+         not_finite(u[i]));
     return 0;
 }
 
@@ -39,9 +44,16 @@ static int checks_pass(const Instance *instance, const double *checks, size_t n,
 static int outputs_valid(const Instance *instance, const double *y, double t) {
     if (all_finite(y, MODEL_N_OUTPUTS)) return 1;
     size_t i = first_not_finite(y, MODEL_N_OUTPUTS);
-    fail(instance, "Output %s is %g at t = %.17g s; the inputs describe a state the model cannot "
+    fail(instance, "Output %s is %s at t = %.17g s; the inputs describe a state the model cannot "
                    "compute (divergence or a singular configuration).",
-         model_variables[MODEL_FIRST_OUTPUT + i].name, y[i], t);
+         model_variables[MODEL_FIRST_OUTPUT + i].name, not_finite(y[i]), t);
+    return 0;
+}
+
+static int states_valid(const Instance *instance, const double *x, double t) {
+    if (all_finite(x, MODEL_N_STATES)) return 1;
+    size_t i = first_not_finite(x, MODEL_N_STATES);
+    fail(instance, "State %s is %s at t = %.17g s; it diverges.", model_states[i], not_finite(x[i]), t);
     return 0;
 }
 

@@ -18,11 +18,11 @@ DIVERGENT = {
     "fig5": {"controller.Gamma[2]": 5e4},
     "spong-ortega": {"controller.Gamma[2]": 5e3},
 }
-# Component; time and step; either the signal or, in the plant's integrator and an update, the states.
+# Component; time and step; the output or state that is no longer finite.
 MESSAGE = re.compile(
     r"(?P<component>plant|controller): fmi2DoStep returned fmi2Error at t = (?P<time>\S+) s"
     r" \(step (?P<step>\d+)\); its last message:"
-    r' "(Output \w+(\[\d\])? is \S+|The states diverge|The state after the tick).* t = .*"\.'
+    r' "(Output|State) \w+(\[\d\])? is \S+ at t = .*"\.'
 )
 SIGNAL = re.compile(
     r"(?P<component>\w+)\.(?P<signal>\w+(\[\d\])?) is \S+ at t = (?P<time>\S+) s"

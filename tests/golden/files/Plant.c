@@ -16,8 +16,17 @@
 
 #include "model.h"
 
+/* CasADi's functions come with companions and arguments that nobody uses. */
+#if defined(__GNUC__)
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wunused-function"
+#pragma GCC diagnostic ignored "-Wunused-parameter"
+#endif
 #define CASADI_SYMBOL_EXPORT static
 #include "equations.h"
+#if defined(__GNUC__)
+#pragma GCC diagnostic pop
+#endif
 
 static const char *const model_guid = "{guid}";
 
@@ -152,6 +161,13 @@ static const char *const model_checks[] = {
 static const char *const model_events[] = {
     "contact",
     "pushing",
+};
+
+static const char *const model_states[] = {
+    "q[1]",
+    "q[2]",
+    "dq[1]",
+    "dq[2]",
 };
 
 static void model_calibrate(const double *p, double *constants, double *checks, double *active) {
