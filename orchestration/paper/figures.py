@@ -39,6 +39,7 @@ STYLE: dict[str, Any] = {
 }
 ACTUAL, IDEAL, WALL = "tab:blue", "black", "0.75"
 METADATA = {"png": {"Software": None}, "svg": {"Creator": None, "Date": None}}  # same input, same bytes
+BINS = 2000  # of a time axis: more than the pixels it is drawn on
 ZOOM_X = (-1.475, -1.435)  # m
 ZOOM_Y = (-0.34, 0.34)  # m
 
@@ -74,18 +75,18 @@ def _control_figure(result: Result) -> Figure:
     if np.ptp(estimate) > 0:
         axes[0, 1].axhspan(0.8 * TRUE_M2, 1.2 * TRUE_M2, color="tab:green", alpha=0.12, lw=0, label="±20 %")
         axes[0, 1].axhline(TRUE_M2, color=IDEAL, ls="--", lw=0.8, label="true")
-        axes[0, 1].plot(ticks, estimate, color=ACTUAL, label=r"$\hat m_2$")
+        axes[0, 1].plot(*_envelope(ticks, estimate), color=ACTUAL, label=r"$\hat m_2$")
         _time_axis(axes[0, 1], result, "(b) Estimated $m_2$", "mass (kg)")
     else:
         _torques(axes[0, 1], result)
         _time_axis(axes[0, 1], result, "(b) Control torques", "torque (N m)")
     for i in (1, 2):
         error = result.at_ticks(f"controller.e[{i}]") * 1e3
-        axes[1, 0].plot(ticks, error, label=f"$e_{i}$")
+        axes[1, 0].plot(*_envelope(ticks, error), label=f"$e_{i}$")
     _time_axis(axes[1, 0], result, "(c) Tracking error $e = x - x_t$", "error (mm)")
     axes[1, 0].legend(loc="lower right")
     force = np.linalg.norm(result.vector("plant.F_ext"), axis=1)
-    axes[1, 1].plot(result.time, force, color=ACTUAL, label=r"$\|F_{ext}\|$")
+    axes[1, 1].plot(*_envelope(result.time, force), color=ACTUAL, label=r"$\|F_{ext}\|$")
     _time_axis(axes[1, 1], result, "(d) Contact force", "force (N)")
     return figure
 
@@ -98,7 +99,8 @@ def _torque_figure(one: Result, two: Result) -> Figure:
         for column, axis in enumerate(axes[row]):
             for result, name in ((one, "algorithm 1"), (two, "algorithm 2")):
                 command = f"controller.tau_cmd[{row + 1}]"
-                axis.plot(result.tick_times(command), result.at_ticks(command), lw=0.8, label=name)
+                curve = result.tick_times(command), result.at_ticks(command)
+                axis.plot(*(curve if column else _envelope(*curve)), lw=0.8, label=name)
             axis.axhline(limit, color="tab:red", ls=":", label="75 % of the largest")
             axis.axhline(-limit, color="tab:red", ls=":")
             title = f"({'abcd'[2 * row + column]}) Joint {row + 1}{', in contact' if column else ''}"
@@ -115,7 +117,7 @@ def _torque_figure(one: Result, two: Result) -> Figure:
 def _torques(axis: Axes, result: Result) -> None:
     for i in (1, 2):
         torque = result.at_ticks(f"actuator.tau[{i}]")
-        axis.plot(result.tick_times("actuator.tau[1]"), torque, label=f"$\\tau_{i}$")
+        axis.plot(*_envelope(result.tick_times("actuator.tau[1]"), torque), label=f"$\\tau_{i}$")
 
 
 def _tirt_figure(result: Result) -> Figure:
@@ -125,15 +127,15 @@ def _tirt_figure(result: Result) -> Figure:
     x_t, x_v = at_ticks(result, "controller.x_t"), at_ticks(result, "trajectory.x_v")
     for axis, title in ((axes[0, 0], "(a) In the plane"), (axes[0, 1], "(b) Near the wall")):
         _wall(axis)
-        axis.plot(*x_v.T, color=ACTUAL, label="virtual $x_v$")
-        axis.plot(*x_t.T, "--", color=IDEAL, label="TIRT $x_t$")
+        axis.plot(*_path(x_v), color=ACTUAL, label="virtual $x_v$")
+        axis.plot(*_path(x_t), "--", color=IDEAL, label="TIRT $x_t$")
         _plane(axis, title)
     _zoom(axes[0, 1])
     axes[0, 1].legend(loc="center left")
     ticks = result.tick_times("controller.x_t[1]")
     for i in (1, 2):
         difference = (x_t[:, i - 1] - x_v[:, i - 1]) * 1e3
-        axes[1, 0].plot(ticks, difference, label=f"$x_{{{i}t}} - x_{{{i}v}}$")
+        axes[1, 0].plot(*_envelope(ticks, difference), label=f"$x_{{{i}t}} - x_{{{i}v}}$")
     _time_axis(axes[1, 0], result, "(c) TIRT minus virtual trajectory", "difference (mm)")
     distance = np.linalg.norm(x_t - x_v, axis=1) * 1e3
     axes[1, 1].semilogy(ticks, np.maximum(distance, 1e-9), color=ACTUAL, label=r"$\|x_t - x_v\|$")
@@ -145,13 +147,13 @@ def _tirt_figure(result: Result) -> Figure:
 def _trajectories(axis: Axes, result: Result) -> None:
     _wall(axis)
     virtual, actual = at_ticks(result, "trajectory.x_v"), result.vector("plant.x")
-    axis.plot(*virtual.T, "--", color=IDEAL, label="ideal (virtual)")
-    axis.plot(*actual.T, color=ACTUAL, label="actual")
+    axis.plot(*_path(virtual), "--", color=IDEAL, label="ideal (virtual)")
+    axis.plot(*_path(actual), color=ACTUAL, label="actual")
     _plane(axis, "(a) Ideal and actual trajectories")
     inset = axis.inset_axes((0.3, 0.27, 0.27, 0.46))
     _wall(inset, labels=False)
-    inset.plot(*virtual.T, "--", color=IDEAL)
-    inset.plot(*actual.T, color=ACTUAL)
+    inset.plot(*_path(virtual), "--", color=IDEAL)
+    inset.plot(*_path(actual), color=ACTUAL)
     _zoom(inset)
     inset.tick_params(labelsize=7)
     axis.indicate_inset_zoom(inset, edgecolor="0.4")
@@ -191,3 +193,20 @@ def _time_axis(axis: Axes, result: Result, title: str, ylabel: str) -> None:
     axis.set_ylabel(ylabel)
     axis.set_xlim(result.time[0], result.time[-1])
     axis.legend(loc="upper right")
+
+
+def _envelope(t: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """A curve thinned to what a picture shows: the least and the largest value of each of `BINS` pieces."""
+    size = t.size // BINS
+    if size <= 2:
+        return t, y
+    pieces = y[: size * BINS].reshape(BINS, size)
+    ends = np.sort(np.stack([pieces.argmin(axis=1), pieces.argmax(axis=1)], axis=1), axis=1)
+    kept = (ends + size * np.arange(BINS)[:, None]).ravel()
+    kept = np.concatenate([kept, np.arange(size * BINS, t.size)])
+    return t[kept], y[kept]
+
+
+def _path(points: np.ndarray) -> np.ndarray:
+    """A smooth path thinned to some 10 `BINS` points, shape (2, n)."""
+    return points[:: max(1, len(points) // (10 * BINS))].T
