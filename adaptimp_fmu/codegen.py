@@ -115,7 +115,6 @@ def _sentences(model: Model) -> dict[str, list[str]]:
     return {
         "model_static_checks": [check.sentence for check in model.static_checks],
         "model_checks": [check.sentence for check in model.checks],
-        "model_events": [event.name for event in getattr(model, "events", ())],
         "model_states": [name for s in model.states for name in element_names(s.name, s.symbol.numel())],
     }
 

@@ -11,7 +11,7 @@ from lxml import etree
 from adaptimp_fmu.errors import DefinitionError
 from adaptimp_fmu.model import Model, SampledModel
 from adaptimp_fmu.structure import dependencies
-from adaptimp_fmu.units import base_exponents
+from adaptimp_fmu.units import QUANTITIES, base_exponents
 from adaptimp_fmu.variables import Role, Type, Variable
 
 GENERATION_TOOL = "adaptimp_fmu"
@@ -59,6 +59,7 @@ def model_description(model: Model, guid: str, sources: Iterable[str]) -> bytes:
     variables = model.ordered_variables()
     _co_simulation(root, model, sources)
     _units(root, variables)
+    _types(root, variables)
     categories = etree.SubElement(root, "LogCategories")
     for name, description in LOG_CATEGORIES.items():
         etree.SubElement(categories, "Category", name=name, description=description)
@@ -107,6 +108,15 @@ def _units(root: Any, variables: Iterable[Variable]) -> None:
         etree.SubElement(etree.SubElement(definitions, "Unit", name=unit), "BaseUnit", exponents)
 
 
+def _types(root: Any, variables: Iterable[Variable]) -> None:
+    definitions = etree.Element("TypeDefinitions")
+    for unit in sorted({variable.unit for variable in variables} & QUANTITIES.keys()):
+        simple = etree.SubElement(definitions, "SimpleType", name=QUANTITIES[unit])
+        etree.SubElement(simple, "Real", quantity=QUANTITIES[unit], unit=unit)
+    if len(definitions):  # the schema has no empty list
+        root.append(definitions)
+
+
 def _variable(listing: Any, variable: Variable, reference: int, *, sampled: bool) -> None:
     element = etree.SubElement(
         listing,
@@ -122,6 +132,8 @@ def _variable(listing: Any, variable: Variable, reference: int, *, sampled: bool
     elif variable.role.is_parameter:
         element.set("initial", "exact")
     typed = etree.SubElement(element, variable.type.value)
+    if variable.unit in QUANTITIES:
+        typed.set("declaredType", QUANTITIES[variable.unit])
     if variable.unit:
         typed.set("unit", variable.unit)
     if variable.type is not Type.BOOLEAN:

@@ -20,14 +20,7 @@ FLAGS = (
     "-g0",
     "-s",
 )
-WARNINGS = (
-    "-Wall",
-    "-Wextra",
-    "-Werror",
-    "-Wno-unused-function",
-    "-Wno-unused-parameter",
-    "-Wno-unused-const-variable",
-)
+WARNINGS = ("-Wall", "-Wextra", "-Wpedantic", "-Wvla", "-Werror")
 
 
 @dataclass(frozen=True)

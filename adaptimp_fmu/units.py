@@ -21,6 +21,22 @@ BASE_EXPONENTS: dict[str, dict[str, int]] = {
     "J": {"kg": 1, "m": 2, "s": -2},
     "W": {"kg": 1, "m": 2, "s": -3},
 }
+# Units that measure one thing here; those of gains, which measure many, have no name.
+QUANTITIES = {
+    "kg": "Mass",
+    "m": "Length",
+    "m/s": "Velocity",
+    "m/s2": "Acceleration",
+    "rad": "Angle",
+    "rad/s": "AngularVelocity",
+    "rad/s2": "AngularAcceleration",
+    "s": "Time",
+    "N": "Force",
+    "N.m": "Torque",
+    "N/m": "TranslationalStiffness",
+    "N.s/m": "TranslationalDamping",
+    "N.m.s/rad": "RotationalDamping",
+}
 _FACTOR = re.compile(r"([A-Za-z]+|1)(\d*)")
 
 

@@ -19,6 +19,9 @@ from fmus.tirt import Impedance, advance
 # equal links, sin(q2) = 4e-6.
 SINGULARITY = 1e-12
 
+EQUATIONS = ("fmus.controller", "fmus.impedance", "fmus.tirt", "fmus.arm", "fmus")
+"""Modules with the equations that every controller shares, for its documentation."""
+
 
 @dataclass(frozen=True)
 class Controller:

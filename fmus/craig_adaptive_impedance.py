@@ -11,10 +11,11 @@ the tip. The measured acceleration ddq is used in the adaptation only.
 
 import casadi as ca
 
-from adaptimp_fmu import SampledModel
+from adaptimp_fmu import SampledModel, present
+from fmus import icons
 from fmus.adaptation import declare_adaptation
 from fmus.algebra import solve_2x2, solve_spd
-from fmus.controller import declare_controller
+from fmus.controller import EQUATIONS, declare_controller
 from fmus.impedance import resolved_torque, target_acceleration
 from fmus.noise_rejection import declare_noise_rejection, declare_outputs
 
@@ -25,6 +26,9 @@ GAINS = (0.0, 5.0, 0.0, 0.0, 0.0, 0.0)  # assumed: m2 is the unknown payload's m
 def craig_adaptive_impedance() -> SampledModel:
     """Algorithm 1: impedance control with the adaptation of Craig, Hsu and Sastry."""
     controller = declare_controller("CraigAdaptiveImpedance", "Adaptive impedance control, algorithm 1 (after Craig)")
+    present(
+        controller.model, icons.adaptive_impedance(1), __name__, "fmus.noise_rejection", "fmus.adaptation", *EQUATIONS
+    )
     adaptation = declare_adaptation(controller, GAINS, GAIN_UNITS)
     measured, arm = controller.measured, controller.arm
     q, dq = measured.q, measured.dq

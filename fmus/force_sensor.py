@@ -15,12 +15,14 @@ import math
 
 import casadi as ca
 
-from adaptimp_fmu import NOT_NEGATIVE, SampledModel, Type
+from adaptimp_fmu import NOT_NEGATIVE, SampledModel, Type, present
+from fmus import icons
 
 
 def force_sensor() -> SampledModel:
     """Wrist force sensor; ideal by default."""
     model = SampledModel("ForceSensor", "Wrist force sensor with bounded noise")
+    present(model, icons.sensor(), __name__, "fmus")
     F_ext = model.input("F_ext", [0.0, 0.0], unit="N", description="Force of the tip on the wall")
     std = model.parameter(
         "noise_std",

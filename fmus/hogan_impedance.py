@@ -8,15 +8,17 @@ three; for more joints form (5), which leaves the null space undamped unless `nu
 The measured force is compensated and shaped; acceleration is not used.
 """
 
-from adaptimp_fmu import NOT_NEGATIVE, SampledModel
+from adaptimp_fmu import NOT_NEGATIVE, SampledModel, present
+from fmus import icons
 from fmus.arm import DIMENSION
-from fmus.controller import declare_controller
+from fmus.controller import EQUATIONS, declare_controller
 from fmus.impedance import null_space_damping, torque_mobility, torque_resolved
 
 
 def hogan_impedance(n: int = 2, name: str = "HoganImpedance") -> SampledModel:
     """Conventional impedance control of an arm with n joints; p_hat stays at p_start."""
     controller = declare_controller(name, "Conventional impedance control with fixed dynamic parameters", n)
+    present(controller.model, icons.impedance(n), __name__, *EQUATIONS)
     arm_model = controller.arm_model(controller.p_start)
     law = torque_resolved if n == DIMENSION else torque_mobility
     tau_cmd = law(controller.measured, arm_model, controller.virtual, controller.impedance)

@@ -8,8 +8,8 @@ across the corner of the contact force. Equations: `fmus.arm`, `fmus.contact`.
 
 import casadi as ca
 
-from adaptimp_fmu import NOT_NEGATIVE, POSITIVE, ContinuousModel
-from fmus import start
+from adaptimp_fmu import NOT_NEGATIVE, POSITIVE, ContinuousModel, present
+from fmus import icons, start
 from fmus.algebra import solve_spd
 from fmus.arm import PlanarArm
 from fmus.contact import Wall, require_unit_normal
@@ -18,6 +18,7 @@ from fmus.contact import Wall, require_unit_normal
 def plant(n: int = 2, name: str = "Plant") -> ContinuousModel:
     """An arm of n joints, by default the paper's, and the wall."""
     model = ContinuousModel(name, "Planar arm with point masses against a compliant wall")
+    present(model, icons.arm(n), __name__, "fmus.arm", "fmus.contact", "fmus")
     arm, begin = PlanarArm(n), start.ARMS[n]
     tau = model.input("tau", [0.0] * arm.n, unit="N.m", description="Joint torque")
     q_start = model.parameter("q_start", begin.q, unit="rad", description="Joint angle at the start")

@@ -12,10 +12,11 @@ at dq, not at dq_r.
 
 import casadi as ca
 
-from adaptimp_fmu import NOT_NEGATIVE, SampledModel
+from adaptimp_fmu import NOT_NEGATIVE, SampledModel, present
+from fmus import icons
 from fmus.adaptation import declare_adaptation
 from fmus.algebra import solve_2x2
-from fmus.controller import declare_controller
+from fmus.controller import EQUATIONS, declare_controller
 from fmus.impedance import target_acceleration
 
 GAIN_UNITS = ("kg.s2/m2", "N.m.s2/rad2", "N.m")  # p^2/(N.m) for m, viscous, coulomb
@@ -27,6 +28,7 @@ def slotine_li_adaptive_impedance() -> SampledModel:
     controller = declare_controller(
         "SlotineLiAdaptiveImpedance", "Adaptive impedance control, algorithm 2 (after Slotine and Li)"
     )
+    present(controller.model, icons.adaptive_impedance(2), __name__, "fmus.adaptation", *EQUATIONS)
     adaptation = declare_adaptation(controller, GAINS, GAIN_UNITS)
     model, measured, arm = controller.model, controller.measured, controller.arm
     K_d = model.parameter(

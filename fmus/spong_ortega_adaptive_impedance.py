@@ -16,10 +16,11 @@ while the adaptation uses ddq. H(p) + H(phi_hat) must stay positive definite: ch
 
 import casadi as ca
 
-from adaptimp_fmu import NOT_NEGATIVE, SampledModel
+from adaptimp_fmu import NOT_NEGATIVE, SampledModel, present
+from fmus import icons
 from fmus.adaptation import declare_adaptation
 from fmus.algebra import solve_2x2, solve_spd
-from fmus.controller import declare_controller
+from fmus.controller import EQUATIONS, declare_controller
 from fmus.craig_adaptive_impedance import GAIN_UNITS, GAINS
 from fmus.impedance import resolved_torque, target_acceleration
 from fmus.noise_rejection import declare_noise_rejection, declare_outputs
@@ -30,6 +31,15 @@ def spong_ortega_adaptive_impedance() -> SampledModel:
     controller = declare_controller(
         "SpongOrtegaAdaptiveImpedance",
         "Adaptive impedance control, algorithm 1 with one fixed inverse (after Spong and Ortega)",
+    )
+    present(
+        controller.model,
+        icons.adaptive_impedance(3),
+        __name__,
+        "fmus.craig_adaptive_impedance",
+        "fmus.noise_rejection",
+        "fmus.adaptation",
+        *EQUATIONS,
     )
     adaptation = declare_adaptation(controller, GAINS, GAIN_UNITS)
     model, measured, arm = controller.model, controller.measured, controller.arm

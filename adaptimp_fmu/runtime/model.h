@@ -41,7 +41,6 @@ static const unsigned char model_kinds[MODEL_N_VARIABLES];
 /* One sentence per check; a check fails when its value is not > 0. */
 static const char *const model_static_checks[AT_LEAST_ONE(MODEL_N_STATIC_CHECKS)];
 static const char *const model_checks[AT_LEAST_ONE(MODEL_N_CHECKS)];
-static const char *const model_events[AT_LEAST_ONE(MODEL_N_EVENTS)];
 static const char *const model_states[AT_LEAST_ONE(MODEL_N_STATES)];
 
 /* t: time, x: states, u: inputs, p: parameters, c: constants derived from p alone,

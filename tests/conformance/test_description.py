@@ -240,6 +240,19 @@ def test_05_units_are_declared_with_base_units(xml: etree._Element) -> None:
         assert unit.find("BaseUnit").attrib or name == "1"
 
 
+def test_05_types_are_declared_used_and_agree(xml: etree._Element) -> None:
+    declared = {simple.get("name"): simple[0] for simple in xml.findall("TypeDefinitions/SimpleType")}
+    used = {typed.get("declaredType") for _, typed in scalars(xml)} - {None}
+    assert used == set(declared)
+    assert used
+    assert not used & {variable.get("name") for variable, _ in scalars(xml)}
+    for variable, typed in scalars(xml):
+        if typed.get("declaredType"):
+            simple = declared[typed.get("declaredType")]
+            assert (simple.tag, simple.get("unit")) == (typed.tag, typed.get("unit")), variable.get("name")
+            assert simple.get("quantity")
+
+
 def test_05_limits_hold(xml: etree._Element) -> None:
     for variable, typed in scalars(xml):
         if typed.tag != "Boolean" and typed.get("start") is not None:

@@ -179,10 +179,6 @@ static const char *const model_checks[] = {
     "The arm is singular: q is stretched or folded, det(J J') / (sum of l)^4 must exceed 1e-12",
 };
 
-static const char *const model_events[] = {
-    0,
-};
-
 static const char *const model_states[] = {
     "x_t[1]",
     "x_t[2]",

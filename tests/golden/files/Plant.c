@@ -158,11 +158,6 @@ static const char *const model_checks[] = {
     0,
 };
 
-static const char *const model_events[] = {
-    "contact",
-    "pushing",
-};
-
 static const char *const model_states[] = {
     "q[1]",
     "q[2]",

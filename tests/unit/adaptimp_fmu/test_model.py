@@ -108,7 +108,7 @@ def test_events_do_not_need_inputs() -> None:
     x = model.state("x", ca.SX(1.0))
     model.derivative(x, -model.event("ground", x))
     model.output("y", x, description="Output")
-    assert [function.name() for function in lower(model).functions][-1] == "event_indicators"
+    assert "event_indicators" in [function.name() for function in lower(model).functions]
 
 
 def test_events_do_not_depend_on_modes() -> None:

@@ -1,0 +1,85 @@
+"""Reference trajectories of every unit alone, in the form of the FMI cross-check, in fmus/reference/.
+
+    python -m orchestration.paper.reference_data [--out DIR]
+
+For each unit: ``NAME_in.csv``, what is set at each communication point before the step from there;
+``NAME_ref.csv``, the outputs after initialization and at the end of each step; ``NAME_ref.opt``, times,
+step, and the tolerance. Another tool that agrees within ``RelTol`` of each column's largest absolute
+value imports the unit correctly. Tunable parameters are among the inputs, as fmpy accepts them. A unit
+without inputs has no ``NAME_in.csv``.
+"""
+
+import argparse
+from collections.abc import Mapping
+from pathlib import Path
+
+import fmpy
+import numpy as np
+from fmpy.util import read_csv
+
+import fmus
+from orchestration.paper.provide import built
+from orchestration.paper.stimuli import STIMULI, Stimulus
+
+FOLDER = Path(fmus.__file__).parent / "reference"
+DIGITS = 10
+REL_TOL = 1e-9  # ten digits are rounded by up to 5e-10; a last bit changed in all inputs moves outputs by 1e-12
+
+
+def write_reference(name: str, folder: Path) -> None:
+    """Write the three files of a unit into ``folder/NAME``, simulating it through fmpy."""
+    stimulus = STIMULI[name]
+    folder = folder / name
+    folder.mkdir(parents=True, exist_ok=True)
+    times = stimulus.times()
+    columns = stimulus.columns(times)
+    inputs = None
+    if columns:
+        path = folder / f"{name}_in.csv"
+        _write(path, {"time": times, **columns})
+        inputs = read_csv(path)  # as another tool sees them: rounded
+    result = _simulate(name, stimulus, inputs)
+    _write(folder / f"{name}_ref.csv", {column: result[column] for column in result.dtype.names or ()})
+    _write_options(folder / f"{name}_ref.opt", stimulus)
+
+
+def _simulate(name: str, stimulus: Stimulus, inputs: np.ndarray | None) -> np.ndarray:
+    """All outputs at the communication points."""
+    path = str(built(name))
+    variables = fmpy.read_model_description(path).modelVariables
+    return fmpy.simulate_fmu(
+        path,
+        start_time=0.0,
+        stop_time=stimulus.times()[-1],
+        step_size=stimulus.step,
+        output_interval=stimulus.step,
+        fmi_type="CoSimulation",
+        input=inputs,
+        output=[variable.name for variable in variables if variable.causality == "output"],
+    )
+
+
+def _write(path: Path, columns: Mapping[str, np.ndarray]) -> None:
+    with path.open("w", encoding="utf-8", newline="") as file:
+        file.write(",".join(f'"{name}"' for name in columns) + "\n")
+        for row in zip(*columns.values(), strict=True):
+            file.write(",".join(f"{float(value) + 0.0:.{DIGITS}g}" for value in row) + "\n")
+
+
+def _write_options(path: Path, stimulus: Stimulus) -> None:
+    options = {"StartTime": 0, "StopTime": stimulus.times()[-1], "StepSize": stimulus.step, "RelTol": REL_TOL}
+    text = "".join(f"{name},{value:.{DIGITS}g}\n" for name, value in options.items())
+    path.write_text(text, encoding="utf-8", newline="\n")
+
+
+def main() -> None:
+    """Write the reference data of every unit."""
+    parser = argparse.ArgumentParser(prog="reference_data", description=__doc__.partition("\n")[0] if __doc__ else "")
+    parser.add_argument("--out", type=Path, default=FOLDER)
+    out = parser.parse_args().out
+    for name in STIMULI:
+        write_reference(name, out)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,61 @@
+"""The FMU's sources, compiled by others: without a warning, and to a unit that behaves the same (checklist 7)."""
+
+import os
+import shutil
+import subprocess
+import sys
+import zipfile
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from adaptimp_fmu.toolchain import fmi_headers
+from tests.conformance.replay import assert_reproduces
+from tests.driver import Driver
+
+# MSVC has no arrays of variable length, and refuses what is no C11.
+STRICT = ("-std=c11", "-Wall", "-Wextra", "-Wpedantic", "-Wvla", "-Werror", "-O2", "-fPIC")
+# fmpy finds cmake by name: it may be the one installed beside this Python.
+PATH = os.pathsep.join([str(Path(sys.executable).parent), os.environ.get("PATH", "")])
+COMPILER = next((name for name in ("cc", "gcc", "clang") if shutil.which(name)), None)
+
+needs_compiler = pytest.mark.skipif(COMPILER is None, reason="no C compiler on this machine")
+needs_cmake = pytest.mark.skipif(
+    shutil.which("cmake", path=PATH) is None or not any(map(shutil.which, ("c++", "g++", "clang++"))),
+    reason="fmpy compile needs cmake, and its CMakeLists.txt a C++ compiler too",
+)
+
+
+@needs_compiler
+def test_07_sources_compile_without_a_warning(fmu: Path, tmp_path: Path) -> None:
+    with zipfile.ZipFile(fmu) as archive:
+        archive.extractall(tmp_path, [name for name in archive.namelist() if name.startswith("sources/")])
+    command = [str(COMPILER), *STRICT, "-I", str(fmi_headers()), "-c", "model.c", "-o", "model.o"]
+    run = subprocess.run(command, cwd=tmp_path / "sources", capture_output=True, text=True, check=False)
+    assert run.returncode == 0, run.stderr
+    assert run.stderr == ""
+
+
+def stripped(fmu: Path, folder: Path) -> Path:
+    """A copy of an FMU without its binaries."""
+    path = folder / fmu.name
+    with zipfile.ZipFile(fmu) as archive, zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as copy:
+        for name in archive.namelist():
+            if not name.startswith("binaries/"):
+                copy.writestr(name, archive.read(name))
+    return path
+
+
+@needs_compiler
+@needs_cmake
+@pytest.mark.parametrize("name", ["Plant", "ForceSensor", "SpongOrtegaAdaptiveImpedance"])
+def test_07_fmpy_rebuilds_a_stripped_fmu(
+    name: str, fmu_folder: Path, tmp_path: Path, open_fmu: Callable[..., Driver]
+) -> None:
+    """With other compiler and flags, the unit still reproduces its reference data."""
+    fmu = stripped(fmu_folder / f"{name}.fmu", tmp_path)
+    command = [sys.executable, "-m", "fmpy", "compile", str(fmu), "--all-warnings", "--warning-as-error"]
+    run = subprocess.run(command, env=os.environ | {"PATH": PATH}, capture_output=True, text=True, check=False)
+    assert run.returncode == 0, run.stdout + run.stderr
+    assert_reproduces(name, fmu, open_fmu)

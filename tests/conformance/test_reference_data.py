@@ -1,0 +1,102 @@
+"""fmus/reference: the committed trajectories are those of the FMUs, complete, small, and worth comparing with."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fmus.catalog import UNITS
+from orchestration.paper.reference_data import FOLDER, write_reference
+from orchestration.paper.stimuli import STIMULI
+from tests.conformance.binary import Binary
+from tests.conformance.replay import assert_reproduces, options, table
+from tests.driver import Driver
+
+LARGEST = 30_000  # bytes per unit
+
+
+def test_every_unit_has_a_reference() -> None:
+    assert set(STIMULI) == set(UNITS)
+    assert {path.name for path in FOLDER.iterdir() if path.is_dir()} == set(UNITS)
+
+
+def test_unit_reproduces_its_reference(unit: str, fmu: Path, open_fmu: Callable[..., Driver]) -> None:
+    assert_reproduces(unit, fmu, open_fmu)
+
+
+def test_files_are_complete_and_small(unit: str, binary: Binary) -> None:
+    folder = FOLDER / unit
+    inputs, outputs = binary.names("input"), binary.names("output")
+    expected = [f"{unit}_in.csv"] * bool(inputs) + [f"{unit}_ref.csv", f"{unit}_ref.opt"]
+    assert sorted(path.name for path in folder.iterdir()) == expected
+    assert sum(path.stat().st_size for path in folder.iterdir()) <= LARGEST
+    driven = (table(unit, "in").dtype.names or ())[1:]
+    assert set(inputs) <= set(driven)
+    assert set(driven) <= {*inputs, *binary.names("parameter", variability="tunable")}
+    assert list(table(unit, "ref").dtype.names or ()) == ["time", *outputs]
+
+
+def test_times_are_those_of_the_options(unit: str) -> None:
+    experiment = options(unit)
+    assert experiment["StartTime"] == 0
+    for suffix in ("in", "ref"):
+        time = table(unit, suffix)["time"]
+        # ten digits of a time of at most 2 s: 5e-10
+        np.testing.assert_allclose(time, experiment["StepSize"] * np.arange(time.size), rtol=0, atol=1e-9)
+        assert time[-1] == experiment["StopTime"]
+
+
+def test_generator_reproduces_the_files(unit: str, tmp_path: Path) -> None:
+    """Through fmpy's own loop; to the tolerance, since another platform's last digit may differ."""
+    write_reference(unit, tmp_path)
+    assert sorted(p.name for p in (tmp_path / unit).iterdir()) == sorted(p.name for p in (FOLDER / unit).iterdir())
+    assert options(unit, tmp_path) == options(unit)
+    for suffix in ("in", "ref"):
+        written, kept = table(unit, suffix, tmp_path), table(unit, suffix)
+        assert written.dtype.names == kept.dtype.names
+        for name in kept.dtype.names or ():
+            atol = options(unit)["RelTol"] * np.max(np.abs(kept[name]))
+            np.testing.assert_allclose(written[name], kept[name], rtol=0, atol=atol, err_msg=name)
+
+
+@pytest.mark.parametrize("unit", ["Plant", "Plant3R"])
+def test_the_plants_touch_the_wall_and_leave_it(unit: str) -> None:
+    touching = table(unit, "ref")["penetration"] > 0
+    assert touching.any()
+    assert not touching[0]
+    assert not touching[-1]
+
+
+@pytest.mark.parametrize("unit", ["Actuator", "Actuator3R"])
+def test_the_actuators_saturate_both_ways(unit: str) -> None:
+    reference, driven = table(unit, "ref"), table(unit, "in")
+    for name in (n for n in reference.dtype.names or () if n.startswith("tau")):
+        limit = driven[name.replace("tau", "tau_max")][0]
+        assert reference[name].max() == limit
+        assert reference[name].min() == -limit
+        assert 0 < reference[name.replace("tau", "saturated")].sum() < reference.size
+
+
+def test_the_sensor_is_noisy_in_contact_only() -> None:
+    """Row k + 1 shows the last tick of the step from row k, whose inputs it had."""
+    driven, reference = table("ForceSensor", "in")[:-1], table("ForceSensor", "ref")[1:]
+    error = np.hypot(*(reference[f"F_hat[{i}]"] - driven[f"F_ext[{i}]"] for i in (1, 2)))
+    noisy = (driven["noise_std"] > 0) & (driven["F_ext[1]"] != 0)
+    assert 10 < noisy.sum() < noisy.size
+    assert np.all(error[noisy] > 0)
+    assert np.all(error <= driven["noise_bound"] + 1e-6)  # ten digits of 800 N: 5e-8 N
+    assert np.all(error[~noisy] == 0)
+
+
+def test_the_trajectory_follows_its_straight_segment() -> None:
+    on_segment = table("VirtualTrajectory", "ref")["x_v[1]"] == -1.46
+    assert 3 < on_segment.sum() < on_segment.size
+
+
+@pytest.mark.parametrize("unit", [name for name in UNITS if "Adaptive" in name])
+def test_the_adaptive_controllers_adapt_and_reject_noise(unit: str) -> None:
+    reference = table(unit, "ref")
+    assert np.ptp(reference["p_hat[2]"]) > 1e-3
+    if "gamma" in (reference.dtype.names or ()):
+        assert 0 < np.count_nonzero(reference["gamma"]) < reference.size
