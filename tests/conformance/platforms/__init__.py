@@ -1,0 +1,1 @@
+"""One FMU on five platforms: built, read, and run where something runs it."""

@@ -1,0 +1,66 @@
+"""Fixtures: the FMUs for all platforms as ``adaptimp build`` leaves them, and what runs them here."""
+
+import os
+import subprocess
+import sys
+import zipfile
+from collections.abc import Callable, Iterator, Mapping
+from pathlib import Path
+
+import pytest
+
+from adaptimp_fmu import host_platform
+from adaptimp_fmu.toolchain import PLATFORMS
+from tests.conformance.platforms.machines import Machine, MachineUnavailableError, machine
+
+ROOT = Path(__file__).parents[3]
+FOREIGN = ("win64", "aarch64-linux")  # what Wine and qemu run
+COMMAND = "from orchestration.cli import main; main()"
+
+
+def build_all(folder: Path, environment: Mapping[str, str] | None = None) -> subprocess.CompletedProcess[str]:
+    """``adaptimp build --platform all --out FOLDER``, with changes to the environment."""
+    return subprocess.run(
+        [sys.executable, "-c", COMMAND, "build", "--platform", "all", "--out", str(folder)],
+        cwd=ROOT,
+        env=os.environ | (environment or {}),
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+
+
+@pytest.fixture(scope="session")
+def portable(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Folder with every unit's FMU for all platforms; a minute when nothing is in the caches."""
+    folder = tmp_path_factory.mktemp("portable")
+    run = build_all(folder)
+    assert run.returncode == 0, run.stderr
+    return folder
+
+
+@pytest.fixture(scope="session")
+def content(portable: Path) -> Callable[[str, str], bytes]:
+    """Reads a unit's shared library for a platform."""
+
+    def read(unit: str, platform: str) -> bytes:
+        with zipfile.ZipFile(portable / f"{unit}.fmu") as archive:
+            return archive.read(f"binaries/{platform}/{unit}{PLATFORMS[platform].extension}")
+
+    return read
+
+
+@pytest.fixture(scope="session")
+def native() -> Machine:
+    """The machine that the tests run on."""
+    return Machine(host_platform())
+
+
+@pytest.fixture(scope="session", params=FOREIGN)
+def foreign(request: pytest.FixtureRequest) -> Iterator[Machine]:
+    """Another platform's machine, of those that can be had here."""
+    try:
+        with machine(request.param) as found:
+            yield found
+    except MachineUnavailableError as error:
+        pytest.skip(f"{request.param}: {error}")

@@ -1,0 +1,83 @@
+"""One FMU for all platforms: what ``adaptimp build --platform all`` leaves, and that it leaves it again."""
+
+import zipfile
+from collections.abc import Callable
+from pathlib import Path, PurePosixPath
+
+import pytest
+
+from adaptimp_fmu import ToolchainError, build, host_platform
+from adaptimp_fmu.toolchain import PLATFORMS, compile_library
+from fmus.catalog import UNITS
+from tests.conformance.platforms.conftest import build_all
+
+SIZE_LIMIT = 150_000  # bytes; Linux has 25 to 58 kB, Windows up to 124 kB with the C runtime of MinGW
+# Bytes differ by what the linker adds, not by the equations: the smallest and the largest unit show it.
+COMPILED_AGAIN = ("VirtualTrajectory", "SpongOrtegaAdaptiveImpedance")
+
+
+def test_07_every_platform_is_in_every_fmu(portable: Path) -> None:
+    assert {path.name for path in portable.iterdir()} == {f"{unit}.fmu" for unit in UNITS}
+    for unit in UNITS:
+        with zipfile.ZipFile(portable / f"{unit}.fmu") as archive:
+            binaries = {name for name in archive.namelist() if name.startswith("binaries/")}
+        assert binaries == {f"binaries/{p.name}/{unit}{p.extension}" for p in PLATFORMS.values()}
+
+
+def test_07_description_and_sources_are_those_of_one_platform(portable: Path, fmu: Path) -> None:
+    """The GUID is that of the definition, whatever the platforms."""
+    with zipfile.ZipFile(portable / fmu.name) as all_of_them, zipfile.ZipFile(fmu) as one:
+        for name in one.namelist():
+            assert all_of_them.read(name) == one.read(name), name
+
+
+@pytest.mark.parametrize("platform", PLATFORMS)
+def test_07_binaries_are_small(content: Callable[[str, str], bytes], unit: str, platform: str) -> None:
+    assert len(content(unit, platform)) < SIZE_LIMIT
+
+
+def test_07_second_build_compiles_and_writes_nothing(
+    portable: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It succeeds although the compiler cannot work: its cache folders are files."""
+    broken = tmp_path / "file"
+    broken.touch()
+    without_compiler = {"ZIG_GLOBAL_CACHE_DIR": str(broken), "ZIG_LOCAL_CACHE_DIR": str(broken)}
+    before = {path.name: path.stat() for path in portable.iterdir()}
+    run = build_all(portable, without_compiler)
+    assert run.returncode == 0, run.stderr
+    after = {path.name: path.stat() for path in portable.iterdir()}
+    assert {n: (s.st_ino, s.st_mtime_ns) for n, s in after.items()} == {
+        n: (s.st_ino, s.st_mtime_ns) for n, s in before.items()
+    }
+    for name, value in without_compiler.items():
+        monkeypatch.setenv(name, value)
+    with pytest.raises(ToolchainError):  # else the above shows nothing
+        build(UNITS["ForceSensor"](), tmp_path, cache=tmp_path / "cache")
+
+
+@pytest.mark.parametrize("platform", [name for name in PLATFORMS if name != host_platform().name])
+@pytest.mark.parametrize("unit", COMPILED_AGAIN)
+def test_07_compiler_gives_the_same_bytes(
+    portable: Path,
+    content: Callable[[str, str], bytes],
+    unit: str,
+    platform: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The archive's sources, compiled elsewhere with empty caches, give the archive's binary.
+
+    This machine's platform is in ``tests/conformance/test_archive.py``, for every unit.
+    """
+    monkeypatch.setenv("ZIG_LOCAL_CACHE_DIR", str(tmp_path / "zig"))
+    sources = tmp_path / "sources"
+    sources.mkdir()
+    with zipfile.ZipFile(portable / f"{unit}.fmu") as archive:
+        for name in archive.namelist():
+            if name.startswith("sources/"):
+                (sources / PurePosixPath(name).name).write_bytes(archive.read(name))
+    output = tmp_path / f"{unit}{PLATFORMS[platform].extension}"
+    compile_library(sources / "model.c", output, PLATFORMS[platform])
+    assert any((tmp_path / "zig").rglob("*.o*")), "nothing was compiled"
+    assert output.read_bytes() == content(unit, platform)

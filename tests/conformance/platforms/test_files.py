@@ -1,0 +1,116 @@
+"""The shared libraries of other platforms, read from their headers: checklist 7 and 8 without running them."""
+
+import re
+import struct
+from collections.abc import Callable, Iterable
+from pathlib import Path
+
+import pytest
+
+from tests.conformance import elf
+from tests.conformance.binary import FUNCTIONS
+from tests.conformance.platforms import macho, pe
+
+Content = Callable[[str, str], bytes]
+AARCH64 = 183  # e_machine of ELF
+DARWIN = {"darwin64": macho.X86_64, "aarch64-darwin": macho.ARM64}
+# zig's linker lists the addresses of the library's own header, which others never look up.
+DARWIN_HEADER = {"__mh_dylib_header", "___dso_handle"}
+MATHEMATICS = {"cos", "exp", "log", "pow", "sin", "sincos", "tanh", "__sincos_stret"}
+MEMORY = {"calloc", "free", "malloc", "memcmp", "memcpy", "memmove", "memset", "bzero", "__bzero"}
+TEXT = {"strcmp", "strcpy", "strlen", "strncmp", "strncpy", "strspn", "vsnprintf"}
+# The C runtime of Windows 10 by its parts: of those that exist no files, network, processes or environment. The
+# last is for what MinGW's start-up prints when it fails.
+WINDOWS_RUNTIME = {f"api-ms-win-crt-{part}-l1-1-0.dll" for part in ("heap", "math", "runtime", "string", "stdio")}
+KERNEL = {
+    *(f"{action}CriticalSection" for action in ("Delete", "Enter", "Initialize", "Leave")),
+    *("GetLastError", "Sleep", "TlsGetValue", "VirtualProtect", "VirtualQuery"),
+}
+
+darwin = pytest.mark.parametrize("platform", DARWIN)
+
+
+def without_underscore(names: Iterable[str]) -> set[str]:
+    """C names of a Mac's symbols."""
+    return {name.removeprefix("_") for name in names}
+
+
+@darwin
+def test_08_darwin_is_a_library_for_macos_11(content: Content, unit: str, platform: str) -> None:
+    library = macho.read(content(unit, platform))
+    assert library.processor == DARWIN[platform]
+    assert library.kind == macho.DYLIB
+    assert (library.platform, library.minimum) == (macho.MACOS, (11, 0))
+
+
+@darwin
+def test_08_darwin_exports_the_34_functions(content: Content, unit: str, platform: str) -> None:
+    library = macho.read(content(unit, platform))
+    assert without_underscore(library.exported - DARWIN_HEADER) == set(FUNCTIONS)
+
+
+@darwin
+def test_08_darwin_needs_the_system_only(content: Content, unit: str, platform: str) -> None:
+    library = macho.read(content(unit, platform))
+    assert library.needed == ("/usr/lib/libSystem.B.dylib",)
+    assert library.install_name == f"@rpath/{unit}.dylib"
+    assert library.search_paths == ()
+    assert without_underscore(library.imported - {"dyld_stub_binder"}) <= MATHEMATICS | MEMORY | TEXT
+
+
+def test_08_apple_processors_find_it_signed(content: Content, unit: str) -> None:
+    """On ARM, macOS ends a process that maps a page without a matching signature, ad hoc at least."""
+    signature = macho.read(content(unit, "aarch64-darwin")).signature
+    assert signature == macho.Signature(f"{unit}.dylib", ad_hoc=True, pages_match=True)
+
+
+def test_08_a_changed_page_does_not_match_its_signature(content: Content) -> None:
+    data = bytearray(content("Plant", "aarch64-darwin"))
+    data[0x2000] ^= 1
+    signature = macho.read(bytes(data)).signature
+    assert signature is not None
+    assert not signature.pages_match
+
+
+def test_08_windows_exports_the_34_functions(content: Content, unit: str) -> None:
+    library = pe.read(content(unit, "win64"))
+    assert (library.processor, library.is_dll, library.name) == (pe.X86_64, True, f"{unit}.dll")
+    assert sorted(library.exported) == sorted(FUNCTIONS)
+
+
+def test_08_windows_needs_the_system_only(content: Content, unit: str) -> None:
+    imported = pe.read(content(unit, "win64")).imported
+    assert set(imported) <= WINDOWS_RUNTIME | {"kernel32.dll"}
+    assert set(imported["kernel32.dll"]) <= KERNEL
+
+
+def test_07_windows_has_no_date_and_no_path(content: Content, unit: str) -> None:
+    """The header's date is a hash, and no debug entry names a symbol file."""
+    assert pe.read(content(unit, "win64")).debug == (pe.REPRODUCIBLE,)
+
+
+def test_08_linux_on_arm_exports_the_34_functions(content: Content, unit: str, tmp_path: Path) -> None:
+    library = arm_library(content, unit, tmp_path)
+    assert library.exported == set(FUNCTIONS)
+
+
+def test_08_linux_on_arm_needs_libc_and_libm_of_glibc_2_17(content: Content, unit: str, tmp_path: Path) -> None:
+    library = arm_library(content, unit, tmp_path)
+    assert set(library.needed) <= {"libc.so.6", "libm.so.6"}
+    assert library.search_paths == ()
+    assert library.versions == {"GLIBC_2.17"}
+    assert library.imported <= MATHEMATICS | MEMORY | TEXT
+
+
+def arm_library(content: Content, unit: str, folder: Path) -> elf.Library:
+    """The dynamic section of aarch64-linux's library, once its processor is checked."""
+    file = folder / f"{unit}.so"
+    file.write_bytes(content(unit, "aarch64-linux"))
+    assert struct.unpack_from("<H", file.read_bytes(), 18) == (AARCH64,)
+    return elf.read(file)
+
+
+@pytest.mark.parametrize("platform", ["win64", "darwin64", "aarch64-linux", "aarch64-darwin"])
+def test_07_no_trace_of_where_it_was_built(content: Content, unit: str, platform: str) -> None:
+    data = content(unit, platform)
+    assert not re.findall(rb"/(?:tmp|home|root|work|var|private)/[\w./-]*|adaptimp-\w{8}|[A-Z]:\\\\?[\w.\\ -]+", data)
