@@ -31,9 +31,7 @@ def packages(fig2: System, tmp_path_factory: pytest.TempPathFactory) -> dict[str
     folder = tmp_path_factory.mktemp("packages")
     good = fig2.write(folder / "good.ssp")
     fewer = tuple(c for c in fig2.connections if (c.target, c.input) != ("sensor", "F_ext[2]"))
-    wrong = substitute(
-        r'startConnector="F_ext\[1\]" endElement="sensor"', 'startConnector="x[1]" endElement="sensor"'
-    )
+    wrong = substitute(r'startConnector="F_ext\[1\]" endElement="sensor"', 'startConnector="x[1]" endElement="sensor"')
     return {
         "good": good,
         "loose": replace(fig2, connections=fewer).write(folder / "loose.ssp"),

@@ -20,9 +20,7 @@ from tests.faults.cli import Command
 
 ADAPTIMP = Path(sysconfig.get_path("scripts")) / "adaptimp"
 HEAVY = ("numba", "casadi", "fmpy", "numpy", "scipy", "matplotlib", "lxml")
-COMMANDS = [
-    command.name or command.callback.__name__ for command in app.registered_commands if command.callback
-]
+COMMANDS = [command.name or command.callback.__name__ for command in app.registered_commands if command.callback]
 
 
 def test_run_writes_one_row_per_communication_point(adaptimp: Command, fig2: System, tmp_path: Path) -> None:
@@ -57,9 +55,7 @@ def test_options_do_what_the_library_does(adaptimp: Command, fig2: System, tmp_p
     assert table.shape == (501, 3)
 
 
-def test_a_package_runs_like_its_scenario(
-    adaptimp: Command, packages: dict[str, Path], tmp_path: Path
-) -> None:
+def test_a_package_runs_like_its_scenario(adaptimp: Command, packages: dict[str, Path], tmp_path: Path) -> None:
     for system in ("fig2", packages["good"]):
         assert adaptimp("run", system, "--stop", "0.05", "--out", f"{Path(system).stem}.csv").code == 0
     assert (tmp_path / "fig2.csv").read_bytes() == (tmp_path / "good.csv").read_bytes()
@@ -111,9 +107,7 @@ def test_help_imports_nothing_heavy(arguments: tuple[str, ...]) -> None:
 @pytest.mark.skipif(os.name == "nt", reason="Windows has no SIGINT for another process")
 def test_interrupt_leaves_no_file(tmp_path: Path) -> None:
     command = [ADAPTIMP, "run", "fig2", "--stop", "2000", "--record", "plant.x[1]", "--out", "long.csv"]
-    with subprocess.Popen(
-        command, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
-    ) as run:
+    with subprocess.Popen(command, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as run:
         assert run.stdout is not None
         assert run.stdout.readline().startswith("fig2: gauss-seidel")
         time.sleep(2.0)  # s; the run itself takes more than 8 s
@@ -125,7 +119,5 @@ def test_interrupt_leaves_no_file(tmp_path: Path) -> None:
 
 
 def test_installed_command_explains_itself(tmp_path: Path) -> None:
-    run = subprocess.run(
-        [ADAPTIMP, "run", "none.ssp"], cwd=tmp_path, capture_output=True, text=True, check=False
-    )
+    run = subprocess.run([ADAPTIMP, "run", "none.ssp"], cwd=tmp_path, capture_output=True, text=True, check=False)
     assert (run.returncode, run.stdout, run.stderr) == (2, "", "Error: none.ssp: there is no such package.\n")

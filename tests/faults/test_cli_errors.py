@@ -81,9 +81,7 @@ def test_bad_options(adaptimp: Command, tmp_path: Path, options: str) -> None:
         (("simulate",), r"No such command 'simulate'"),
     ],
 )
-def test_other_bad_requests(
-    adaptimp: Command, tmp_path: Path, arguments: tuple[str, ...], pattern: str
-) -> None:
+def test_other_bad_requests(adaptimp: Command, tmp_path: Path, arguments: tuple[str, ...], pattern: str) -> None:
     outcome = adaptimp(*arguments)
     assert re.match(pattern, outcome.sentence), outcome.sentence
     assert outcome.code == 2

@@ -144,9 +144,7 @@ def time_ecospy(ssp: Path, step: float, n_steps: int, *, record: bool = True) ->
         return perf_counter() - start
 
 
-def time_libcosim(
-    ssp: Path, step_ns: int, n_steps: int, *, record: bool = True, workers: int | None = 0
-) -> float:
+def time_libcosim(ssp: Path, step_ns: int, n_steps: int, *, record: bool = True, workers: int | None = 0) -> float:
     """Measure the wall time [s] of `n_steps` steps of libcosim, in one call after a first step.
 
     With `record`, libcosim stores the series of all Real and Integer outputs in memory (Booleans
@@ -282,9 +280,7 @@ def _record(execution: Any, chosen: Sequence[_Variable], n_steps: int) -> Any:
     return series
 
 
-def _step_reading_booleans(
-    execution: Any, step_ns: int, chosen: Sequence[_Variable], values: np.ndarray
-) -> None:
+def _step_reading_booleans(execution: Any, step_ns: int, chosen: Sequence[_Variable], values: np.ndarray) -> None:
     """Take one step per row of `values` and fill its Boolean columns."""
     from libcosimpy.CosimObserver import CosimObserver
 

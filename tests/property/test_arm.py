@@ -40,16 +40,12 @@ def test_two_joints_have_the_paper_s_closed_forms() -> None:
         np.sin(q1 + q2),
     )
     off_diagonal = m2 * l2**2 + m2 * l1 * l2 * c2
-    H = matrices(
-        ((m1 + m2) * l1**2 + m2 * l2**2 + 2 * m2 * l1 * l2 * c2, off_diagonal), (off_diagonal, m2 * l2**2)
-    )
+    H = matrices(((m1 + m2) * l1**2 + m2 * l2**2 + 2 * m2 * l1 * l2 * c2, off_diagonal), (off_diagonal, m2 * l2**2))
     C = (m2 * l1 * l2 * s2)[:, None, None] * matrices((-dq2, -(dq1 + dq2)), (dq1, 0 * dq1))
     gravity = np.array([(m1 + m2) * g * l1 * c1 + m2 * g * l2 * c12, m2 * g * l2 * c12])
     J = matrices((-l1 * s1 - l2 * s12, -l2 * s12), (l1 * c1 + l2 * c12, l2 * c12))
     w = dq1 + dq2
-    dJ = matrices(
-        (-l1 * c1 * dq1 - l2 * c12 * w, -l2 * c12 * w), (-l1 * s1 * dq1 - l2 * s12 * w, -l2 * s12 * w)
-    )
+    dJ = matrices((-l1 * c1 * dq1 - l2 * c12 * w, -l2 * c12 * w), (-l1 * s1 * dq1 - l2 * s12 * w, -l2 * s12 * w))
     close(
         evaluate(arm.forward_kinematics, s.q, s.l)[..., 0].T,
         np.array([l1 * c1 + l2 * c12, l1 * s1 + l2 * s12]),
@@ -129,9 +125,7 @@ def test_energy_of_a_swing_changes_by_the_power_of_the_torque() -> None:
     gravity, coulomb_velocity = ca.SX.sym("gravity"), ca.SX.sym("coulomb_velocity")
     m, viscous, coulomb = arm.split(p)
     angles = ca.cumsum(q)
-    ends = [
-        ca.vertcat(ca.dot(l[:i], ca.cos(angles[:i])), ca.dot(l[:i], ca.sin(angles[:i]))) for i in (1, 2, 3)
-    ]
+    ends = [ca.vertcat(ca.dot(l[:i], ca.cos(angles[:i])), ca.dot(l[:i], ca.sin(angles[:i]))) for i in (1, 2, 3)]
     energy = sum(m[i] * (0.5 * ca.sumsqr(ca.jtimes(ends[i], q, dq)) + gravity * ends[i][1]) for i in range(3))
     growth = ca.jtimes(energy, q, dq) + ca.jtimes(energy, dq, a)
     f = arm.friction_torque(dq, viscous, coulomb, coulomb_velocity)

@@ -27,9 +27,7 @@ frictions = st.sampled_from([0.0, 0.3, 1.2])
 class Tip:
     """A tip at a depth in a wall of any direction, with velocity (normal, along); everything in numbers."""
 
-    def __init__(
-        self, angle: float, depth: float, v: tuple[float, float], D_f: float = 0.0, mu: float = 0.0
-    ) -> None:
+    def __init__(self, angle: float, depth: float, v: tuple[float, float], D_f: float = 0.0, mu: float = 0.0) -> None:
         self.n = np.array([math.cos(angle), math.sin(angle)])
         self.t = np.array([-self.n[1], self.n[0]])
         self.x, self.dx, self.mu = (0.7 + depth) * self.n + 0.4 * self.t, v[0] * self.n + v[1] * self.t, mu
@@ -64,9 +62,7 @@ def test_without_damping_the_wall_is_the_paper_s_spring(angle: float, depth: flo
 
 @PROFILE
 @given(angles, depths, speeds, speeds, dampings, frictions)
-def test_the_wall_never_pulls(
-    angle: float, depth: float, v: float, slide: float, D_f: float, mu: float
-) -> None:
+def test_the_wall_never_pulls(angle: float, depth: float, v: float, slide: float, D_f: float, mu: float) -> None:
     tip = Tip(angle, depth, (v, slide), D_f, mu)
     assert tip.normal >= -tip.rounding
     if tip.gap <= 0 or tip.factor <= 0:

@@ -48,9 +48,7 @@ class Loop:
         terms are of the size of H J^-1 (demand - dJ dq), of the bias and of J' F. Seen: 0.15 of this.
         """
         norm, F = np.linalg.norm, self.task[0]
-        reach = norm(np.linalg.pinv(self.J), axis=(1, 2)) * (
-            norm(self.demand, axis=1) + norm(self.drift, axis=1)
-        )
+        reach = norm(np.linalg.pinv(self.J), axis=(1, 2)) * (norm(self.demand, axis=1) + norm(self.drift, axis=1))
         contact = norm(self.J, axis=(1, 2)) * norm(F, axis=0)
         terms = norm(self.H, axis=(1, 2)) * reach + norm(self.bias, axis=1) + contact
         return 2 * EPS * np.linalg.cond(self.J) ** 2 * np.linalg.cond(self.H) * terms
@@ -62,17 +60,11 @@ def functions(n: int) -> dict[str, ca.Function]:
     arm = PlanarArm(n)
     q, dq, p, l = (ca.SX.sym(name, k) for name, k in (("q", n), ("dq", n), ("p", 3 * n), ("l", n)))
     gravity, coulomb_velocity = ca.SX.sym("gravity"), ca.SX.sym("coulomb_velocity")
-    F, x_v, dx_v, ddx_v, M, B, K = task = [
-        ca.SX.sym(name, 2) for name in ("F", "x_v", "dx_v", "ddx_v", "M", "B", "K")
-    ]
+    F, x_v, dx_v, ddx_v, M, B, K = task = [ca.SX.sym(name, 2) for name in ("F", "x_v", "dx_v", "ddx_v", "M", "B", "K")]
     measured, model = Measured(q, dq, F), ArmModel(arm, p, l, gravity, coulomb_velocity)
     virtual, impedance = (x_v, dx_v, ddx_v), Impedance(M, B, K)
     x, dx = arm.forward_kinematics(q, l), ca.mtimes(arm.jacobian(q, l), dq)
-    laws = {
-        name: form(measured, model, virtual, impedance)
-        for name, form in FORMS.items()
-        if n == 2 or name == "(5)"
-    }
+    laws = {name: form(measured, model, virtual, impedance) for name, form in FORMS.items() if n == 2 or name == "(5)"}
     values = laws | {
         "demand": target_acceleration(x, dx, virtual, F, impedance),
         "bias": model.bias(q, dq),

@@ -49,9 +49,7 @@ def mass_columns(Y_body: np.ndarray, l: np.ndarray) -> np.ndarray:
 def theirs(n: int) -> dict[str, np.ndarray]:
     """All quantities at all states, each of shape (STATES, ...)."""
     s = random_arms(n, STATES, seed=1991)
-    rows: dict[str, list[np.ndarray]] = {
-        name: [] for name in ("x", "J", "dJ dq", "H", "C dq", "g", "Y", "tau")
-    }
+    rows: dict[str, list[np.ndarray]] = {name: [] for name in ("x", "J", "dJ dq", "H", "C dq", "g", "Y", "tau")}
     for k in range(STATES):
         q, dq, a, m, l = s.q[:, k], s.dq[:, k], s.a[:, k], s.m[:, k], s.l[:, k]
         model, tip = planar_arm(m, l, s.gravity[0, k])

@@ -30,9 +30,7 @@ def sample() -> ca.Function:
     return ca.Function("advance", [*symbols, h], [ca.horzcat(*result)])
 
 
-def step(
-    state: np.ndarray, virtual: np.ndarray, F: np.ndarray, impedance: tuple[float, ...], h: float
-) -> np.ndarray:
+def step(state: np.ndarray, virtual: np.ndarray, F: np.ndarray, impedance: tuple[float, ...], h: float) -> np.ndarray:
     """State of the TIRT after h; state and virtual hold position, rate (and acceleration) by row, shape (., 2)."""
     return np.array(sample()(*state, *virtual, F, *(np.full(2, value) for value in impedance), h)).T
 
@@ -57,13 +55,9 @@ def impedances() -> Iterator[tuple[str, float, float, float, float]]:
     yield from (("critical", 2.0, critical, 4000.0, h) for h in (1e-5, 1e-4, 1e-3, 0.05, 1.0))
     yield from (("paper", 2.0, 340.0, 4000.0, h) for h in (2e-5, 1e-4, 1e-2, 0.5))
     yield from (
-        ("underdamped", 2.0, ratio * critical, 4000.0, h)
-        for ratio in (0, 1e-3, 0.3, 0.9)
-        for h in (H, 0.02, 0.3)
+        ("underdamped", 2.0, ratio * critical, 4000.0, h) for ratio in (0, 1e-3, 0.3, 0.9) for h in (H, 0.02, 0.3)
     )
-    yield from (
-        ("overdamped", 2.0, ratio * critical, 4000.0, h) for ratio in (1.1, 3.0, 50.0) for h in (H, 0.02, 0.3)
-    )
+    yield from (("overdamped", 2.0, ratio * critical, 4000.0, h) for ratio in (1.1, 3.0, 50.0) for h in (H, 0.02, 0.3))
     # The last: exp(-a h) is 0 and cosh(r h) infinite, a h = 5000.
     stiff = ((0.1, 2e3, 1e6), (1e-3, 1e2, 1e5), (1e-2, 1e3, 10.0), (1e-4, 1e2, 1e5))
     yield from (("stiff", M, B, K, 1e-2) for M, B, K in stiff)
@@ -103,9 +97,7 @@ def straightened(t: float) -> np.ndarray:
     return virtual
 
 
-def run(
-    virtual: Virtual, forces: np.ndarray, impedance: tuple[float, ...], h: float, t0: float = 0.0
-) -> np.ndarray:
+def run(virtual: Virtual, forces: np.ndarray, impedance: tuple[float, ...], h: float, t0: float = 0.0) -> np.ndarray:
     """x_t at all samples from t0, starting on the virtual trajectory, shape (len(forces) + 1, 2)."""
     state = virtual(t0)[:2]
     positions = [state[0]]
@@ -140,9 +132,7 @@ def test_a_run_with_held_force_follows_equation_11_to_first_order_in_the_third_d
     impedance, errors = (2.0, B, 4000.0), []
     for h in (2e-3, 1e-3):
         forces = np.random.default_rng(5).normal(0, 200, (100, 2)).repeat(round(2e-3 / h), axis=0)
-        errors.append(
-            np.abs(run(ellipse, forces, impedance, h) - integrated(ellipse, forces, impedance, h)).max()
-        )
+        errors.append(np.abs(run(ellipse, forces, impedance, h) - integrated(ellipse, forces, impedance, h)).max())
     # Lightly damped, a suddenly applied lag overshoots, at most to twice the static value.
     static = 2.0 * ELLIPSE[0] * RATE**3 * 1e-3 / (2 * 4000.0)
     assert errors[1] <= 2 * static

@@ -38,9 +38,7 @@ def ellipse(shape: tuple[float, float, float] = (1.5, 1.0, 2.0)) -> np.ndarray:
     w = 2 * np.pi / shape[2]
     t = H * np.arange(SAMPLES)
     c, s = np.cos(w * t), np.sin(w * t)
-    return np.array([[c, s], [-w * s, w * c], [-w * w * c, -w * w * s]]).transpose(2, 0, 1) * np.array(
-        shape[:2]
-    )
+    return np.array([[c, s], [-w * s, w * c], [-w * w * c, -w * w * s]]).transpose(2, 0, 1) * np.array(shape[:2])
 
 
 def frame(wall: str) -> tuple[np.ndarray, np.ndarray, float]:
