@@ -1,14 +1,18 @@
-"""Actuator: holds the commanded torque within symmetric limits.
+"""Actuator: holds the commanded torque within symmetric limits, lags, and limits its rate.
 
-tau = min(max(tau_cmd, -tau_max), tau_max)
+    target = clip(tau_cmd, -tau_max, tau_max)
+    lagged = tau[k-1] + (1 - exp(-Ts / time_constant)) (target - tau[k-1])
+    tau[k] = tau[k-1] + clip(lagged - tau[k-1], -tau_rate_max Ts, tau_rate_max Ts)
+
+Lag and rate limit are off by default: tau is the target. The first tick starts at its target.
 """
 
 import casadi as ca
 
-from adaptimp_fmu import POSITIVE, SampledModel, Type, present
+from adaptimp_fmu import NOT_NEGATIVE, POSITIVE, SampledModel, Type, present
 from fmus import icons
 
-OFF = 1e9  # N.m, a limit that is none
+OFF = 1e9  # N.m or N.m/s, a limit that is none
 
 
 def actuator(n: int = 2, name: str = "Actuator") -> SampledModel:
@@ -24,16 +28,34 @@ def actuator(n: int = 2, name: str = "Actuator") -> SampledModel:
         tunable=True,
         description="Largest absolute joint torque; 1e9 = no limit",
     )
-    model.output(
-        "tau",
-        ca.fmin(ca.fmax(tau_cmd, -tau_max), tau_max),
-        unit="N.m",
-        description="Joint torque",
+    rate_max = model.parameter(
+        "tau_rate_max",
+        [OFF] * n,
+        unit="N.m/s",
+        limits=POSITIVE,
+        description="Largest absolute rate of the joint torque; 1e9 = no limit",
     )
+    time_constant = model.parameter(
+        "time_constant",
+        0.0,
+        unit="s",
+        limits=NOT_NEGATIVE,
+        description="Time constant of the first-order lag of the torque; 0 = no lag",
+    )
+    target = ca.fmin(ca.fmax(tau_cmd, -tau_max), tau_max)
+    previous = model.state("tau", target)
+    share = 1 - ca.exp(-model.period / time_constant)
+    lagged = ca.if_else(time_constant > 0, previous + share * (target - previous), target)
+    most = rate_max * model.period
+    limited = previous + ca.fmin(ca.fmax(lagged - previous, -most), most)
+    too_fast = ca.logic_and(rate_max < OFF, ca.fabs(lagged - previous) > most)
+    tau = ca.if_else(too_fast, limited, lagged)
+    model.update(previous, tau)
+    model.output("tau", tau, unit="N.m", description="Joint torque")
     model.output(
         "saturated",
-        ca.fabs(tau_cmd) > tau_max,
+        ca.logic_or(ca.fabs(tau_cmd) > tau_max, too_fast),
         type=Type.BOOLEAN,
-        description="Whether the commanded torque exceeds the limit",
+        description="Whether the command exceeds the torque or the rate limit",
     )
     return model

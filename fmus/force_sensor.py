@@ -8,15 +8,19 @@ delta of eq. (21)):
     error = r (cos 2 pi u1, sin 2 pi u1)
 
 with u0, u1 uniform in (0, 1), drawn anew at each tick from (seed, tick). With `contact_gated` the
-error is zero while no force acts.
+error is zero while no force acts. A bias, a range and a resolution follow, all off by default:
+
+    F_hat = resolution floor(clip(F_ext + bias + error, -range, range) / resolution + 1/2)
 """
 
 import math
 
 import casadi as ca
 
-from adaptimp_fmu import NOT_NEGATIVE, SampledModel, Type, present
+from adaptimp_fmu import NOT_NEGATIVE, POSITIVE, SampledModel, Type, present
 from fmus import icons
+
+OFF = 1e9  # N, a range that limits nothing
 
 
 def force_sensor() -> SampledModel:
@@ -57,9 +61,28 @@ def force_sensor() -> SampledModel:
         ca.if_else(std > 0, bound, 1),
         "noise_bound must be positive where noise_std is",
     )
+    bias = model.parameter("bias", [0.0, 0.0], unit="N", description="Constant error of each component")
+    resolution = model.parameter(
+        "resolution",
+        0.0,
+        unit="N",
+        limits=NOT_NEGATIVE,
+        description="Step to which each component is rounded; 0 = not rounded",
+    )
+    span = model.parameter(
+        "range",
+        OFF,
+        unit="N",
+        limits=POSITIVE,
+        description="Largest absolute component that is measured; 1e9 = no limit",
+    )
     noise = model.random(lambda u: truncated_normal(u[0], u[1], std, bound), active=std, seed="seed")
     free = ca.logic_and(gated, ca.logic_and(F_ext[0] == 0, F_ext[1] == 0))
-    model.output("F_hat", F_ext + ca.if_else(free, 0, noise), unit="N", description="Measured force")
+    force = F_ext + bias + ca.if_else(free, 0, noise)
+    within = ca.fmin(ca.fmax(force, -span), span)
+    steps = ca.floor(within / resolution + 0.5)
+    F_hat = ca.if_else(resolution > 0, steps * resolution, within)
+    model.output("F_hat", F_hat, unit="N", description="Measured force")
     return model
 
 

@@ -151,13 +151,21 @@ INTERFACES = {
             "noise_bound": Signal("N", 0.0),
             "contact_gated": Signal("", 1.0),
             "seed": Signal(""),
+            "bias": Signal("N", (0.0, 0.0)),
+            "resolution": Signal("N", 0.0),
+            "range": Signal("N", 1e9),
         },
         TUNABLE,
     ),
     "Actuator": Interface(
         {"tau_cmd": Signal("N.m", (0.0, 0.0))},
         {"tau": Signal("N.m", NONE2), "saturated": Signal("", NONE2)},
-        SAMPLE_TIME | {"tau_max": Signal("N.m", (1e9, 1e9))},
+        SAMPLE_TIME
+        | {
+            "tau_max": Signal("N.m", (1e9, 1e9)),
+            "tau_rate_max": Signal("N.m/s", (1e9, 1e9)),
+            "time_constant": Signal("s", 0.0),
+        },
         TUNABLE,
     ),
     "VirtualTrajectory": Interface(
@@ -192,7 +200,7 @@ _JOINT = {
 
 def _redundant(interface: Interface, **more: Signal) -> Interface:
     def widened(signals: dict[str, Signal]) -> dict[str, Signal]:
-        length = {"p_start": 9, "p_hat": 9, "tau_max": 3} | dict.fromkeys(_JOINT, 3)
+        length = {"p_start": 9, "p_hat": 9, "tau_max": 3, "tau_rate_max": 3} | dict.fromkeys(_JOINT, 3)
         return {
             name: Signal(signal.unit, (None,) * length[name]) if name in length else signal
             for name, signal in signals.items()

@@ -13,10 +13,11 @@ from fmu_manipulation_toolbox.checker import OperationGenericCheck, OperationSem
 from fmu_manipulation_toolbox.operations import FMU
 from lxml import etree
 
-from adaptimp_fmu import SampledModel
+from adaptimp_fmu import SampledModel, build
+from adaptimp_fmu.model import Limits
 from adaptimp_fmu.package import definition
 from fmus.catalog import UNITS
-from tests.conformance.binary import OK, Binary, Instance
+from tests.conformance.binary import ERROR, OK, Binary, Instance
 from tests.conformance.interface import INTERFACES, Signal
 from tests.conformance.scenes import scene
 
@@ -31,9 +32,33 @@ LEGAL = {
     ("output", "continuous"): {"exact", "approx", "calculated"},
 }
 
+# Powers of kg, m, s and rad, as the SI brochure has them.
+BASE_UNITS = {
+    "m/s2": (0, 1, -2, 0),
+    "rad/s": (0, 0, -1, 1),
+    "N": (1, 1, -2, 0),
+    "N.m": (1, 2, -2, 0),
+    "N/m": (1, 0, -2, 0),
+    "N.s/m": (1, 0, -1, 0),
+    "N.m.s/rad": (1, 2, -1, -1),
+    "s/m": (0, -1, 1, 0),
+}
+
 # Structural dependencies that cancel: motion that leaves the tip of point masses still has no
 # momentum about the last joint, where only the tip's mass hangs.
-CANCELLING = {"HoganImpedance3R": {("tau_cmd[3]", "null_damping")}}
+# The actuator's first tick starts at its target: lag and rate limit find nothing to do.
+CANCELLING = {
+    "HoganImpedance3R": {("tau_cmd[3]", "null_damping")},
+    **{
+        unit: {
+            (f"{output}[{i}]", known)
+            for i in range(1, n + 1)
+            for output in ("tau", "saturated")
+            for known in ("sample_time", "time_constant", f"tau_rate_max[{i}]")
+        }
+        for unit, n in (("Actuator", 2), ("Actuator3R", 3))
+    },
+}
 
 
 @pytest.fixture
@@ -124,6 +149,8 @@ def points(binary: Binary) -> list[dict[str, float]]:
     rng = np.random.default_rng(2005)
     defaults = binary.starts("input", "parameter")
     bases = [defaults, defaults | scene(binary)]
+    if "range" in defaults:  # a force beyond it
+        bases.append(bases[1] | {"range": 0.5})
     near = [{n: moved(binary, n, v, rng) for n, v in base.items()} for base in bases for _ in range(5)]
     return [*bases, defaults | scene(binary) | binary.starts("input"), *near]
 
@@ -238,6 +265,9 @@ def test_05_units_are_declared_with_base_units(xml: etree._Element) -> None:
     assert used == set(declared)
     for name, unit in declared.items():
         assert unit.find("BaseUnit").attrib or name == "1"
+        if name in BASE_UNITS:
+            powers = {base: str(power) for base, power in zip(("kg", "m", "s", "rad"), BASE_UNITS[name], strict=True)}
+            assert dict(unit.find("BaseUnit").attrib) == {base: power for base, power in powers.items() if power != "0"}
 
 
 def test_05_types_are_declared_used_and_agree(xml: etree._Element) -> None:
@@ -264,10 +294,26 @@ def test_05_limits_hold(xml: etree._Element) -> None:
     assert experiment["stepSize"] > 0
 
 
+def test_05_limits_are_declared_and_enforced(tmp_path: Path, create: Callable[..., Instance]) -> None:
+    """Both ends of a closed range, in the description and in the binary."""
+    model = SampledModel("Limited", "Has a parameter with limits")
+    model.output("y", model.parameter("p", 1.0, limits=Limits(-1.0, 2.5), description="In a range"), description="p")
+    binary = Binary(build(model, tmp_path, cache=tmp_path / "cache"), tmp_path / "unpacked")
+    assert (float(binary.variables["p"].min), float(binary.variables["p"].max)) == (-1.0, 2.5)
+    instance = create(binary)
+    assert [instance.set({"p": value}) for value in (-1.0, 2.5, np.nextafter(-1.0, -2), np.nextafter(2.5, 3))] == [
+        *(OK, OK),
+        *(ERROR, ERROR),
+    ]
+
+
 def test_06_capabilities_agree(xml: etree._Element, fmu: Path) -> None:
     element = xml.find("CoSimulation")
     identifier = element.get("modelIdentifier")
     assert element.get("canSerializeFMUstate") == element.get("canGetAndSetFMUstate") == "true"
+    assert element.get("canHandleVariableCommunicationStepSize") == "true"
+    assert element.get("canNotUseMemoryManagementFunctions") == "true", "the binary has its own malloc"
+    assert element.get("canBeInstantiatedOnlyOncePerProcess") == "false"
     assert re.fullmatch(r"[A-Za-z_][A-Za-z0-9_]*", identifier)
     with zipfile.ZipFile(fmu) as archive:
         entries = set(archive.namelist())
