@@ -30,9 +30,13 @@ static int is_settable(const Instance *instance, const ModelVariable *variable, 
              function, variable->name);
         return 0;
     }
-    if (!(isfinite(value) && value >= variable->min && value <= variable->max)) {
-        fail(instance, "%s: %s = %.17g is not finite or outside [%.17g, %.17g].", function, variable->name,
-             value, variable->min, variable->max);
+    if (!isfinite(value)) {
+        fail(instance, "%s: %s = %s is not finite.", function, variable->name, not_finite(value));
+        return 0;
+    }
+    if (!(value >= variable->min && value <= variable->max)) {
+        fail(instance, "%s: %s = %.17g is outside [%.17g, %.17g].", function, variable->name, value,
+             variable->min, variable->max);
         return 0;
     }
     return 1;

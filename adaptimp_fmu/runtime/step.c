@@ -11,7 +11,7 @@ static double time_tolerance(double t, double h) {
 
 static int step_valid(const Instance *instance, double t, double h) {
     const State *s = &instance->state;
-    if (!(h > 0 && isfinite(h) && isfinite(t))) {
+    if (!(h > 0 && isfinite(t + h))) {
         fail(instance, "fmi2DoStep: the step from t = %.17g s of h = %.17g s is not a positive finite "
                        "step.",
              t, h);

@@ -107,7 +107,10 @@ def test_help_imports_nothing_heavy(arguments: tuple[str, ...]) -> None:
 @pytest.mark.skipif(os.name == "nt", reason="Windows has no SIGINT for another process")
 def test_interrupt_leaves_no_file(tmp_path: Path) -> None:
     command = [ADAPTIMP, "run", "fig2", "--stop", "2000", "--record", "plant.x[1]", "--out", "long.csv"]
-    with subprocess.Popen(command, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as run:
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
+    # A shell starts what it puts into the background with SIGINT ignored, and children inherit that.
+    heed = {"preexec_fn": lambda: signal.signal(signal.SIGINT, signal.default_int_handler)}
+    with subprocess.Popen(command, cwd=tmp_path, **pipes, **heed) as run:
         assert run.stdout is not None
         assert run.stdout.readline().startswith("fig2: gauss-seidel")
         time.sleep(2.0)  # s; the run itself takes more than 8 s

@@ -31,7 +31,7 @@ BAD_SETTINGS = {
     "sensor.sample_time=1.5e-4": r"sensor: sample time 0\.00015 s is no multiple of the step 0\.0001 s; use ",
     "plant.q_start[2]=0": r'controller: fmi2ExitInitializationMode .* message: "The arm is singular: .*"\.',
     "plant.K_f=-1": r'plant: fmi2SetReal returned fmi2Error; .* message: ".*K_f = -1 is outside \[0, inf\]',
-    "plant.m[1]=inf": r"plant: fmi2SetReal returned fmi2Error; .*m\[1\] = inf is outside",
+    "plant.m[1]=inf": r"plant: fmi2SetReal returned fmi2Error; .*m\[1\] = inf is not finite",
     "trajectory.period=0": r"trajectory: fmi2SetReal returned fmi2Error; .*period = 0 is outside",
 }
 BAD_OPTIONS = {
