@@ -1,0 +1,1 @@
+"""The runtime under sanitizers, a fuzzer and valgrind; how much of it the tests execute."""
