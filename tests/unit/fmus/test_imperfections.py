@@ -43,7 +43,8 @@ def torques(actuator: Driver, commands: np.ndarray) -> tuple[np.ndarray, np.ndar
         actuator.set({"tau_cmd[1]": command})
         actuator.step(k * TS, TS)
         shown.append(actuator.get("tau[1]", "saturated[1]"))
-    return np.array(shown).T
+    table = np.array(shown)
+    return table[:, 0], table[:, 1]
 
 
 def test_lag_is_the_exact_response_to_held_commands(open_fmu: Open) -> None:
