@@ -4,10 +4,13 @@ import ctypes as ct
 import math
 import time
 from collections.abc import Callable
+from pathlib import Path
 
+import casadi as ca
 import numpy as np
 import pytest
 
+from adaptimp_fmu import SampledModel, build
 from fmus.catalog import UNITS
 from tests.conformance.binary import (
     ARGUMENTS,
@@ -139,6 +142,8 @@ def test_09_logging_can_be_switched(load: Load, create: Create) -> None:
     assert provoke(instance) == 0
     assert switch_logging(instance, 1, b"logStatusError") == OK
     assert provoke(instance) == 1
+    assert switch_logging(instance, 0, b"logStatusWarning") == OK
+    assert provoke(instance) == 1, "only the given category is off"
     assert switch_logging(instance, 0, b"logStatusError") == OK
     assert provoke(instance) == 0
 
@@ -150,6 +155,15 @@ def test_09_only_the_given_categories_are_logged(load: Load, create: Create) -> 
     assert provoke(instance) == 0
     assert switch_logging(instance, 1, b"logStatusWarning", b"logStatusError") == OK
     assert provoke(instance) == 1
+
+
+def test_09_known_categories_are_the_declared_ones(binary: Binary, create: Create) -> None:
+    instance = create(binary)
+    for category in binary.log_categories:
+        assert switch_logging(instance, 1, category.encode()) == OK
+    assert switch_logging(instance, 1) == OK
+    assert switch_logging(instance, 1, b"none") == ERROR
+    assert set(instance.last.rstrip(".").partition("known are ")[2].split(", ")) == binary.log_categories
 
 
 def test_09_unknown_categories_are_named(load: Load, create: Create) -> None:
@@ -250,6 +264,9 @@ def test_10_status_of_the_last_step(binary: Binary, create: Create) -> None:
     assert instance.call("fmi2GetRealStatus", 2, ct.byref(end)) == OK
     assert instance.call("fmi2GetBooleanStatus", 3, ct.byref(terminated)) == OK
     assert (status.value, end.value, terminated.value) == (OK, 0.5 + H, 0)
+    pending = ct.c_char_p(b"unset")
+    assert instance.call("fmi2GetStringStatus", 1, ct.byref(pending)) == OK
+    assert pending.value == b"", "a text, not NULL"
     assert instance.step(1e9) == ERROR
     assert instance.call("fmi2GetStatus", 0, ct.byref(status)) == OK
     assert instance.call("fmi2GetRealStatus", 2, ct.byref(end)) == OK
@@ -410,6 +427,31 @@ def test_11_a_refused_array_sets_nothing(load: Load, create: Create) -> None:
     assert_refused(instance, status, before, "m[1]")
 
 
+def test_11_a_demand_without_a_value_is_not_met(tmp_path: Path, create: Create) -> None:
+    """The root of a negative number is not positive: it is no number."""
+    model = SampledModel("Root", "Demands a root")
+    u = model.input("u", 1.0, description="Not negative")
+    model.require(ca.sqrt(u), "u has no root")
+    model.output("y", u, description="u")
+    instance = create(Binary(build(model, tmp_path, cache=tmp_path / "cache"), tmp_path / "unpacked")).initialize()
+    assert instance.set({"u": -1.0}) == OK
+    assert instance.step(H) == ERROR
+    assert "u has no root" in instance.last
+
+
+def test_11_divergence_is_reported_and_not_shown(load: Load, create: Create) -> None:
+    plant = create(load("Plant")).initialize()
+    assert plant.set({"tau[1]": 1e300}) == OK
+    assert plant.step(H) == ERROR
+    assert plant.last.startswith("State q[1] is nan")
+    controller = create(load("CraigAdaptiveImpedance")).initialize()
+    shown = controller.outputs()
+    assert controller.set({"x_v[1]": 1e308}) == OK
+    assert controller.step(H) == ERROR
+    assert controller.last.startswith("Output tau_cmd[1] is nan")
+    np.testing.assert_array_equal(controller.outputs(), shown)
+
+
 def controllers() -> list[str]:
     """Units that command a torque from joint angles."""
     return [name for name, declare in UNITS.items() if {"tau_cmd[1]", "q[2]"} <= {v.name for v in declare().variables}]
@@ -514,7 +556,10 @@ def test_12_tunable_acts_at_the_next_tick(load: Load, create: Create) -> None:
 
 
 def test_12_every_tunable_acts(binary: Binary, create: Create) -> None:
-    """Changed after initialization, each gives the outputs of an instance that started with it."""
+    """Changed after initialization, each gives the outputs of an instance that started with it.
+
+    Also when an input is set after it, and before the step.
+    """
     tunables = binary.names("parameter", variability="tunable")
     start = scene(binary)
     for name in tunables:
@@ -522,6 +567,7 @@ def test_12_every_tunable_acts(binary: Binary, create: Create) -> None:
         changed = create(binary, start=start).initialize()
         assert changed.set({name: value}) == OK
         assert changed.get(name)[0] == value
+        assert changed.set({n: changed.get(n)[0] for n in binary.names("input", type="Real")}) == OK
         fresh = create(binary, start=start | {name: value}).initialize()
         for instance in (changed, fresh):
             assert instance.step(2 * H) == OK, f"{name}: {instance.last}"

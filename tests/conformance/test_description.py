@@ -301,10 +301,8 @@ def test_05_limits_are_declared_and_enforced(tmp_path: Path, create: Callable[..
     binary = Binary(build(model, tmp_path, cache=tmp_path / "cache"), tmp_path / "unpacked")
     assert (float(binary.variables["p"].min), float(binary.variables["p"].max)) == (-1.0, 2.5)
     instance = create(binary)
-    assert [instance.set({"p": value}) for value in (-1.0, 2.5, np.nextafter(-1.0, -2), np.nextafter(2.5, 3))] == [
-        *(OK, OK),
-        *(ERROR, ERROR),
-    ]
+    assert [instance.set({"p": value}) for value in (-1.0, 2.5)] == [OK, OK]
+    assert [instance.set({"p": value}) for value in (np.nextafter(-1.0, -2), np.nextafter(2.5, 3))] == [ERROR, ERROR]
 
 
 def test_06_capabilities_agree(xml: etree._Element, fmu: Path) -> None:

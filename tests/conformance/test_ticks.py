@@ -16,6 +16,7 @@ import pytest
 
 from adaptimp_fmu import SampledModel, build
 from tests.conformance.binary import ERROR, OK, Binary, Instance
+from tests.conformance.scenes import scene
 
 TICKS = 1_000_000
 Clock = Callable[[np.ndarray, float], tuple[np.ndarray, np.ndarray]]
@@ -215,6 +216,18 @@ def test_ticks_are_at_whole_multiples_of_the_period(fmu: Binary, create: Create)
         assert instance.step(1e-4, t) == OK
         t += 1e-4
         assert instance.get("t")[0] == 0.1 + k * 1e-4
+
+
+def test_ticks_of_slow_states_are_every_nth(load: Callable[[str], Binary], create: Create) -> None:
+    """Updated at ticks 0, 3, 6, ..., shown one tick later."""
+    binary = load("CraigAdaptiveImpedance")
+    estimates = [name for name in binary.names("output") if name.startswith("p_hat")]
+    instance = create(binary, start=scene(binary) | {"update_divisor": 3}).initialize()
+    rows = [instance.get(*estimates)]
+    for _ in range(12):
+        assert instance.step(1e-4) == OK
+        rows.append(instance.get(*estimates))
+    assert np.flatnonzero(np.diff(rows, axis=0).any(axis=1)).tolist() == [1, 4, 7, 10]
 
 
 def test_ticks_too_many_for_one_step_are_an_error(fmu: Binary, create: Create) -> None:

@@ -1,0 +1,283 @@
+"""Planted faults, as data: what `tests.conformance.mutations` changes, and which tests ought to notice first.
+
+Every old text occurs exactly once in its file under ``adaptimp_fmu/``. None of the faults is equivalent:
+each changes what a host can see. Faults that do not compile, or that the exporter refuses, are not listed.
+"""
+
+from typing import NamedTuple
+
+DESCRIPTION, STATE, ORDER = "modelDescription", "state", "call order"
+
+
+class Group(NamedTuple):
+    """Faults in one file: their kind, the test modules to run first, and (old, new) by name."""
+
+    kind: str
+    file: str
+    first: tuple[str, ...]
+    faults: dict[str, tuple[str, str]]
+
+
+GROUPS = (
+    Group(
+        DESCRIPTION,
+        "description.py",
+        ("test_description", "test_calls"),
+        {
+            "value references are off by one": ("valueReference=str(reference)", "valueReference=str(reference + 1)"),
+            "tunables are fixed": ('return "tunable"', 'return "fixed"'),
+            "outputs are exact without a start": (
+                'element.set("initial", "calculated")',
+                'element.set("initial", "exact")',
+            ),
+            "descriptions are missing": ("description=variable.description", 'description=""'),
+            "units of gains are missing": ("if variable.unit:\n", "if variable.unit in QUANTITIES:\n"),
+            "minimum is not declared": (
+                '(("min", variable.minimum), ("max", variable.maximum))',
+                '(("max", variable.maximum),)',
+            ),
+            "maximum is not declared": (', ("max", variable.maximum))', ",)"),
+            "starts have six digits": ("    return repr(value)", '    return f"{value:.6g}"'),
+            "Booleans start as their opposite": (
+                'return "true" if value else "false"',
+                'return "false" if value else "true"',
+            ),
+            "canInterpolateInputs is the opposite": (
+                '"false" if isinstance(model, SampledModel) else "true"',
+                '"true" if isinstance(model, SampledModel) else "false"',
+            ),
+            "output derivatives are not declared": ('maxOutputDerivativeOrder="1"', 'maxOutputDerivativeOrder="0"'),
+            "only one instance is declared": ('OncePerProcess="false"', 'OncePerProcess="true"'),
+            "variable steps are not declared": ('StepSize="true"', 'StepSize="false"'),
+            "host's memory functions are declared": ('ManagementFunctions="true"', 'ManagementFunctions="false"'),
+            "structure is off by one": ("index=str(first + i + 1)", "index=str(first + i)"),
+            "initial unknowns depend as in a step": ("depends.initial)", "depends.in_step)"),
+            "a category is not declared": ('    "logAll": "All messages",\n', ""),
+        },
+    ),
+    Group(
+        DESCRIPTION,
+        "structure.py",
+        ("test_description",),
+        {
+            "inputs are counted without parameters": ("tuple(n_p + j for j in row)", "tuple(j for j in row)"),
+            "inputs do not reach outputs initially": ("ca.vertcat(p, u))", "p)"),
+            "modes do not depend on the indicators": ("event.mode, event.indicator)", "event.mode, ca.SX(0))"),
+            "noise does not depend on its seed": ("noise.active + noise_seed(model)", "noise.active"),
+            "held outputs depend on inputs": ("= [[] for _ in range(y.numel())]\n    else", "= _rows(y, u)\n    else"),
+        },
+    ),
+    Group(
+        DESCRIPTION,
+        "units.py",
+        ("test_description",),
+        {
+            "denominators are factors": ("power = sign * int", "power = int"),
+        },
+    ),
+    Group(
+        DESCRIPTION,
+        "package.py",
+        ("test_archive", "test_description"),
+        {
+            "XML and binary have different GUIDs": ("guid.encode())", "guid.upper().encode())"),
+            "GUID does not cover the sources": (
+                'f"\\0{name}\\0{text}".encode())\n    guid',
+                'f"\\0{name}".encode())\n    guid',
+            ),
+            "GUID does not cover the XML": ("hashlib.sha256(draft)", "hashlib.sha256()"),
+            "entries have the time of the build": (
+                "zipfile.ZipInfo(name, _EPOCH)",
+                "zipfile.ZipInfo(name, __import__('time').localtime()[:6])",
+            ),
+            "a source is missing": (
+                "for name, text in sources.items():",
+                "for name, text in list(sources.items())[:-1]:",
+            ),
+        },
+    ),
+    Group(
+        STATE,
+        "runtime/snapshot.c",
+        ("test_state", "test_derivatives"),
+        {
+            "a state forgets the tick's fraction": (
+                "snapshot->state = instance->state;",
+                "snapshot->state = instance->state;\n    snapshot->state.tick_fraction = 0;",
+            ),
+            "a state forgets what is prepared": (
+                "snapshot->state = instance->state;",
+                "snapshot->state = instance->state;\n"
+                "    memset(snapshot->state.shared, 0, sizeof snapshot->state.shared);",
+            ),
+            "a state does not restore the phase": (
+                "    instance->state = ((const Snapshot *)FMUstate)->state;",
+                "    const int32_t phase = instance->state.phase;\n"
+                "    instance->state = ((const Snapshot *)FMUstate)->state;\n"
+                "    instance->state.phase = phase;",
+            ),
+            "a state forgets input derivatives": (
+                "    instance->state = ((const Snapshot *)FMUstate)->state;",
+                "    instance->state = ((const Snapshot *)FMUstate)->state;\n"
+                "#if !MODEL_SAMPLED\n    instance->state.rates_given = 0;\n#endif",
+            ),
+            "a given state is not overwritten": ("*FMUstate ? (Snapshot *)*FMUstate : calloc", "calloc"),
+            "a freed state is not freed": ("    free(*FMUstate);\n", ""),
+            "refused bytes are not freed": ("        free(snapshot);\n", ""),
+            "the checksum does not cover the last bytes": ("i < sizeof *snapshot;", "i + 8 < sizeof *snapshot;"),
+            "the checksum is not compared": ("snapshot->checksum != checksum_of(snapshot)", "snapshot->checksum == 0"),
+            "states of other FMUs are taken": ("model_guid, GUID_LENGTH) != 0", "model_guid, 1) != 0"),
+            "a buffer may be a byte short": ("if (size < sizeof *snapshot)", "if (size + 1 < sizeof *snapshot)"),
+        },
+    ),
+    Group(
+        STATE,
+        "runtime/lifecycle.c",
+        ("test_state", "test_calls"),
+        {
+            "reset keeps a failed instance": (
+                "    start_afresh(&instance->state);\n    return fmi2OK",
+                "    if (instance->state.phase != FAILED) start_afresh(&instance->state);\n    return fmi2OK",
+            ),
+            "the name of an instance is not freed": ("    free(instance->name);\n", ""),
+        },
+    ),
+    Group(
+        STATE,
+        "runtime/sampled.c",
+        ("test_ticks", "test_state", "test_reference_data"),
+        {
+            "ticks are not rounded to": ("if (fabs(end - nearest) <= 1e-9 + 4", "if (fabs(end - nearest) <= 1e-14 + 4"),
+            "late clocks lose ticks": (" + 4 * DBL_EPSILON * fabs(t + h) / period)", " + 0 * DBL_EPSILON * t)"),
+            "a tick at the start runs twice": ("- ceil_of(s->tick_fraction))", "- floor_of(s->tick_fraction))"),
+            "the time of a tick is the step's": ("return s->start_time + (double)s->tick", "return s->time + 0.0"),
+            "slow states are one tick early": ("if (s->tick % (int64_t)s", "if ((s->tick + 1) % (int64_t)s"),
+            "a refused tick shows its outputs": (
+                "    if (!outputs_valid(instance, y, tick_time(s))) return 0;\n",
+                "    memcpy(outputs(s), y, MODEL_N_OUTPUTS * sizeof *y);\n"
+                "    if (!outputs_valid(instance, y, tick_time(s))) return 0;\n",
+            ),
+        },
+    ),
+    Group(
+        STATE,
+        "runtime/continuous.c",
+        ("test_derivatives", "test_state"),
+        {
+            "second input derivatives are doubled": ("0.5 * dt * s->input_rates[1][i]", "dt * s->input_rates[1][i]"),
+            "second input derivatives stay": (
+                "memset(s->input_rates, 0, sizeof s->input_rates);",
+                "memset(s->input_rates, 0, sizeof s->input_rates[0]);",
+            ),
+            "outputs feel the inputs at the start": (
+                "inputs_at(s, t, continued), sizeof s->end_inputs",
+                "inputs_at(s, s->step_start, continued), sizeof s->end_inputs",
+            ),
+            "output derivatives feel the rates at the start": (
+                "s->input_rates[0][i] + (t - s->step_start) * s->input_rates[1][i]",
+                "s->input_rates[0][i] + 0 * t",
+            ),
+            "a sub-step that diverges is left out": (
+                "if (!states_valid(instance, end, t + rest)) return 0;",
+                "if (!states_valid(instance, end, t + rest)) return 1;",
+            ),
+        },
+    ),
+    Group(
+        STATE,
+        "runtime/access.c",
+        ("test_calls",),
+        {
+            "setting an input hides a changed parameter": (
+                "constants_stale |= parameter_changed",
+                "constants_stale = parameter_changed",
+            ),
+            "outputs are not refreshed initially": ("    s->outputs_stale = 1;\n", "    (void)s;\n"),
+            "a refused array is stored in part": (
+                "parameter_changed |= vr[i] < MODEL_FIRST_INPUT;",
+                "parameter_changed |= vr[i] < MODEL_FIRST_INPUT, instance->state.values[vr[i]] = CONVERT(value[i]);",
+            ),
+        },
+    ),
+    Group(
+        ORDER,
+        "runtime/lifecycle.c",
+        ("test_calls",),
+        {
+            "get before initialization": ("ALLOWED_GET = INIT", "ALLOWED_GET = INSTANTIATED | INIT"),
+            "set after termination": ("ALLOWED_SET = INST", "ALLOWED_SET = TERMINATED | INST"),
+            "set up twice": ("ALLOWED_SETUP = INST", "ALLOWED_SETUP = INITIALIZATION | INST"),
+            "terminate changes nothing": ("    instance->state.phase = TERMINATED;\n", ""),
+            "initialize without an experiment": (
+                "if (!instance->state.experiment_defined)",
+                "if (instance->state.experiment_defined > 1)",
+            ),
+            "stop before start": ("stopTime >= startTime && isfinite(stopTime)", "isfinite(stopTime)"),
+            "any GUID": ("!fmuGUID || strcmp(fmuGUID, model_guid) != 0", "!fmuGUID || !*fmuGUID"),
+            "a category off is all off": ("instance->logged & ~mask;", "0;"),
+        },
+    ),
+    Group(
+        ORDER,
+        "runtime/step.c",
+        ("test_calls",),
+        {
+            "any communication point": ("if (!(fabs(t - s->time) <=", "if (!(0 * fabs(t - s->time) <="),
+            "clocks must be exact": ("return 1e-6 * h + 1e-9 * scale;", "return 1e-16 * h * scale;"),
+            "steps past the stop time": ("t + h > s->stop_time", "t > s->stop_time"),
+            "inputs that are not finite": ("if (!inputs_valid(instance) || !cal", "if (!cal"),
+            "a failed step leaves no error state": ("        instance->state.phase = FAILED;\n", ""),
+            "no text as pending status": ('*value = "";', "*value = NULL;"),
+        },
+    ),
+    Group(
+        ORDER,
+        "runtime/access.c",
+        ("test_calls",),
+        {
+            "values below the minimum": ("value >= variable->min && ", ""),
+            "values above the maximum": (" && value <= variable->max)", ")"),
+            "outputs can be set": ("MODEL_KIND(type, ROLE_INPUT);", "MODEL_KIND(type, ROLE_OUTPUT);"),
+            "a Real as Integer": ("model_kinds[vr[i]] >> 2 == (int)type", "model_kinds[vr[i]] >> 2 <= (int)type"),
+        },
+    ),
+    Group(
+        ORDER,
+        "runtime/derivatives.c",
+        ("test_derivatives", "test_calls"),
+        {
+            "input derivatives without orders": (
+                "    if (!arrays_present(instance, nvr, vr, value, name) ||\n"
+                "        !arrays_present(instance, nvr, vr, order, name))",
+                "    if (!arrays_present(instance, nvr, vr, value, name))",
+            ),
+            "output derivatives of order 2": ("if (order[i] != 1)", "if (order[i] < 1)"),
+            "parameters between steps": (
+                "(role != ROLE_INPUT && instance->state.phase != INITIALIZATION)",
+                "(role != ROLE_INPUT && instance->state.phase == FAILED)",
+            ),
+            "directions have length one": ("direction[vr[i]] += dv[i];", "direction[vr[i]] += 1.0 + 0 * dv[i];"),
+        },
+    ),
+    Group(
+        ORDER,
+        "runtime/log.c",
+        ("test_calls",),
+        {
+            "percent signs are not doubled": ("        if (*text == '%') escaped[n++] = '%';\n", ""),
+            "refusals are logged although off": ("if (logging) {", "if (logging >= 0) {"),
+        },
+    ),
+    Group(
+        ORDER,
+        "runtime/validate.c",
+        ("test_calls",),
+        {
+            "the first input is not looked at": (
+                "double sum = 0;\n    for (size_t i = 0;",
+                "double sum = 0;\n    for (size_t i = 1;",
+            ),
+            "a check that is NaN passes": ("if (!(checks[i] > 0))", "if (checks[i] <= 0)"),
+        },
+    ),
+)
