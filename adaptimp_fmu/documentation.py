@@ -21,7 +21,7 @@ from adaptimp_fmu.variables import Role, Type, Variable
 
 INDEX = "index.html"
 LICENSE = "licenses/license.txt"  # the place FMI 2.0.5, section 2.3, reserves for it
-_LIMITS = ("MAX_TICKS", "MAX_SUBSTEPS", "MAX_EVENTS_PER_SUBSTEP")
+_LIMITS = ("MAX_TICKS", "MAX_SUBSTEPS", "FIRST_EVENTS", "EVENTS_PER_SUBSTEP")
 
 
 @dataclass(frozen=True)

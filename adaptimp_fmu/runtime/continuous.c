@@ -15,7 +15,10 @@
 
 /* 1e7 sub-steps take seconds; more than that in one doStep is a mistake, not a step. */
 #define MAX_SUBSTEPS 1e7
-#define MAX_EVENTS_PER_SUBSTEP 64
+/* A doStep of n sub-steps may locate 64 + 2 n events: a contact that begins and ends in every
+ * sub-step is physics, more is chatter. */
+#define FIRST_EVENTS 64
+#define EVENTS_PER_SUBSTEP 2
 #define MAX_ITERATIONS 200
 
 /* The inputs at time t: held, or continued from the start of the step by their derivatives. */
@@ -107,51 +110,55 @@ static double locate_crossing(State *s, double t, double dt, int event, double *
 #endif
 
 #if MODEL_N_EVENTS
-/* The first event within the step, or -1; on return `step` and `end` stop at it, and `shared` is
- * prepared for `end`. */
-static int first_event(State *s, double t, double *step, double *end, double *shared) {
+/* The first event within the step, or -1; on return `step` and `end` stop at it, and what the state
+ * shares is prepared for `end`. */
+static int first_event(State *s, double t, double *step, double *end) {
     int first = -1;
+    model_prepare(end, parameters(s), s->constants, s->shared);
     for (int tries = 0; tries <= MODEL_N_EVENTS; ++tries) {
-        model_prepare(end, parameters(s), s->constants, shared);
-        int event = crossed_event(s, t + *step, end, shared, first);
+        const int event = crossed_event(s, t + *step, end, s->shared, first);
         if (event < 0) break;
+        model_prepare(s->states, parameters(s), s->constants, s->shared);
         *step = locate_crossing(s, t, *step, event, end);
+        model_prepare(end, parameters(s), s->constants, s->shared);
         first = event;
     }
     return first;
 }
 #endif
 
-static int substep(Instance *instance, double t, double dt) {
+/* One sub-step; each event takes one of `events_left`. */
+static int substep(Instance *instance, double t, double dt, int64_t *events_left) {
     State *s = &instance->state;
-    double end[AT_LEAST_ONE(MODEL_N_STATES)], shared[AT_LEAST_ONE(MODEL_N_SHARED)] = {0};
+    double end[AT_LEAST_ONE(MODEL_N_STATES)];
+#if MODEL_N_EVENTS
     double rest = dt;
-    for (int events = 0; events <= MAX_EVENTS_PER_SUBSTEP; ++events) {
+    for (;;) {
+        double step = rest;
         runge_kutta_4(s, t, rest, end);
         if (!states_valid(instance, end, t + rest)) return 0;
-#if MODEL_N_EVENTS
-        double step = rest;
-        const int event = first_event(s, t, &step, end, shared);
+        const int event = first_event(s, t, &step, end);
         memcpy(s->states, end, sizeof end);
-        memcpy(s->shared, shared, sizeof shared);
         if (event < 0) return 1;
         s->modes[event] = !(s->modes[event] > 0);
         t += step;
         rest -= step;
         if (!(rest > 0)) return 1;
-#else
-        model_prepare(end, parameters(s), s->constants, shared);
-        memcpy(s->states, end, sizeof end);
-        memcpy(s->shared, shared, sizeof shared);
-        return 1;
-#endif
+        if (--*events_left < 0) {
+            fail(instance, "Too many events, the last at t = %.17g s: the model chatters; a smaller "
+                           "dt_max may separate them.",
+                 t);
+            return 0;
+        }
     }
-#if MODEL_N_EVENTS
-    fail(instance, "More than %d events between t = %.17g s and %.17g s: the model chatters; "
-                   "a smaller dt_max may separate them.",
-         MAX_EVENTS_PER_SUBSTEP, t, t + rest);
+#else
+    (void)events_left;
+    runge_kutta_4(s, t, dt, end);
+    if (!states_valid(instance, end, t + dt)) return 0;
+    model_prepare(end, parameters(s), s->constants, s->shared);
+    memcpy(s->states, end, sizeof end);
+    return 1;
 #endif
-    return 0;
 }
 
 static void initialize_states(State *s) {
@@ -201,10 +208,15 @@ static int advance(Instance *instance, double t, double h) {
         return 0;
     }
     const int64_t n = ratio > 1 ? (int64_t)ratio + ((double)(int64_t)ratio < ratio) : 1;
-    const double dt = h / (double)n;
+    int64_t events_left = FIRST_EVENTS + EVENTS_PER_SUBSTEP * n;
     s->step_start = t;
-    for (int64_t i = 0; i < n; ++i)
-        if (!substep(instance, t + (double)i * dt, dt)) return 0;
+    if (n > 1) {
+        const double dt = h / (double)n;
+        for (int64_t i = 0; i < n; ++i)
+            if (!substep(instance, t + (double)i * dt, dt, &events_left)) return 0;
+    } else if (!substep(instance, t, h, &events_left)) {   /* not waiting for a division */
+        return 0;
+    }
     end_inputs(s, t + h);
     show_outputs(s, t + h, checks);
     return checks_pass(instance, checks, MODEL_N_CHECKS, model_checks) &&

@@ -1,13 +1,19 @@
 /* What a model demands of its numbers, and the sentence that says which one is at fault. */
 #include <math.h>
+#include <string.h>
 
 #include "instance.h"
 
-/* 1 if every number is finite: NaN and Inf times zero are NaN, and NaN propagates. */
+/* 1 if every number is finite. The exponent of NaN and Inf is all ones, so adding one to it carries
+ * into the sign; without a chain of sums, this takes half a nanosecond per number. */
 static int all_finite(const double *values, size_t n) {
-    double sum = 0;
-    for (size_t i = 0; i < n; ++i) sum += values[i] * 0.0;
-    return sum == 0;
+    const uint64_t exponent = UINT64_C(0x7ff) << 52, one = UINT64_C(1) << 52;
+    uint64_t carried = 0, bits;
+    for (size_t i = 0; i < n; ++i) {
+        memcpy(&bits, &values[i], sizeof bits);
+        carried |= (bits & exponent) + one;
+    }
+    return carried >> 63 == 0;
 }
 
 static size_t first_not_finite(const double *values, size_t n) {
