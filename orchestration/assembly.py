@@ -9,7 +9,7 @@ from orchestration import loop
 from orchestration.errors import SystemDescriptionError
 from orchestration.fmu import BOOLEAN, INTEGER, REAL, STRING, Instance
 from orchestration.loop import Plan
-from orchestration.system import Component, System
+from orchestration.system import Component, Connection, System
 
 Path = tuple[str, str]  # component, variable
 
@@ -33,6 +33,8 @@ class Assembly:
         Recorded variables as ``component.variable``.
     real_outputs
         Place of each fetched Real output among the plan's reals, by ``component.variable``.
+    real_connections, discrete_connections
+        The connection of each link.
     alive
         Arrays of value references; the plan has only their addresses.
     """
@@ -41,6 +43,8 @@ class Assembly:
     columns: tuple[str, ...]
     units: dict[str, str]
     real_outputs: dict[str, int]
+    real_connections: tuple[Connection, ...]
+    discrete_connections: tuple[Connection, ...]
     alive: tuple[np.ndarray, ...]
 
     def record(self, row: np.ndarray) -> None:
@@ -76,8 +80,15 @@ class _Call:
     first: int
 
 
-def assemble(system: System, instances: Sequence[Instance], record: Collection[str] | None) -> Assembly:
+def assemble(
+    system: System,
+    instances: Sequence[Instance],
+    record: Collection[str] | None,
+    fetched: Collection[str] = (),
+) -> Assembly:
     """Lay out buffers and addresses for a run; instances are in the order of the components.
+
+    Outputs in `fetched` are fetched even if they are neither recorded nor connected.
 
     Raises
     ------
@@ -87,14 +98,17 @@ def assemble(system: System, instances: Sequence[Instance], record: Collection[s
     recorded = _recorded_paths(system, record)
     sources = {(c.target, c.input): (c.source, c.output) for c in system.connections}
     buffers = _Buffers()
-    calls = _calls(system, {"output": {*recorded, *sources.values()}, "input": set(sources)}, buffers)
+    wanted = {*recorded, *sources.values(), *(_path(system, name) for name in fetched)}
+    calls = _calls(system, {"output": wanted, "input": set(sources)}, buffers)
     reals, discretes = np.zeros(len(buffers.reals)), np.zeros(len(buffers.discretes), np.int32)
     table, references = _table(instances, calls, reals, discretes)
     columns = {path: column for column, path in enumerate(recorded)}
+    real_links, real_connections = _links(system, buffers.reals, sources, table, loop.FIRST_REAL)
+    discrete_links, discrete_connections = _links(system, buffers.discretes, sources, table, loop.FIRST_DISCRETE)
     plan = Plan(
         table,
-        _links(system, buffers.reals, sources, table, loop.FIRST_REAL),
-        _links(system, buffers.discretes, sources, table, loop.FIRST_DISCRETE),
+        real_links,
+        discrete_links,
         reals,
         discretes,
         _recorded(columns, buffers.reals),
@@ -105,6 +119,8 @@ def assemble(system: System, instances: Sequence[Instance], record: Collection[s
         columns=tuple(f"{c}.{v}" for c, v in recorded),
         units={f"{c}.{v}": system.component(c).variable(v).unit for c, v in recorded},
         real_outputs={f"{c}.{v}": i for (kind, c, v), i in buffers.reals.items() if kind == "output"},
+        real_connections=real_connections,
+        discrete_connections=discrete_connections,
         alive=tuple(references),
     )
 
@@ -164,6 +180,11 @@ def _recorded_paths(system: System, record: Collection[str] | None) -> list[Path
     return paths
 
 
+def _path(system: System, name: str) -> Path:
+    component, variable = system.resolve(name)
+    return component.name, variable.name
+
+
 def _names(component: Component, causality: str, kind: str, wanted: Collection[Path]) -> list[str]:
     """A component's variables that are set or fetched by one call."""
     return [
@@ -179,16 +200,22 @@ def _links(
     sources: dict[Path, Path],
     table: np.ndarray,
     column: int,
-) -> np.ndarray:
-    """(source, target) indices by component; writes each component's range into the table."""
+) -> tuple[np.ndarray, tuple[Connection, ...]]:
+    """(source, target) indices by component, and what they connect.
+
+    Writes each component's range into the table.
+    """
     links: list[tuple[int, int]] = []
+    connections = []
     for i, component in enumerate(system.components):
         table[i, column] = len(links)
         for (causality, name, variable), place in places.items():
             if causality == "input" and name == component.name:
-                links.append((places["output", *sources[name, variable]], place))
+                source = sources[name, variable]
+                links.append((places["output", *source], place))
+                connections.append(Connection(*source, name, variable))
         table[i, column + 1] = len(links)
-    return np.array(links, np.uint64).reshape(-1, 2)
+    return np.array(links, np.uint64).reshape(-1, 2), tuple(connections)
 
 
 def _recorded(columns: dict[Path, int], places: dict[Key, int]) -> np.ndarray:

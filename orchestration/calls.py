@@ -14,6 +14,14 @@ from numba.extending import intrinsic, overload
 
 _TRANSFER = ctypes.CFUNCTYPE(ctypes.c_int32, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_size_t, ctypes.c_void_p)
 _DO_STEP = ctypes.CFUNCTYPE(ctypes.c_int32, ctypes.c_void_p, ctypes.c_double, ctypes.c_double, ctypes.c_int32)
+_STATE = ctypes.CFUNCTYPE(ctypes.c_int32, ctypes.c_void_p, ctypes.c_void_p)
+_RATES = ctypes.CFUNCTYPE(
+    ctypes.c_int32, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_size_t, ctypes.c_void_p, ctypes.c_void_p
+)
+_DIRECTION = ctypes.CFUNCTYPE(
+    *(ctypes.c_int32, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_size_t),
+    *(ctypes.c_void_p, ctypes.c_size_t, ctypes.c_void_p, ctypes.c_void_p),
+)
 _I8P, _I32, _I64, _F64 = ir.IntType(8).as_pointer(), ir.IntType(32), ir.IntType(64), ir.DoubleType()
 
 
@@ -35,6 +43,42 @@ def call_do_step(function: int, component: int, t: float, h: float) -> int:
     noSetFMUStatePriorToCurrentPoint is true: fixed-step algorithms never go back.
     """
     return _DO_STEP(int(function))(int(component), t, h, 1)
+
+
+def call_state(function: int, component: int, state: int) -> int:
+    """Call fmi2GetFMUstate with the address of a state, or fmi2SetFMUstate with a state.
+
+    Returns
+    -------
+    int
+        The fmi2Status.
+    """
+    return _STATE(int(function))(int(component), int(state))
+
+
+def call_rates(function: int, component: int, references: int, n: int, orders: int, values: int) -> int:
+    """Call fmi2SetRealInputDerivatives; all arguments but `n` are addresses; returns the fmi2Status."""
+    return _RATES(int(function))(int(component), int(references), int(n), int(orders), int(values))
+
+
+def call_direction(function: int, component: int, unknowns: int, n: int, known: int, seed: int, values: int) -> int:
+    """Call fmi2GetDirectionalDerivative for one known variable.
+
+    Parameters
+    ----------
+    unknowns, n
+        Address of the references of the outputs, and their number.
+    known, seed
+        Addresses of the input's reference and of its differential.
+    values
+        Address of the outputs' differentials.
+
+    Returns
+    -------
+    int
+        The fmi2Status.
+    """
+    return _DIRECTION(int(function))(int(component), int(unknowns), int(n), int(known), 1, int(seed), int(values))
 
 
 @intrinsic
@@ -65,6 +109,49 @@ def _do_step(typing: Any, function: Any, component: Any, t: Any, h: Any) -> Any:
     return signature, generate
 
 
+@intrinsic
+def _state(typing: Any, function: Any, component: Any, state: Any) -> Any:
+    signature = types.int32(types.int64, types.int64, types.int64)
+    kind = ir.FunctionType(_I32, [_I8P, _I8P])
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        address, component, state = arguments
+        callee = builder.inttoptr(address, kind.as_pointer())
+        return builder.call(callee, [builder.inttoptr(component, _I8P), builder.inttoptr(state, _I8P)])
+
+    return signature, generate
+
+
+@intrinsic
+def _rates(typing: Any, function: Any, component: Any, references: Any, n: Any, orders: Any, values: Any) -> Any:
+    signature = types.int32(*[types.int64] * 6)
+    kind = ir.FunctionType(_I32, [_I8P, _I8P, _I64, _I8P, _I8P])
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        address, component, references, n, orders, values = arguments
+        callee = builder.inttoptr(address, kind.as_pointer())
+        pointers = [builder.inttoptr(a, _I8P) for a in (component, references, orders, values)]
+        return builder.call(callee, [*pointers[:2], n, *pointers[2:]])
+
+    return signature, generate
+
+
+@intrinsic
+def _direction(
+    typing: Any, function: Any, component: Any, unknowns: Any, n: Any, known: Any, seed: Any, values: Any
+) -> Any:
+    signature = types.int32(*[types.int64] * 7)
+    kind = ir.FunctionType(_I32, [_I8P, _I8P, _I64, _I8P, _I64, _I8P, _I8P])
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        address, component, unknowns, n, known, seed, values = arguments
+        callee = builder.inttoptr(address, kind.as_pointer())
+        pointers = [builder.inttoptr(a, _I8P) for a in (component, unknowns, known, seed, values)]
+        return builder.call(callee, [*pointers[:2], n, pointers[2], ir.Constant(_I64, 1), *pointers[3:]])
+
+    return signature, generate
+
+
 # numba compares the signatures of overload and implementation, annotations included: both have none.
 @overload(call_transfer)
 def _compile_transfer(function, component, references, n, values):
@@ -74,3 +161,22 @@ def _compile_transfer(function, component, references, n, values):
 @overload(call_do_step)
 def _compile_do_step(function, component, t, h):
     return lambda function, component, t, h: _do_step(function, component, t, h)
+
+
+@overload(call_state)
+def _compile_state(function, component, state):
+    return lambda function, component, state: _state(function, component, state)
+
+
+@overload(call_rates)
+def _compile_rates(function, component, references, n, orders, values):
+    return lambda function, component, references, n, orders, values: _rates(
+        function, component, references, n, orders, values
+    )
+
+
+@overload(call_direction)
+def _compile_direction(function, component, unknowns, n, known, seed, values):
+    return lambda function, component, unknowns, n, known, seed, values: _direction(
+        function, component, unknowns, n, known, seed, values
+    )

@@ -36,3 +36,17 @@ class SimulationError(OrchestrationError):
 
 class InitializationError(SimulationError):
     """A component refused its start values, or failed otherwise before the first step."""
+
+
+class RunInterrupted(KeyboardInterrupt):
+    """A run was interrupted.
+
+    Attributes
+    ----------
+    result
+        All rows that are complete.
+    """
+
+    def __init__(self, result: Result) -> None:
+        super().__init__("The run was interrupted.")
+        self.result = result

@@ -6,7 +6,7 @@ import platform
 import re
 import sys
 import threading
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from contextlib import chdir
 from dataclasses import dataclass, field
 from functools import cache, lru_cache
@@ -22,6 +22,9 @@ STATUS_NAMES = ("fmi2OK", "fmi2Warning", "fmi2Discard", "fmi2Error", "fmi2Fatal"
 SAMPLE_TIME = "sample_time"
 WORST_ACCEPTED = 1  # fmi2Warning
 KEPT_MESSAGES = 5
+SAVES_STATE, SERIALIZES_STATE = "canGetAndSetFMUstate", "canSerializeFMUstate"
+INTERPOLATES, DIFFERENTIATES = "canInterpolateInputs", "providesDirectionalDerivative"
+_CAPABILITIES = (SAVES_STATE, SERIALIZES_STATE, INTERPOLATES, DIFFERENTIATES)
 _LOADING = threading.Lock()  # fmpy changes the working directory while it loads a library
 _IDENTIFIER = re.compile(r"[A-Za-z_]\w*", re.ASCII)
 
@@ -43,7 +46,13 @@ class UnitDefinition:
 
 @dataclass(frozen=True)
 class Variable:
-    """A scalar variable of an FMU; `unit` is empty where none is declared."""
+    """A scalar variable of an FMU; `unit` is empty where none is declared.
+
+    Attributes
+    ----------
+    direct
+        Whether an output declares that it depends on an input at the same instant.
+    """
 
     name: str
     reference: int
@@ -53,11 +62,18 @@ class Variable:
     unit: str
     start: float | None
     description: str = ""
+    direct: bool = False
 
 
 @dataclass(frozen=True)
 class Description:
-    """What modelDescription.xml says, as far as a co-simulation needs it."""
+    """What modelDescription.xml says, as far as a co-simulation needs it.
+
+    Attributes
+    ----------
+    capabilities
+        Names of the flags of the co-simulation element that are true.
+    """
 
     path: Path
     model_name: str
@@ -65,6 +81,11 @@ class Description:
     guid: str
     variables: Mapping[str, Variable]
     units: Mapping[str, UnitDefinition]
+    capabilities: frozenset[str] = frozenset()
+
+    def can(self, capability: str) -> bool:
+        """Whether a capability flag of the co-simulation element, such as `SAVES_STATE`, is true."""
+        return capability in self.capabilities
 
     def of_causality(self, causality: str) -> list[Variable]:
         """Variables of a causality, in their order, without strings."""
@@ -105,18 +126,34 @@ def _read_description(path: Path, modified: int, size: int) -> Description:  # n
     if not _IDENTIFIER.fullmatch(identifier):
         msg = f"{path}: the model identifier {identifier!r} is no C identifier."
         raise ArchiveError(msg)
-    variables = {v.name: _variable(v) for v in raw.modelVariables}
+    direct = {x.variable.name for x in raw.outputs if _depends_on_input(x)}
+    variables = {v.name: _variable(v, direct) for v in raw.modelVariables}
     units = {u.name: _unit(u) for u in raw.unitDefinitions}
-    return Description(path, raw.modelName, identifier, raw.guid, variables, units)
+    capabilities = frozenset(name for name in _CAPABILITIES if getattr(raw.coSimulation, name, False))
+    return Description(path, raw.modelName, identifier, raw.guid, variables, units, capabilities)
 
 
-def _variable(raw: Any) -> Variable:
+def _depends_on_input(unknown: Any) -> bool:
+    return any(variable.causality == "input" for variable in unknown.dependencies or ())
+
+
+def _variable(raw: Any, direct: Collection[str]) -> Variable:
     unit = raw.unit or (raw.declaredType.unit if raw.declaredType is not None else None) or ""
     kind = INTEGER if raw.type == "Enumeration" else raw.type
     start = None if raw.start is None or kind == STRING else parse_value(raw.start, kind)
     causality = raw.causality or "local"
     variability = raw.variability or "continuous"
-    return Variable(raw.name, raw.valueReference, kind, causality, variability, unit, start, raw.description or "")
+    return Variable(
+        name=raw.name,
+        reference=raw.valueReference,
+        type=kind,
+        causality=causality,
+        variability=variability,
+        unit=unit,
+        start=start,
+        description=raw.description or "",
+        direct=raw.name in direct,
+    )
 
 
 def _unit(raw: Any) -> UnitDefinition:

@@ -1,7 +1,7 @@
 """Instances of a system's components, brought through FMI 2.0's initialization."""
 
 import ctypes
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 
 import numpy as np
@@ -59,7 +59,7 @@ def initialize(system: System, instances: Sequence[Instance], assembly: Assembly
         If a call fails, or the values do not settle: an algebraic loop.
     """
     for component, instance in zip(system.components, instances, strict=True):
-        _set_start(component, instance)
+        set_values(component, instance, component.start)
         arguments = (
             ctypes.c_int(0),
             ctypes.c_double(0),
@@ -75,8 +75,15 @@ def initialize(system: System, instances: Sequence[Instance], assembly: Assembly
     _get_all(instances, assembly)
 
 
-def _set_start(component: Component, instance: Instance) -> None:
-    for name, value in component.start.items():
+def set_values(component: Component, instance: Instance, values: Mapping[str, float]) -> None:
+    """Set variables of an instance, one by one.
+
+    Raises
+    ------
+    InitializationError
+        If the unit refuses a value.
+    """
+    for name, value in values.items():
         variable = component.variable(name)
         reference = ctypes.c_uint32(variable.reference)
         number = int(value) if variable.type != REAL else value

@@ -3,7 +3,7 @@
     for k = first, ..., last - 1:                       t = times[k], h = steps[k] or steps[0]
         Gauss-Seidel: for each component: set inputs, doStep, get outputs
         Jacobi:       set all inputs; doStep all; get all outputs
-        row k + 1 = what the outputs show
+        after every n-th step: a row = what the outputs show
 
 Nothing here allocates, raises or sees a Python object. `run` is compiled; without compilation
 (NUMBA_DISABLE_JIT=1) the same source goes through ctypes, a slow oracle of itself. The inner
@@ -126,6 +126,7 @@ def run(
     grid: tuple[np.ndarray, np.ndarray],
     span: tuple[int, int],
     rows: np.ndarray,
+    every: int,
 ) -> tuple[int, int, int, int]:
     """Make the steps span[0] to span[1] - 1.
 
@@ -135,7 +136,8 @@ def run(
         Communication points, s, shape (n_steps + 1,), and step sizes, s, shape (n_steps,), or (1,)
         if all are equal.
     rows
-        Row k + 1 receives the recorded outputs after step k, shape (n_steps + 1, n_columns).
+        Receives the recorded outputs after each step k for which k + 1 is a multiple of `every`, one
+        row after the other, shape (n_rows, n_columns).
 
     Returns
     -------
@@ -146,6 +148,7 @@ def run(
     times, steps = grid
     n = table.shape[0]
     sequential = algorithm == GAUSS_SEIDEL
+    until_record, row = every - span[0] % every, np.uint64(0)
     for k in range(span[0], span[1]):
         t = times[k]
         h = steps[k] if steps.size > 1 else steps[0]
@@ -171,6 +174,9 @@ def run(
                 call, status = get_outputs(table, i)
                 if status > WORST_ACCEPTED:
                     return k, i, call, status
-        record(recorded_reals, reals, rows[k + 1])
-        record(recorded_discretes, discretes, rows[k + 1])
+        until_record -= 1
+        if until_record == 0:
+            record(recorded_reals, reals, rows[row])
+            record(recorded_discretes, discretes, rows[row])
+            until_record, row = every, row + np.uint64(1)
     return span[1], 0, 0, 0

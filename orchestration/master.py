@@ -1,4 +1,4 @@
-"""Run a system with a fixed communication step.
+"""Run a system.
 
     result = simulate(system, stop_time=2.0, step=1e-4)
 
@@ -7,70 +7,39 @@ Pseudocode of the whole:
     instantiate; set start values; propagate outputs to inputs in initialization mode
     row 0 = outputs
     for k = 0, ..., n - 1:   t = t0 + k step
-        gauss-seidel: each component in order: set inputs, doStep(t, step), get outputs
-        jacobi:       set all inputs, doStep all, get all outputs
+        a step of the algorithm; see `orchestration.algorithm`
         row k + 1 = outputs
 
 Outputs are never read after inputs are set without a doStep in between.
 """
 
-import time as clock
 import warnings
-from collections.abc import Callable, Collection, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
+from pathlib import Path
 
 import numpy as np
 
-from orchestration import loop
-from orchestration.assembly import Assembly, assemble
-from orchestration.errors import InitializationError, SimulationError, SystemDescriptionError
-from orchestration.fmu import WORST_ACCEPTED, Instance
-from orchestration.initialize import initialize, opened
+from orchestration.algorithm import ALGORITHMS, Algorithm, find_algorithm
+from orchestration.errors import SystemDescriptionError
+from orchestration.grid import Grid, fixed_grid, tick_grid
+from orchestration.options import Options, Progress
+from orchestration.provenance import provenance
 from orchestration.result import Result
-from orchestration.system import RATIO_TOLERANCE, System
+from orchestration.simulation import Simulation
+from orchestration.system import System
 
-ALGORITHMS = {"gauss-seidel": loop.GAUSS_SEIDEL, "jacobi": loop.JACOBI}
-Progress = Callable[[int, int], None]
-
-_FIRST_CHUNK = 256  # steps; later chunks last about _CHUNK_SECONDS
-_CHUNK_SECONDS = 0.1
+__all__ = ["ALGORITHMS", "Options", "Progress", "UnconnectedInputWarning", "prepare", "simulate", "stream"]
 
 
 class UnconnectedInputWarning(UserWarning):
     """Inputs that no connection drives keep their start values."""
 
 
-@dataclass(frozen=True)
-class Options:
-    """How a run is made, besides the system, its duration and its step.
-
-    Attributes
-    ----------
-    record
-        Outputs to record as ``component.variable``; None records all.
-    start_time
-        Time of row 0, s.
-    strict
-        Whether an unconnected input is an error instead of a warning.
-    allow_stale_inputs
-        Whether a sampling period may be shorter than, or no multiple of, the step; ticks within a
-        step then use the inputs of its start.
-    progress
-        Called now and then with (steps made, steps in all).
-    """
-
-    record: Collection[str] | None = None
-    start_time: float = 0.0
-    strict: bool = False
-    allow_stale_inputs: bool = False
-    progress: Progress | None = None
-
-
 def simulate(
     system: System,
     stop_time: float | None = None,
     step: float | None = None,
-    algorithm: str = "gauss-seidel",
+    algorithm: str | Algorithm = "gauss-seidel",
     *,
     order: Sequence[str] | None = None,
     times: np.ndarray | None = None,
@@ -83,7 +52,7 @@ def simulate(
     stop_time, step
         s; the system's own if None. The duration must be a multiple of the step.
     algorithm
-        One of `ALGORITHMS`.
+        One of `ALGORITHMS`, or an `Algorithm`.
     order
         Component names; the order of the system if None.
     times
@@ -94,7 +63,7 @@ def simulate(
     Returns
     -------
     Result
-        n + 1 rows.
+        A row per recorded step, and row 0.
 
     Raises
     ------
@@ -104,76 +73,107 @@ def simulate(
         If a component refuses its start values.
     SimulationError
         If a component fails; ``error.result`` has the rows made before.
+    RunInterrupted
+        If the user interrupts; it has the rows made before.
+    """
+    with prepare(system, stop_time, step, algorithm, order=order, times=times, options=options) as simulation:
+        simulation.run()
+        return simulation.result()
+
+
+def stream(
+    path: str | Path,
+    system: System,
+    stop_time: float | None = None,
+    step: float | None = None,
+    algorithm: str | Algorithm = "gauss-seidel",
+    *,
+    order: Sequence[str] | None = None,
+    options: Options | None = None,
+) -> int:
+    """Run a system, writing rows to a Parquet file as they come; memory stays bounded.
+
+    If the run fails or is interrupted, the rows made before are in ``STEM.partial.parquet``.
+
+    Returns
+    -------
+    int
+        Number of rows.
+
+    Raises
+    ------
+    OrchestrationError, RunInterrupted
+        As `simulate`; also if the file cannot be written.
+    """
+    run = prepare(system, stop_time, step, algorithm, order=order, options=options)
+    run.stream_to(Path(path))
+    with run:
+        run.run()
+    return run.count
+
+
+def prepare(
+    system: System,
+    stop_time: float | None = None,
+    step: float | None = None,
+    algorithm: str | Algorithm = "gauss-seidel",
+    *,
+    order: Sequence[str] | None = None,
+    times: np.ndarray | None = None,
+    options: Options | None = None,
+) -> Simulation:
+    """A run that can be saved, taken back, branched and continued; parameters as of `simulate`.
+
+    Returns
+    -------
+    Simulation
+        To be used as a context manager.
+
+    Raises
+    ------
+    SystemDescriptionError
+        If the system cannot be run as asked.
     """
     options = options or Options()
-    if algorithm not in ALGORITHMS:
-        msg = f"There is no algorithm {algorithm!r}; there are {', '.join(ALGORITHMS)}."
-        raise SystemDescriptionError(msg)
+    chosen = find_algorithm(algorithm)
     if order is not None:
         system = system.ordered(order)
-    steps = _steps(system.step if step is None else step, times)
-    ratios = _ratios(system, steps, options)
-    stop_time = system.stop_time if stop_time is None else stop_time
-    points = _points(options.start_time, stop_time, steps[0]) if times is None else np.array(times, float)
+    grid = _grid(system, (stop_time, step, times), chosen, options)
     _report_unconnected(system, options)
-    with opened(system) as instances:
-        assembly = assemble(system, instances, options.record)
-        rows = np.empty((points.size, len(assembly.columns)))
-        initialize(system, instances, assembly, float(points[0]))
-        assembly.record(rows[0])
-        result = Result(points, assembly.columns, rows, assembly.units, ratios)
-        if fault := _not_finite(result, 0, 1):
-            raise InitializationError(fault[1])
-        _advance(instances, assembly, ALGORITHMS[algorithm], steps, result, options.progress)
-        for instance in instances:
-            status = instance.status("fmi2Terminate")
-            if status > WORST_ACCEPTED:
-                raise SimulationError(instance.failure("fmi2Terminate", status), result)
-    return result
+    metadata = provenance(
+        system,
+        algorithm=repr(chosen) if isinstance(algorithm, Algorithm) else chosen.name,
+        step=grid.step,
+        start_time=float(grid.times[0]),
+        stop_time=float(grid.times[-1]),
+        order=None,
+    )
+    return Simulation(system, grid, chosen, options, metadata=metadata)
 
 
-def _steps(step: float, times: np.ndarray | None) -> np.ndarray:
-    """Step sizes, s, shape (n,), or (1,) if no communication points are given and all are equal."""
-    if times is not None:
-        points = np.array(times, dtype=float)
-        shaped = points.ndim == 1 and points.size > 1
-        if not (shaped and np.isfinite(points).all() and (np.diff(points) > 0).all()):
-            msg = "The communication points must be at least two finite, increasing times."
+def _grid(
+    system: System,
+    wanted: tuple[float | None, float | None, np.ndarray | None],
+    algorithm: Algorithm,
+    options: Options,
+) -> Grid:
+    stop_time, step, times = wanted
+    span = (options.start_time, system.stop_time if stop_time is None else stop_time)
+    step = system.step if step is None else step
+    if algorithm.control is not None:
+        if times is not None:
+            msg = f"Algorithm {algorithm.name} chooses its communication points; give no times."
             raise SystemDescriptionError(msg)
-        return np.diff(points)
-    if not (np.isfinite(step) and step > 0):
-        msg = f"The step {step!r} s is not positive."
-        raise SystemDescriptionError(msg)
-    return np.array([step], dtype=float)
-
-
-def _points(t0: float, stop_time: float, step: float) -> np.ndarray:
-    """Communication points t0 + k step, s, shape (n + 1,)."""
-    count = (stop_time - t0) / step
-    n = round(count) if np.isfinite(count) else -1
-    if n < 1 or abs(count - n) > RATIO_TOLERANCE * n:
-        whole = t0 + max(1, n) * step
-        msg = (
-            f"The run from {t0:g} s to {stop_time:g} s is no multiple of the step {step:g} s;"
-            f" stop at {whole:.9g} s instead."
-        )
-        raise SystemDescriptionError(msg)
-    return t0 + np.arange(n + 1) * step
-
-
-def _ratios(system: System, steps: np.ndarray, options: Options) -> dict[str, int]:
-    """Steps per tick of the sampled components; empty where they are not whole."""
-    if options.allow_stale_inputs:
-        try:
-            return system.steps_per_tick(float(steps[0]))
-        except SystemDescriptionError:
-            return {}
-    shortest, longest = float(steps.min()), float(steps.max())
-    ratios = system.steps_per_tick(shortest)
-    if longest - shortest > RATIO_TOLERANCE * longest and system.steps_per_tick(longest) != ratios:
-        msg = f"Steps from {shortest:g} s to {longest:g} s do not fit the sample times."
-        raise SystemDescriptionError(msg)
-    return ratios
+        return tick_grid(system, span, step)
+    grid = fixed_grid(system, span, step, times, stale=options.allow_stale_inputs)
+    for name, ratio in options.ratios.items():
+        if ratio >= 1 and (grid.n % ratio or grid.steps_per_tick.get(name, ratio) % ratio or grid.lengths.size > 1):
+            msg = (
+                f"{name}: steps of {ratio} communication steps must fit its sample time and the run of"
+                f" {grid.n} equal steps."
+            )
+            raise SystemDescriptionError(msg)
+    return grid
 
 
 def _report_unconnected(system: System, options: Options) -> None:
@@ -183,54 +183,4 @@ def _report_unconnected(system: System, options: Options) -> None:
     msg = f"Unconnected inputs keep their start values: {', '.join(inputs)}."
     if options.strict:
         raise SystemDescriptionError(msg)
-    warnings.warn(msg, UnconnectedInputWarning, stacklevel=3)
-
-
-def _advance(
-    instances: Sequence[Instance],
-    assembly: Assembly,
-    algorithm: int,
-    steps: np.ndarray,
-    result: Result,
-    progress: Progress | None,
-) -> None:
-    """Make all steps, in chunks, so that interrupts and progress get through."""
-    n = result.time.size - 1
-    done, chunk = 0, _FIRST_CHUNK
-    while done < n:
-        last = min(n, done + chunk)
-        started = clock.perf_counter()
-        k, i, call, status = loop.run(assembly.plan, algorithm, (result.time, steps), (done, last), result.rows)
-        elapsed = clock.perf_counter() - started
-        if k < last:
-            where = f" at t = {result.time[k]:.9g} s (step {k})"
-            message = instances[i].failure(loop.CALL_NAMES[call], status, where)
-            raise SimulationError(message, _first_rows(result, k + 1))
-        if fault := _not_finite(result, done + 1, last + 1):
-            raise SimulationError(fault[1], _first_rows(result, fault[0]))
-        done = last
-        chunk = max(1, int(chunk * min(4.0, _CHUNK_SECONDS / max(elapsed, 1e-6))))
-        if progress is not None:
-            progress(done, n)
-
-
-def _not_finite(result: Result, first: int, last: int) -> tuple[int, str] | None:
-    """The first row with a value that is NaN or infinite, and the sentence that says so."""
-    finite = np.isfinite(result.rows[first:last])
-    if finite.all():
-        return None
-    bad = np.argwhere(~finite)
-    k, column = first + int(bad[0, 0]), bad[0, 1]
-    why = "the run has diverged" if k > 0 else "start values are wrong or missing"
-    where = f"at t = {result.time[k]:.9g} s (row {k})"
-    return k, f"{result.names[column]} is {result.rows[k, column]} {where}; {why}."
-
-
-def _first_rows(result: Result, count: int) -> Result:
-    return Result(
-        result.time[:count].copy(),
-        result.names,
-        result.rows[:count].copy(),
-        result.units,
-        result.steps_per_tick,
-    )
+    warnings.warn(msg, UnconnectedInputWarning, stacklevel=4)

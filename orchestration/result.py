@@ -1,13 +1,14 @@
 """What a run recorded."""
 
 from collections.abc import Mapping
-from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 
 from orchestration.errors import OrchestrationError
+
+TICK_TOLERANCE = 1e-9  # by which a row may miss a tick, in periods
 
 
 @dataclass(frozen=True)
@@ -29,6 +30,10 @@ class Result:
         Unit of each column, empty where none is declared.
     steps_per_tick
         Number of steps per sampling period, by the name of a sampled component.
+    sample_times
+        Sampling periods, s, by the name of a sampled component.
+    metadata
+        How the result came about, texts by key; see `orchestration.provenance`.
     """
 
     time: np.ndarray
@@ -36,6 +41,8 @@ class Result:
     rows: np.ndarray
     units: Mapping[str, str] = field(default_factory=dict)
     steps_per_tick: Mapping[str, int] = field(default_factory=dict)
+    metadata: Mapping[str, str] = field(default_factory=dict)
+    sample_times: Mapping[str, float] = field(default_factory=dict)
 
     def __getitem__(self, name: str) -> np.ndarray:
         """A column, float64, shape (n_rows,).
@@ -66,41 +73,84 @@ class Result:
             (`tick_times`); for any other the value at the start of each step. Without realignment a
             sampled column lags a plant column by one row.
         """
-        column = self[name]
-        ratio = self.steps_per_tick.get(name.partition(".")[0])
-        return column[:-1] if ratio is None else column[1::ratio]
+        column, rows = self[name], self._tick_rows(name)
+        return column[:-1] if rows is None else column[rows + 1]
 
     def tick_times(self, name: str) -> np.ndarray:
         """Times, s, of the values that `at_ticks` returns."""
-        ratio = self.steps_per_tick.get(name.partition(".")[0])
-        return self.time[:-1] if ratio is None else self.time[:-1:ratio]
+        rows = self._tick_rows(name)
+        return self.time[:-1] if rows is None else self.time[rows]
 
-    def write_csv(self, path: Path) -> None:
-        """Write all rows, 17 significant digits, one line per communication point.
+    def _tick_rows(self, name: str) -> np.ndarray | None:
+        """Rows at the instants of ticks, without the last; None for a component that is not sampled.
 
-        The first line has the names; the file is whole or not there.
+        Raises
+        ------
+        OrchestrationError
+            If ticks were not recorded.
+        """
+        component = name.partition(".")[0]
+        if component in self.steps_per_tick:
+            return np.arange(0, len(self.time) - 1, self.steps_per_tick[component])
+        period = self.sample_times.get(component)
+        if period is None:
+            return None
+        position = (self.time[:-1] - self.time[0]) / period
+        rows = np.flatnonzero(np.abs(position - np.round(position)) <= TICK_TOLERANCE * np.maximum(1, position))
+        expected = (self.time[-1] - self.time[0]) / period
+        if len(rows) < np.ceil(expected - TICK_TOLERANCE * max(1.0, expected)):
+            msg = f"{name}: not every tick of {period:g} s is recorded; record every step."
+            raise OrchestrationError(msg)
+        return rows
+
+    def write(self, path: str | Path) -> None:
+        """Write all rows as CSV or Parquet, by the suffix; see `orchestration.storage`.
+
+        Raises
+        ------
+        OrchestrationError
+            If the suffix is neither ``.csv`` nor ``.parquet``, or the file cannot be written.
+        """
+        from orchestration import storage
+
+        storage.write(self, Path(path))
+
+    def write_csv(self, path: str | Path) -> None:
+        """Write names and values, each with all its bits, one line per communication point.
 
         Raises
         ------
         OrchestrationError
             If the file cannot be written.
         """
-        header = ",".join(["time", *(_quoted(name) for name in self.names)])
-        line = ",".join(["%.17g"] * (len(self.names) + 1))
-        draft = path.with_name(path.name + ".part")
-        try:
-            path.parent.mkdir(parents=True, exist_ok=True)
-            with draft.open("w", encoding="utf-8", newline="\n") as file:
-                file.write(header + "\n")
-                for t, row in zip(self.time.tolist(), self.rows.tolist(), strict=True):
-                    file.write(line % (t, *row) + "\n")
-            draft.replace(path)
-        except OSError as error:
-            msg = f"{path}: the result cannot be written: {error.strerror}."
-            raise OrchestrationError(msg) from error
-        finally:
-            with suppress(OSError):
-                draft.unlink(missing_ok=True)
+        from orchestration import storage
+
+        storage.write_csv(self, Path(path))
+
+    def write_parquet(self, path: str | Path) -> None:
+        """Write everything, units and metadata included.
+
+        Raises
+        ------
+        OrchestrationError
+            If the file cannot be written.
+        """
+        from orchestration import storage
+
+        storage.write_parquet(self, Path(path))
+
+    @classmethod
+    def read(cls, path: str | Path) -> "Result":
+        """Read a file that was written so; from CSV there are names and values only.
+
+        Raises
+        ------
+        OrchestrationError
+            If the suffix is neither ``.csv`` nor ``.parquet``, or the file holds no result.
+        """
+        from orchestration import storage
+
+        return storage.read(Path(path))
 
     def _index(self, name: str) -> int:
         try:
@@ -109,8 +159,3 @@ class Result:
             recorded = ", ".join(self.names) or "nothing"
             msg = f"The result has no column {name}; recorded are {recorded}."
             raise OrchestrationError(msg) from None
-
-
-def _quoted(name: str) -> str:
-    """A name as a field of a CSV file (RFC 4180)."""
-    return '"' + name.replace('"', '""') + '"' if set(name) & set(',"\r\n') else name

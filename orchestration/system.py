@@ -62,6 +62,13 @@ class Component:
             return None
         return self.start.get(SAMPLE_TIME, variable.start)
 
+    @property
+    def continuous(self) -> bool:
+        """Whether outputs follow inputs between ticks: there is no ``sample_time``, nor are all discrete."""
+        outputs = self.description.of_causality("output")
+        held = bool(outputs) and all(variable.variability == "discrete" for variable in outputs)
+        return self.sample_time is None and not held
+
 
 @dataclass(frozen=True, order=True)
 class Connection:

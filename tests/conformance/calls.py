@@ -1,4 +1,4 @@
-"""The 34 functions with arguments that are fine in themselves, and the states that allow each.
+"""The 34 functions with arguments that are fine in themselves, the states that allow each, and what a refusal is.
 
 The table is that of FMI 2.0.5, section 4.2.4 (co-simulation); "error" is stepFailed and error.
 """
@@ -8,7 +8,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
-from tests.conformance.binary import ARGUMENTS, PHASES, Instance, array
+from tests.conformance.binary import ARGUMENTS, ERROR, PHASES, Instance, array
 
 INSTANTIATED, INITIALIZATION, STEP_COMPLETE, TERMINATED, FAILED = PHASES
 ALWAYS = frozenset(PHASES)
@@ -68,6 +68,14 @@ def arguments(instance: Instance, function: str) -> Call:
     """Arguments with which `function` succeeds where it is allowed, and changes something if it sets."""
     make = _MAKERS.get(function)
     return make(instance) if make else Call(tuple(kind() for kind in ARGUMENTS[function]))
+
+
+def assert_refused(instance: Instance, status: int, before: bytes, *texts: str) -> None:
+    """The call failed with a message that holds the texts, and changed nothing."""
+    assert status == ERROR
+    for text in texts:
+        assert text in instance.last, instance.last
+    assert instance.blob() == before
 
 
 def _get(c_type: Any, type: str) -> Callable[[Instance], Call]:

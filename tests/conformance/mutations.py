@@ -42,7 +42,10 @@ NOT_COPIED = shutil.ignore_patterns("__pycache__", "platforms", "sanitizers", "m
 # Slow modules last: only faults that the others do not notice get there.
 MODULES = tuple(
     f"test_{subject}"
-    for subject in "description calls derivatives state reference_data documentation archive ticks rebuild".split()
+    for subject in (
+        *("description", "instantiation_and_logging", "call_order", "steps_and_experiment", "numbers", "settable"),
+        *("derivatives", "state", "reference_data", "documentation", "archive", "ticks", "rebuild"),
+    )
 )
 # What names other units, or needs them all; and the processors, which these faults do not concern.
 DESELECTED = (

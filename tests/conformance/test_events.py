@@ -10,7 +10,7 @@ Create = Callable[..., Instance]
 
 
 def relay(tmp_path: Path) -> Binary:
-    """x' = u - 2 m with m = 1 while x > 0: for 0 < u < 2 it slides along x = 0, an event after the other."""
+    """The law x' = u - 2 m with m = 1 while x > 0: for 0 < u < 2 it slides along x = 0, an event after the other."""
     model = ContinuousModel("Relay", "Slides along its switching line", dt_max=1e-3)
     u = model.input("u", 1.0, description="Drive")
     x = model.state("x", -0.5)

@@ -23,7 +23,9 @@ from tests.conformance.sanitizers.compiling import missing
 ROOT = Path(__file__).parents[3]
 PLUGIN = "tests.conformance.sanitizers.instrument"
 TESTS = (
-    *(f"tests/conformance/test_{name}.py" for name in ("calls", "state", "ticks", "derivatives")),
+    *(f"tests/conformance/test_{name}.py" for name in ("instantiation_and_logging", "call_order", "events")),
+    *(f"tests/conformance/test_{name}.py" for name in ("steps_and_experiment", "numbers", "settable")),
+    *(f"tests/conformance/test_{name}.py" for name in ("state", "ticks", "derivatives")),
     "tests/conformance/sanitizers/test_refusals.py",
 )
 LINES, BRANCHES = 0.95, 0.85  # goals of issue 4

@@ -48,7 +48,7 @@ def test_recording_nothing_still_runs(small: dict[str, Path], tmp_path: Path) ->
     result = simulate(mixed(small), options=Options(record=()))
     assert result.rows.shape == (17, 0)
     result.write_csv(tmp_path / "times.csv")
-    assert (tmp_path / "times.csv").read_text().splitlines()[:2] == ["time", "0"]
+    assert (tmp_path / "times.csv").read_text().splitlines()[:2] == ['"time"', "0"]
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,291 @@
+"""How assumed inputs are corrected: Aitken's relaxation, or Newton's method on the interface.
+
+With u the assumed values and y(u) what their sources show at the end of the step, the residual is
+r(u) = y(u) - u. Aitken (B. Irons, R. Tuck, 1969): u <- u + w r with
+
+    w <- -w r_old . (r - r_old) / |r - r_old|^2
+
+in units of the tolerances. Newton: (I - dy/du) d = r, u <- u + d; the Jacobian dy/du stays as long
+as it serves.
+"""
+
+import numpy as np
+from numba import njit
+
+from orchestration.calls import call_direction, call_state
+from orchestration.coupling import (
+    GET_DIRECTION,
+    HAS_JACOBIAN,
+    ITERATION,
+    ITERATIONS,
+    JACOBIAN_STEP,
+    ONE,
+    RATE_1,
+    REFERENCE,
+    SET_STATE,
+    SOURCE,
+    STARTING,
+    TARGET_UNIT,
+    Coupling,
+    Method,
+    Work,
+)
+from orchestration.fmu import WORST_ACCEPTED
+from orchestration.loop import COMPONENT, COUNT, GET_REAL, REFERENCES, VALUES, Plan
+from orchestration.sweeps import (
+    DIRECTION,
+    FINE,
+    RESTORE,
+    Failure,
+    first_sweep,
+    polynomial,
+    repeat_sweep,
+    save,
+    show,
+    step_unit,
+)
+
+NOT_CONVERGED, SINGULAR = 100, 101
+SLOW = 0.2  # an iteration that leaves more of the residual asks for a new Jacobian
+_options = {"cache": True, "nogil": True, "error_model": "numpy"}
+
+
+@njit(**_options)
+def corrected_step(plan: Plan, coupling: Coupling, work: Work, method: Method, step: tuple[float, float]) -> Failure:
+    """Sweep until the assumed values are those that come out."""
+    links = coupling.links
+    for j in coupling.assumed:
+        work.end[j] = extrapolated(links[j], work, method.order, step[1])
+    if method.sweeps != 1:
+        failure = save(plan, coupling, work, ITERATION)
+        if failure[2] > WORST_ACCEPTED:
+            return failure
+    failure = first_sweep(plan, coupling, work, method, step)
+    sweeps, factor = 1, 1.0
+    while failure[2] <= WORST_ACCEPTED:
+        work.integers[ITERATIONS] += 1
+        worst, size = worst_residual(plan, coupling, work)
+        if sweeps == method.sweeps or (method.sweeps == 0 and size <= 1.0):
+            return FINE
+        if method.sweeps == 0 and sweeps >= method.max_iterations:
+            return worst, 0, NOT_CONVERGED
+        if method.newton:
+            failure = newton(plan, coupling, work, method, step, sweeps)
+        else:
+            factor = relax(coupling, work, factor, sweeps)
+        if failure[2] <= WORST_ACCEPTED:
+            failure = repeat_sweep(plan, coupling, work, method, step)
+        sweeps += 1
+    return failure
+
+
+@njit(**_options)
+def starting_step(plan: Plan, coupling: Coupling, work: Work, method: Method, step: tuple[float, float]) -> Failure:
+    """A step without a past to extrapolate: made with held inputs, then again towards what came out."""
+    for j in coupling.assumed:
+        work.end[j] = work.past[0, coupling.links[j, SOURCE]]
+    work.integers[STARTING] = 1
+    failure = save(plan, coupling, work, ITERATION)
+    if failure[2] <= WORST_ACCEPTED:
+        failure = first_sweep(plan, coupling, work, method, step)
+    if failure[2] <= WORST_ACCEPTED:
+        for j in coupling.assumed:
+            work.end[j] = plan.reals[coupling.links[j, SOURCE]]
+        failure = repeat_sweep(plan, coupling, work, method, step)
+    work.integers[STARTING] = 0
+    return failure
+
+
+@njit(**_options)
+def extrapolated(link: np.ndarray, work: Work, order: int, h: float) -> float:
+    """The value to assume first at the end of a step: the polynomial through the past."""
+    if link[RATE_1] < 0 or order == 0:
+        return work.past[0, link[SOURCE]]
+    value, rate, curvature = polynomial(link[SOURCE], work, order, h, False, 0.0)
+    return value + h * (rate + 0.5 * h * curvature)
+
+
+@njit(**_options)
+def worst_residual(plan: Plan, coupling: Coupling, work: Work) -> tuple[int, float]:
+    """Compute the residual; returns the worst link and the residual there over its tolerance.
+
+    Discrete inputs must equal their sources; one that does not counts as infinite, with the number of
+    Real links added to its own.
+    """
+    work.last_residual[:] = work.residual
+    worst, size = -1, 0.0
+    for place, j in enumerate(coupling.assumed):
+        value = plan.reals[coupling.links[j, SOURCE]]
+        work.residual[place] = value - work.end[j]
+        accepted = coupling.link_tolerances[j, 0] + coupling.link_tolerances[j, 1] * abs(value)
+        over = abs(work.residual[place]) / accepted
+        if not over <= size:  # NaN is the worst
+            worst, size = j, over
+    for j in coupling.exact:
+        if plan.discretes[plan.discrete_links[j, 0]] != plan.discretes[plan.discrete_links[j, 1]]:
+            return coupling.links.shape[0] + j, np.inf
+    return worst, size
+
+
+@njit(**_options)
+def relax(coupling: Coupling, work: Work, factor: float, sweeps: int) -> float:
+    """Correct the assumed values by Aitken's relaxation; returns the factor used."""
+    if sweeps > 1:
+        product, square = 0.0, 0.0
+        for place, j in enumerate(coupling.assumed):
+            weight = 1.0 / coupling.link_tolerances[j, 0]
+            before = weight * work.last_residual[place]
+            change = weight * work.residual[place] - before
+            product += before * change
+            square += change * change
+        if square > 0.0 and product != 0.0:
+            factor = -factor * product / square
+    for place, j in enumerate(coupling.assumed):
+        work.end[j] += factor * work.residual[place]
+    return factor
+
+
+@njit(**_options)
+def newton(
+    plan: Plan, coupling: Coupling, work: Work, method: Method, step: tuple[float, float], sweeps: int
+) -> Failure:
+    """Correct the assumed values by Newton's method; the units are left anywhere within the step."""
+    if needs_jacobian(coupling, work, step[1], sweeps):
+        if method.directional:
+            failure = directional_jacobian(plan, coupling, work)
+        else:
+            failure = difference_jacobian(plan, coupling, work, method, step)
+        if failure[2] > WORST_ACCEPTED:
+            return failure
+        work.jacobian[:, :] = -work.jacobian
+        for place in range(coupling.assumed.shape[0]):
+            work.jacobian[place, place] += 1.0
+        if not factorize(work.jacobian, work.pivots):
+            work.integers[HAS_JACOBIAN] = 0
+            return coupling.assumed[0], 0, SINGULAR
+        work.integers[HAS_JACOBIAN] = 1
+        work.numbers[JACOBIAN_STEP] = step[1]
+    work.scratch[:] = work.residual
+    solve(work.jacobian, work.pivots, work.scratch)
+    for place, j in enumerate(coupling.assumed):
+        work.end[j] += work.scratch[place]
+    return FINE
+
+
+@njit(**_options)
+def difference_jacobian(
+    plan: Plan, coupling: Coupling, work: Work, method: Method, step: tuple[float, float]
+) -> Failure:
+    """dy/du by repeating the step with one assumed value after the other displaced."""
+    failure = FINE
+    work.trial[:] = plan.reals
+    for column, j in enumerate(coupling.assumed):
+        value = work.end[j]
+        displacement = 1e-6 * abs(value) + 1e3 * coupling.link_tolerances[j, 0]
+        work.end[j] = value + displacement
+        plan.reals[:] = work.trial
+        if method.sequential:
+            failure = repeat_sweep(plan, coupling, work, method, step)
+        else:
+            failure = repeat_unit(plan, coupling, work, method, coupling.links[j, TARGET_UNIT], step)
+        if failure[2] > WORST_ACCEPTED:
+            return failure
+        displacement = work.end[j] - value
+        work.end[j] = value
+        for row, i in enumerate(coupling.assumed):
+            source = coupling.links[i, SOURCE]
+            work.jacobian[row, column] = (plan.reals[source] - work.trial[source]) / displacement
+    plan.reals[:] = work.trial
+    return failure
+
+
+@njit(**_options)
+def repeat_unit(
+    plan: Plan, coupling: Coupling, work: Work, method: Method, i: int, step: tuple[float, float]
+) -> Failure:
+    """Go back with one unit, and step it again."""
+    status = call_state(coupling.units[i, SET_STATE], plan.table[i, COMPONENT], work.states[ITERATION, i])
+    if status > WORST_ACCEPTED:
+        return i, RESTORE, status
+    failure = step_unit(plan, coupling, work, method, i, step)
+    return show(plan, i) if failure[2] <= WORST_ACCEPTED else failure
+
+
+@njit(**_options)
+def directional_jacobian(plan: Plan, coupling: Coupling, work: Work) -> Failure:
+    """dy/du as the units declare it: direct feedthrough at the end of the step.
+
+    A unit writes the differentials of its outputs where its outputs belong.
+    """
+    work.trial[:] = plan.reals
+    for column, j in enumerate(coupling.assumed):
+        i = coupling.links[j, TARGET_UNIT]
+        plan.reals[:] = 0.0
+        status = 0
+        if plan.table[i, GET_REAL + COUNT] > 0:
+            status = call_direction(
+                coupling.units[i, GET_DIRECTION],
+                plan.table[i, COMPONENT],
+                plan.table[i, GET_REAL + REFERENCES],
+                plan.table[i, GET_REAL + COUNT],
+                coupling.links[j, REFERENCE],
+                coupling.links[j, ONE],
+                plan.table[i, GET_REAL + VALUES],
+            )
+        for row, k in enumerate(coupling.assumed):
+            work.jacobian[row, column] = plan.reals[coupling.links[k, SOURCE]]
+        plan.reals[:] = work.trial
+        if status > WORST_ACCEPTED:
+            return i, DIRECTION, status
+    return FINE
+
+
+@njit(**_options)
+def needs_jacobian(coupling: Coupling, work: Work, h: float, sweeps: int) -> bool:
+    """Whether there is none for this step size, or the one there is does not serve."""
+    if work.integers[HAS_JACOBIAN] == 0 or work.numbers[JACOBIAN_STEP] != h:
+        return True
+    if sweeps < 2:
+        return False
+    now, before = 0.0, 0.0
+    for place, j in enumerate(coupling.assumed):
+        weight = 1.0 / coupling.link_tolerances[j, 0]
+        now = max(now, abs(weight * work.residual[place]))
+        before = max(before, abs(weight * work.last_residual[place]))
+    return not now <= SLOW * before
+
+
+@njit(**_options)
+def factorize(a: np.ndarray, pivots: np.ndarray) -> bool:
+    """LU factors of a square matrix in place, with partial pivoting; False if it is singular."""
+    n = a.shape[0]
+    for k in range(n):
+        p = k
+        for i in range(k + 1, n):
+            if abs(a[i, k]) > abs(a[p, k]):
+                p = i
+        pivots[k] = p
+        if not abs(a[p, k]) > 0.0:
+            return False
+        for j in range(n):
+            a[k, j], a[p, j] = a[p, j], a[k, j]
+        for i in range(k + 1, n):
+            a[i, k] /= a[k, k]
+            for j in range(k + 1, n):
+                a[i, j] -= a[i, k] * a[k, j]
+    return True
+
+
+@njit(**_options)
+def solve(a: np.ndarray, pivots: np.ndarray, b: np.ndarray) -> None:
+    """Solve with the factors of `factorize`, in place of the right-hand side."""
+    n = a.shape[0]
+    for k in range(n):
+        b[k], b[pivots[k]] = b[pivots[k]], b[k]
+    for i in range(n):
+        for j in range(i):
+            b[i] -= a[i, j] * b[j]
+    for i in range(n - 1, -1, -1):
+        for j in range(i + 1, n):
+            b[i] -= a[i, j] * b[j]
+        b[i] /= a[i, i]

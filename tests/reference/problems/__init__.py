@@ -1,0 +1,23 @@
+"""Known co-simulation problems: small FMUs, and the exact solution of what they are coupled to.
+
+    problem = PROBLEMS["quarter car"]
+    result = simulate(problem.system(1e-3, 1.0), algorithm="jacobi")
+    error = result["body.z"] - problem.exact(result.time)["body.z"]
+
+Every number of a problem is a keyword of `system`, `exact` and `energy` alike. All units are continuous.
+"""
+
+from tests.reference.problems import (
+    damper_pair,
+    displacement_displacement,
+    feedthrough,
+    force_displacement,
+    quarter_car,
+    wall,
+)
+from tests.reference.problems.problem import Columns, Problem
+
+_MODULES = (force_displacement, displacement_displacement, feedthrough, quarter_car, damper_pair, wall)
+PROBLEMS: dict[str, Problem] = {module.PROBLEM.name: module.PROBLEM for module in _MODULES}
+
+__all__ = ["PROBLEMS", "Columns", "Problem"]
