@@ -72,7 +72,7 @@ def corrected_step(plan: Plan, coupling: Coupling, work: Work, method: Method, s
         if method.newton:
             failure = newton(plan, coupling, work, method, step, sweeps)
         else:
-            factor = relax(coupling, work, factor, sweeps)
+            factor = relax(coupling, work, method, factor, sweeps)
         if failure[2] <= WORST_ACCEPTED:
             failure = repeat_sweep(plan, coupling, work, method, step)
         sweeps += 1
@@ -128,20 +128,33 @@ def worst_residual(plan: Plan, coupling: Coupling, work: Work) -> tuple[int, flo
 
 
 @njit(**_options)
-def relax(coupling: Coupling, work: Work, factor: float, sweeps: int) -> float:
-    """Correct the assumed values by Aitken's relaxation; returns the factor used."""
-    if sweeps > 1:
-        product, square = 0.0, 0.0
+def relax(coupling: Coupling, work: Work, method: Method, factor: float, sweeps: int) -> float:
+    """Correct the assumed values by Aitken's relaxation; returns the factor used.
+
+    In a parallel sweep a change comes back after two: there, two sweeps are one of Aitken's
+    iterations, and the first of them takes the values as they come out.
+    """
+    period = 1 if method.sequential else 2
+    phase = (sweeps - 1) % period
+    if phase == 0:
         for place, j in enumerate(coupling.assumed):
-            weight = 1.0 / coupling.link_tolerances[j, 0]
-            before = weight * work.last_residual[place]
-            change = weight * work.residual[place] - before
-            product += before * change
-            square += change * change
-        if square > 0.0 and product != 0.0:
-            factor = -factor * product / square
+            work.pair_start[place] = work.end[j]
+    if phase < period - 1:
+        for place, j in enumerate(coupling.assumed):
+            work.end[j] += work.residual[place]
+        return factor
+    product, square = 0.0, 0.0
     for place, j in enumerate(coupling.assumed):
-        work.end[j] += factor * work.residual[place]
+        weight = 1.0 / coupling.link_tolerances[j, 0]
+        before = weight * work.pair_residual[place]
+        change = weight * (work.end[j] + work.residual[place] - work.pair_start[place]) - before
+        product += before * change
+        square += change * change
+    if sweeps > period and square > 0.0 and product != 0.0:
+        factor = -factor * product / square
+    for place, j in enumerate(coupling.assumed):
+        work.pair_residual[place] = work.end[j] + work.residual[place] - work.pair_start[place]
+        work.end[j] = work.pair_start[place] + factor * work.pair_residual[place]
     return factor
 
 

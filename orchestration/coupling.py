@@ -106,6 +106,8 @@ class Work(NamedTuple):
         Assumed values at the end of the step, by link.
     residual, last_residual
         Of the assumed links, source minus assumed value.
+    pair_start, pair_residual
+        Of Aitken's iteration: assumed values before it, and what it changes unrelaxed.
     states
         Addresses of the states saved at each level, int64, shape (LEVELS, n_components).
     kept_reals, kept_discretes, kept_past, kept_times, kept_integers
@@ -126,6 +128,8 @@ class Work(NamedTuple):
     end: np.ndarray
     residual: np.ndarray
     last_residual: np.ndarray
+    pair_start: np.ndarray
+    pair_residual: np.ndarray
     states: np.ndarray
     kept_reals: np.ndarray
     kept_discretes: np.ndarray

@@ -6,6 +6,7 @@ from contextlib import ExitStack, contextmanager
 
 import numpy as np
 
+from orchestration.algebraic import solve_loops
 from orchestration.archive import unpacked
 from orchestration.assembly import Assembly
 from orchestration.errors import InitializationError
@@ -50,13 +51,13 @@ def opened(system: System) -> Iterator[list[Instance]]:
 def initialize(system: System, instances: Sequence[Instance], assembly: Assembly, t0: float) -> None:
     """Set start values, propagate outputs to inputs in initialization mode, and leave it.
 
-    Outputs are transferred until nothing changes, so a chain of any length settles; afterwards the
-    plan's outputs hold row 0.
+    Outputs are transferred until nothing changes, so a chain of any length settles; what does not
+    settle so is an algebraic loop, and solved. Afterwards the plan's outputs hold row 0.
 
     Raises
     ------
     InitializationError
-        If a call fails, or the values do not settle: an algebraic loop.
+        If a call fails, or an algebraic loop has no solution near the start values.
     """
     for component, instance in zip(system.components, instances, strict=True):
         set_values(component, instance, component.start)
@@ -95,7 +96,7 @@ def _propagate(system: System, instances: Sequence[Instance], assembly: Assembly
     plan = assembly.plan
     _get_all(instances, assembly)
     before = plan.reals.copy(), plan.discretes.copy()
-    # A chain passes through each connection at most once; anything longer is a loop.
+    # A chain passes through each connection at most once; anything longer is an algebraic loop.
     for _ in range(len(system.connections) + 1):
         before = plan.reals.copy(), plan.discretes.copy()
         for i, instance in enumerate(instances):
@@ -104,17 +105,17 @@ def _propagate(system: System, instances: Sequence[Instance], assembly: Assembly
         _get_all(instances, assembly)
         if _same(before[0], plan.reals) and _same(before[1], plan.discretes):
             return
-    unsettled = [
-        f"{name} ({before[0][i]:.17g}, then {plan.reals[i]:.17g})"
-        for name, i in assembly.real_outputs.items()
-        if before[0][i] != plan.reals[i]
-    ]
-    names = ", ".join(unsettled[:3]) or "Integer or Boolean outputs"
-    msg = (
-        f"System {system.name}: {names} do not settle during initialization: the connections close an"
-        " algebraic loop. Break it with a component whose outputs do not depend on its inputs."
-    )
-    raise InitializationError(msg)
+    def evaluate(i: int | None) -> None:
+        for k in range(len(instances)) if i is None else (i,):
+            row = plan.table[k]
+            copy_links(plan.discrete_links, row[FIRST_DISCRETE], row[END_DISCRETE], plan.discretes)
+            _raise_failure(instances[k], *set_inputs(plan.table, k))
+            _raise_failure(instances[k], *get_outputs(plan.table, k))
+
+    solve_loops(system.name, assembly, evaluate)
+    if not _same(before[1], plan.discretes):
+        msg = f"System {system.name}: Integer or Boolean outputs do not settle during initialization."
+        raise InitializationError(msg)
 
 
 def _transfer(assembly: Assembly, i: int) -> None:

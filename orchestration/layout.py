@@ -254,6 +254,8 @@ def _work(rates: np.ndarray, states: np.ndarray, sizes: tuple[int, int, int]) ->
         end=np.zeros(n_links),
         residual=np.zeros(n_assumed),
         last_residual=np.zeros(n_assumed),
+        pair_start=np.zeros(n_assumed),
+        pair_residual=np.zeros(n_assumed),
         states=states,
         kept_reals=np.zeros(n_reals),
         kept_discretes=np.zeros(n_discretes, np.int32),
