@@ -105,6 +105,7 @@ def _propagate(system: System, instances: Sequence[Instance], assembly: Assembly
         _get_all(instances, assembly)
         if _same(before[0], plan.reals) and _same(before[1], plan.discretes):
             return
+
     def evaluate(i: int | None) -> None:
         for k in range(len(instances)) if i is None else (i,):
             row = plan.table[k]

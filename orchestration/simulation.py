@@ -28,7 +28,13 @@ from orchestration import coupling as places
 from orchestration import loop
 from orchestration.algorithm import SEQUENTIAL, Algorithm
 from orchestration.assembly import Assembly, assemble
-from orchestration.errors import InitializationError, RunInterrupted, SimulationError, SystemDescriptionError
+from orchestration.errors import (
+    InitializationError,
+    OrchestrationError,
+    RunInterrupted,
+    SimulationError,
+    SystemDescriptionError,
+)
 from orchestration.fmu import WORST_ACCEPTED, Instance
 from orchestration.grid import Grid
 from orchestration.initialize import initialize, opened, set_values
@@ -118,7 +124,9 @@ class Simulation:
         try:
             if kind is None:
                 self._terminate()
-        except SimulationError as failed:
+            else:
+                self._recorder.flush()
+        except OrchestrationError as failed:
             self._stack.__exit__(type(failed), failed, failed.__traceback__)
             raise
         self._stack.__exit__(kind, error, trace)
@@ -136,6 +144,11 @@ class Simulation:
     def time(self) -> float:
         """Where the run is, s."""
         return float(self._layout.work.numbers[places.TIME])
+
+    @property
+    def steps_made(self) -> int:
+        """Number of steps that were accepted."""
+        return int(self._layout.work.integers[places.STEPS_MADE])
 
     def run(self, until: float | None = None) -> None:
         """Go on.

@@ -153,6 +153,14 @@ def stability(
     )
 
 
+def is_stable(system: System, step: float | None = None, algorithm: str | Algorithm = "gauss-seidel") -> bool:
+    """Whether deviations do not grow at the start: `stability` without the search for steps and advice."""
+    algorithm, step = find_algorithm(algorithm), system.step if step is None else step
+    with operating_point(system, step, 0.0) as probes:
+        examined = Examined(system, step, 0.0, probes, algorithm)
+        return examined.judged(examined.coupled(step, algorithm.order), step).stable
+
+
 def _limits(search: Search, largest: float | None) -> str:
     """What the search found."""
     h = search.here.step

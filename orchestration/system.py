@@ -9,6 +9,7 @@ from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from orchestration.errors import SystemDescriptionError
 from orchestration.fmu import (
@@ -21,6 +22,10 @@ from orchestration.fmu import (
     parse_value,
     read_description,
 )
+
+if TYPE_CHECKING:
+    from orchestration.algorithm import Algorithm
+    from orchestration.stability import Verdict
 
 RATIO_TOLERANCE = 1e-9  # by which a quotient of two times may miss an integer
 
@@ -261,6 +266,14 @@ class System:
         """Set the step and every ``sample_time``, s."""
         values = {f"{c.name}.{SAMPLE_TIME}": sample_time for c in self.components if c.sample_time is not None}
         return replace(self.set(values), step=sample_time)
+
+    def stability(
+        self, step: float | None = None, algorithm: "str | Algorithm" = "gauss-seidel", *, at: float = 0.0
+    ) -> "Verdict":
+        """Whether an algorithm is stable at a step, s, around the time `at`, s; see `orchestration.stability`."""
+        from orchestration.stability import stability
+
+        return stability(self, step, algorithm, at=at)
 
     def unconnected_inputs(self) -> list[str]:
         """Inputs that keep their start value, as ``component.input``."""

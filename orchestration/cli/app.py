@@ -57,13 +57,38 @@ def run(
         list[str] | None,
         typer.Option("--set", metavar="COMP.VAR=VALUE", help="Start value; may be repeated."),
     ] = None,
-    algorithm: Annotated[str, typer.Option(help="gauss-seidel or jacobi.")] = "gauss-seidel",
+    algorithm: Annotated[
+        str, typer.Option(help="gauss-seidel, jacobi, iterative, newton or adaptive.")
+    ] = "gauss-seidel",
+    exchange: Annotated[
+        str | None, typer.Option(help="sequential or parallel, if not as the algorithm has it.")
+    ] = None,
+    input_order: Annotated[int | None, typer.Option(help="Degree, 0 to 2, of continuous inputs over a step.")] = None,
+    tolerance: Annotated[
+        float | None, typer.Option(help="Relative tolerance of iterative, newton or adaptive.")
+    ] = None,
+    absolute: Annotated[
+        list[str] | None,
+        typer.Option("--absolute", metavar="UNIT=VALUE", help="Absolute tolerance of a unit; may be repeated."),
+    ] = None,
+    crossing: Annotated[
+        list[str] | None,
+        typer.Option("--crossing", metavar="COMP.VAR", help="Locate sign changes of this output; may be repeated."),
+    ] = None,
+    ratio: Annotated[
+        list[str] | None,
+        typer.Option("--ratio", metavar="COMP=N", help="This component makes steps of N steps; may be repeated."),
+    ] = None,
     order: Annotated[str | None, typer.Option(help="Components in the order of stepping: A,B,...")] = None,
     step: Annotated[float | None, typer.Option(help="Communication step, s.")] = None,
     sample_time: Annotated[float | None, typer.Option(help="Communication step and every sample_time, s.")] = None,
     stop: Annotated[float | None, typer.Option(help="Stop time, s.")] = None,
-    out: Annotated[Path | None, typer.Option(help="CSV file for the result.")] = None,
+    out: Annotated[Path | None, typer.Option(help="File for the result, .csv or .parquet.")] = None,
     record: Annotated[str | None, typer.Option(help="Outputs to record: COMP.VAR,...; all by default.")] = None,
+    every: Annotated[int, typer.Option(help="Record every n-th step.")] = 1,
+    verdict: Annotated[
+        bool, typer.Option("--verdict/--no-verdict", help="Warn before the run if the algorithm is unstable.")
+    ] = True,
     strict: Annotated[bool, typer.Option("--strict", help="Unconnected inputs are an error.")] = False,
     allow_stale_inputs: Annotated[
         bool,
@@ -71,14 +96,18 @@ def run(
     ] = False,
 ) -> None:
     """Run a system and print what it did."""
-    from orchestration.cli.commands import RunRequest, run_system
+    from orchestration.cli.run import AlgorithmRequest, RunRequest, run_system
 
     run_system(
         RunRequest(
             system=system,
             controller=controller,
             settings=tuple(set_ or ()),
-            algorithm=algorithm,
+            algorithm=AlgorithmRequest(algorithm, exchange, input_order, tolerance, tuple(absolute or ())),
+            ratios=tuple(ratio or ()),
+            crossings=tuple(crossing or ()),
+            every=every,
+            verdict=verdict,
             order=order.split(",") if order else None,
             step=step,
             sample_time=sample_time,

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from adaptimp_fmu import SampledModel, build
-from orchestration import System, simulate
+from orchestration import Result, System, simulate
 from orchestration.cli.app import app
 from tests.faults.cli import Command
 
@@ -105,8 +105,10 @@ def test_help_imports_nothing_heavy(arguments: tuple[str, ...]) -> None:
 
 
 @pytest.mark.skipif(os.name == "nt", reason="Windows has no SIGINT for another process")
-def test_interrupt_leaves_no_file(tmp_path: Path) -> None:
-    command = [ADAPTIMP, "run", "fig2", "--stop", "2000", "--record", "plant.x[1]", "--out", "long.csv"]
+@pytest.mark.parametrize("suffix", ["csv", "parquet"])
+def test_interrupt_keeps_the_rows_that_are_complete(tmp_path: Path, suffix: str) -> None:
+    chosen = ["--stop", "2000", "--record", "plant.x[1]", "--every", "100", "--out", f"long.{suffix}"]
+    command = [ADAPTIMP, "run", "fig2", *chosen]
     pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
     # A shell starts what it puts into the background with SIGINT ignored, and children inherit that.
     heed = {"preexec_fn": lambda: signal.signal(signal.SIGINT, signal.default_int_handler)}
@@ -117,8 +119,14 @@ def test_interrupt_leaves_no_file(tmp_path: Path) -> None:
         run.send_signal(signal.SIGINT)
         _, err = run.communicate(timeout=30)
     assert run.returncode == 130  # as shells have it
-    assert err.strip() == "Interrupted: the run was stopped and nothing is written."
-    assert not list(tmp_path.iterdir())
+    partial = f"long.partial.{suffix}"
+    assert err.startswith("Interrupted: the run was stopped.\n")
+    assert f"wrote {partial}" in err
+    assert [path.name for path in tmp_path.iterdir()] == [partial]
+    result = Result.read(tmp_path / partial)
+    assert result.time.tobytes() == (np.arange(len(result.time)) * 100 * 1e-4).tobytes()
+    assert len(result.time) > 100
+    assert np.isfinite(result["plant.x[1]"]).all()
 
 
 def test_installed_command_explains_itself(tmp_path: Path) -> None:
