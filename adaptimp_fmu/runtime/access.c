@@ -55,6 +55,10 @@ static int arrays_present(const Instance *instance, size_t n, const void *refere
     return 0;
 }
 
+static int stepping(const Instance *instance) {
+    return instance && instance->state.phase == STEP_COMPLETE;
+}
+
 /* 1 if all references are inputs of the type: what a host sets at every step, needing no more checks. */
 static int all_inputs(const fmi2ValueReference vr[], size_t n, VariableType type) {
     int all = 1;
@@ -70,14 +74,15 @@ static int all_of_type(const fmi2ValueReference vr[], size_t n, VariableType typ
     return all;
 }
 
+/* What a host does at every step comes first, in a function so small that it saves no register;
+ * the rest is another function. */
 #define DEFINE_SETTER(FUNCTION, VALUE, TYPE, CONVERT)                                              \
-    fmi2Status FUNCTION(fmi2Component c, const fmi2ValueReference vr[], size_t nvr,                \
-                        const VALUE value[]) {                                                     \
-        Instance *instance = allowed(c, ALLOWED_SET, #FUNCTION);                                   \
+    static RARE fmi2Status FUNCTION##_checked(Instance *component, const fmi2ValueReference vr[],  \
+                                              size_t nvr, const VALUE value[]) {                   \
+        Instance *instance = allowed(component, ALLOWED_SET, #FUNCTION);                           \
         int parameter_changed = 0;                                                                 \
         if (!instance || !arrays_present(instance, nvr, vr, value, #FUNCTION)) return fmi2Error;   \
-        const int plain = all_inputs(vr, nvr, TYPE);                                               \
-        for (size_t i = 0; i < nvr && !plain; ++i) {                                               \
+        for (size_t i = 0; i < nvr; ++i) {                                                         \
             if (!is_variable(instance, vr[i], TYPE, #FUNCTION) ||                                  \
                 !is_settable(instance, &model_variables[vr[i]], CONVERT(value[i]), #FUNCTION))     \
                 return fmi2Error;                                                                  \
@@ -86,17 +91,34 @@ static int all_of_type(const fmi2ValueReference vr[], size_t n, VariableType typ
         for (size_t i = 0; i < nvr; ++i) instance->state.values[vr[i]] = CONVERT(value[i]);        \
         note_change(&instance->state, parameter_changed);                                          \
         return fmi2OK;                                                                             \
+    }                                                                                              \
+                                                                                                   \
+    fmi2Status FUNCTION(fmi2Component c, const fmi2ValueReference vr[], size_t nvr,                \
+                        const VALUE value[]) {                                                     \
+        Instance *instance = (Instance *)c;                                                        \
+        if (!stepping(instance) || !vr || !value || !all_inputs(vr, nvr, TYPE))                    \
+            return FUNCTION##_checked(instance, vr, nvr, value);                                   \
+        for (size_t i = 0; i < nvr; ++i) instance->state.values[vr[i]] = CONVERT(value[i]);        \
+        return fmi2OK;                                                                             \
     }
 
 #define DEFINE_GETTER(FUNCTION, VALUE, TYPE)                                                       \
-    fmi2Status FUNCTION(fmi2Component c, const fmi2ValueReference vr[], size_t nvr,                \
-                        VALUE value[]) {                                                           \
-        Instance *instance = allowed(c, ALLOWED_GET, #FUNCTION);                                   \
+    static RARE fmi2Status FUNCTION##_checked(Instance *component, const fmi2ValueReference vr[],  \
+                                              size_t nvr, VALUE value[]) {                         \
+        Instance *instance = allowed(component, ALLOWED_GET, #FUNCTION);                           \
         if (!instance || !arrays_present(instance, nvr, vr, value, #FUNCTION)) return fmi2Error;   \
-        const int plain = all_of_type(vr, nvr, TYPE);                                              \
-        for (size_t i = 0; i < nvr && !plain; ++i)                                                 \
+        for (size_t i = 0; i < nvr; ++i)                                                           \
             if (!is_variable(instance, vr[i], TYPE, #FUNCTION)) return fmi2Error;                  \
         if (instance->state.phase == INITIALIZATION) refresh_outputs(instance);                    \
+        for (size_t i = 0; i < nvr; ++i) value[i] = (VALUE)instance->state.values[vr[i]];          \
+        return fmi2OK;                                                                             \
+    }                                                                                              \
+                                                                                                   \
+    fmi2Status FUNCTION(fmi2Component c, const fmi2ValueReference vr[], size_t nvr,                \
+                        VALUE value[]) {                                                           \
+        Instance *instance = (Instance *)c;                                                        \
+        if (!stepping(instance) || !vr || !value || !all_of_type(vr, nvr, TYPE))                   \
+            return FUNCTION##_checked(instance, vr, nvr, value);                                   \
         for (size_t i = 0; i < nvr; ++i) value[i] = (VALUE)instance->state.values[vr[i]];          \
         return fmi2OK;                                                                             \
     }

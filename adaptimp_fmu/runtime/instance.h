@@ -18,6 +18,13 @@ typedef enum {
 
 enum { LOG_ERROR = 1 << 0, LOG_WARNING = 1 << 1, LOG_ALL = LOG_ERROR | LOG_WARNING };
 
+/* Marks what is not to be inlined into what runs at every step. */
+#if defined(__GNUC__) || defined(__clang__)
+#define RARE __attribute__((noinline, cold))
+#else
+#define RARE
+#endif
+
 #define MAX_INPUT_ORDER 2                          /* of input derivatives that are used */
 
 /* All that a rollback restores. Plain numbers, so a copy is a snapshot. */

@@ -61,14 +61,14 @@ static void compute_tick(State *s, double *y, double *next, double *checks) {
     model_tick(tick_time(s), s->states, inputs(s), parameters(s), s->constants, w, y, next, checks);
 }
 
-static void initialize_states(State *s) {
+static RARE void initialize_states(State *s) {
     model_initial(tick_time(s), inputs(s), parameters(s), s->constants, s->states);
 }
 
 static void constants_changed(State *s) { (void)s; }
 
 /* What the first tick would give; the state does not advance. */
-static void show_initial_outputs(State *s, double *checks) {
+static RARE void show_initial_outputs(State *s, double *checks) {
     double next[AT_LEAST_ONE(MODEL_N_STATES)];
     compute_tick(s, outputs(s), next, checks);
 }
@@ -93,15 +93,17 @@ static double floor_of(double x) { return (double)(int64_t)x; }
 
 static double ceil_of(double x) { return floor_of(x) + (floor_of(x) < x); }
 
+static RARE int too_many_ticks(const Instance *instance, double h, double end) {
+    fail(instance, "A step of %.17g s holds %g ticks of sample_time = %.17g s, more than %g.", h, end,
+         instance->state.values[MODEL_PERIOD], MAX_TICKS);
+    return 0;
+}
+
 static int advance(Instance *instance, double t, double h) {
     State *s = &instance->state;
     const double period = s->values[MODEL_PERIOD];
     double end = s->tick_fraction + h / period;
-    if (!(end <= MAX_TICKS)) {
-        fail(instance, "A step of %.17g s holds %g ticks of sample_time = %.17g s, more than %g.", h,
-             end, period, MAX_TICKS);
-        return 0;
-    }
+    if (!(end <= MAX_TICKS)) return too_many_ticks(instance, h, end);
     const double nearest = floor_of(end + 0.5);
     if (fabs(end - nearest) <= 1e-9 + 4 * DBL_EPSILON * fabs(t + h) / period) end = nearest;
     const int64_t ticks = (int64_t)(ceil_of(end) - ceil_of(s->tick_fraction));

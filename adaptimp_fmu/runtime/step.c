@@ -9,26 +9,32 @@ static double time_tolerance(double t, double h) {
     return 1e-6 * h + 1e-9 * scale;
 }
 
-static int step_valid(const Instance *instance, double t, double h) {
+static int ends_late(const State *s, double t, double h) {
+    return s->stop_time_defined && t + h > s->stop_time + time_tolerance(s->stop_time, h);
+}
+
+/* Says what is wrong with a step that is not valid. */
+static RARE int step_invalid(const Instance *instance, double t, double h) {
     const State *s = &instance->state;
-    if (!(h > 0 && isfinite(t + h))) {
+    if (!(h > 0 && isfinite(t + h)))
         fail(instance, "fmi2DoStep: the step from t = %.17g s of h = %.17g s is not a positive finite "
                        "step.",
              t, h);
-        return 0;
-    }
-    if (!(fabs(t - s->time) <= time_tolerance(t, h))) {
+    else if (ends_late(s, t, h) && fabs(t - s->time) <= time_tolerance(t, h))
+        fail(instance, "fmi2DoStep: the step ends at %.17g s, after the stop time %.17g s.", t + h,
+             s->stop_time);
+    else
         fail(instance, "fmi2DoStep: the communication point %.17g s is not the end of the previous "
                        "step, %.17g s.",
              t, s->time);
-        return 0;
-    }
-    if (s->stop_time_defined && t + h > s->stop_time + time_tolerance(s->stop_time, h)) {
-        fail(instance, "fmi2DoStep: the step ends at %.17g s, after the stop time %.17g s.", t + h,
-             s->stop_time);
-        return 0;
-    }
-    return 1;
+    return 0;
+}
+
+static int step_valid(const Instance *instance, double t, double h) {
+    const State *s = &instance->state;
+    const int valid = h > 0 && isfinite(t + h) && fabs(t - s->time) <= time_tolerance(t, h) &&
+                      !ends_late(s, t, h);
+    return valid ? 1 : step_invalid(instance, t, h);
 }
 
 /* A step that is wrong for its time, size or inputs changes nothing; one that fails on the way, or

@@ -27,28 +27,31 @@ static const char *not_finite(double value) {
     return isnan(value) ? "nan" : value > 0 ? "inf" : "-inf";
 }
 
-static int inputs_valid(const Instance *instance) {
-    const double *u = instance->state.values + MODEL_FIRST_INPUT;
-    if (all_finite(u, MODEL_N_INPUTS)) return 1;
+static RARE int input_invalid(const Instance *instance, const double *u) {
     size_t i = first_not_finite(u, MODEL_N_INPUTS);
     fail(instance, "Input %s is %s; it must be finite.", model_variables[MODEL_FIRST_INPUT + i].name,
          not_finite(u[i]));
     return 0;
 }
 
+static int inputs_valid(const Instance *instance) {
+    const double *u = instance->state.values + MODEL_FIRST_INPUT;
+    return all_finite(u, MODEL_N_INPUTS) ? 1 : input_invalid(instance, u);
+}
+
+static RARE int check_fails(const Instance *instance, double check, const char *sentence) {
+    fail(instance, "%s (value %.17g, must be positive).", sentence, check);
+    return 0;
+}
+
 static int checks_pass(const Instance *instance, const double *checks, size_t n,
                        const char *const *sentences) {
-    for (size_t i = 0; i < n; ++i) {
-        if (!(checks[i] > 0)) {
-            fail(instance, "%s (value %.17g, must be positive).", sentences[i], checks[i]);
-            return 0;
-        }
-    }
+    for (size_t i = 0; i < n; ++i)
+        if (!(checks[i] > 0)) return check_fails(instance, checks[i], sentences[i]);
     return 1;
 }
 
-static int outputs_valid(const Instance *instance, const double *y, double t) {
-    if (all_finite(y, MODEL_N_OUTPUTS)) return 1;
+static RARE int output_invalid(const Instance *instance, const double *y, double t) {
     size_t i = first_not_finite(y, MODEL_N_OUTPUTS);
     fail(instance, "Output %s is %s at t = %.17g s; the inputs describe a state the model cannot "
                    "compute (divergence or a singular configuration).",
@@ -56,21 +59,31 @@ static int outputs_valid(const Instance *instance, const double *y, double t) {
     return 0;
 }
 
-static int states_valid(const Instance *instance, const double *x, double t) {
-    if (all_finite(x, MODEL_N_STATES)) return 1;
+static int outputs_valid(const Instance *instance, const double *y, double t) {
+    return all_finite(y, MODEL_N_OUTPUTS) ? 1 : output_invalid(instance, y, t);
+}
+
+static RARE int state_invalid(const Instance *instance, const double *x, double t) {
     size_t i = first_not_finite(x, MODEL_N_STATES);
     fail(instance, "State %s is %s at t = %.17g s; it diverges.", model_states[i], not_finite(x[i]), t);
     return 0;
 }
 
-/* Derives the constants if a parameter has changed. Returns 0 if the parameters contradict. */
-static int calibrated(Instance *instance) {
+static int states_valid(const Instance *instance, const double *x, double t) {
+    return all_finite(x, MODEL_N_STATES) ? 1 : state_invalid(instance, x, t);
+}
+
+static RARE int recalibrated(Instance *instance) {
     State *s = &instance->state;
     double checks[AT_LEAST_ONE(MODEL_N_STATIC_CHECKS)];
-    if (!s->constants_stale) return 1;
     model_calibrate(parameters(s), s->constants, checks, &s->noise_active);
     if (!checks_pass(instance, checks, MODEL_N_STATIC_CHECKS, model_static_checks)) return 0;
     s->constants_stale = 0;
     constants_changed(s);
     return 1;
+}
+
+/* Derives the constants if a parameter has changed. Returns 0 if the parameters contradict. */
+static int calibrated(Instance *instance) {
+    return instance->state.constants_stale ? recalibrated(instance) : 1;
 }
