@@ -12,17 +12,17 @@ as it serves.
 import numpy as np
 from numba import njit
 
-from orchestration.calls import call_direction, call_state
+from orchestration.calls import call_direction
 from orchestration.coupling import (
     GET_DIRECTION,
     HAS_JACOBIAN,
     ITERATION,
     ITERATIONS,
     JACOBIAN_STEP,
+    N_PAST,
     ONE,
     RATE_1,
     REFERENCE,
-    SET_STATE,
     SOURCE,
     STARTING,
     TARGET_UNIT,
@@ -32,66 +32,50 @@ from orchestration.coupling import (
 )
 from orchestration.fmu import WORST_ACCEPTED
 from orchestration.loop import COMPONENT, COUNT, GET_REAL, REFERENCES, VALUES, Plan
-from orchestration.sweeps import (
-    DIRECTION,
-    FINE,
-    RESTORE,
-    Failure,
-    first_sweep,
-    polynomial,
-    repeat_sweep,
-    save,
-    show,
-    step_unit,
-)
+from orchestration.sweeps import AGAIN, ALL, DIRECTION, FINE, Failure, copy, polynomial, sweep, turn
 
 NOT_CONVERGED, SINGULAR = 100, 101
 SLOW = 0.2  # an iteration that leaves more of the residual asks for a new Jacobian
 _options = {"cache": True, "nogil": True, "error_model": "numpy"}
 
 
-@njit(**_options)
+@njit(inline="always", **_options)
 def corrected_step(plan: Plan, coupling: Coupling, work: Work, method: Method, step: tuple[float, float]) -> Failure:
-    """Sweep until the assumed values are those that come out."""
-    links = coupling.links
-    for j in coupling.assumed:
-        work.end[j] = extrapolated(links[j], work, method.order, step[1])
-    if method.sweeps != 1:
-        failure = save(plan, coupling, work, ITERATION)
-        if failure[2] > WORST_ACCEPTED:
-            return failure
-    failure = first_sweep(plan, coupling, work, method, step)
-    sweeps, factor = 1, 1.0
-    while failure[2] <= WORST_ACCEPTED:
-        work.integers[ITERATIONS] += 1
-        worst, size = worst_residual(plan, coupling, work)
-        if sweeps == method.sweeps or (method.sweeps == 0 and size <= 1.0):
-            return FINE
-        if method.sweeps == 0 and sweeps >= method.max_iterations:
-            return worst, 0, NOT_CONVERGED
-        if method.newton:
-            failure = newton(plan, coupling, work, method, step, sweeps)
-        else:
-            factor = relax(coupling, work, method, factor, sweeps)
-        if failure[2] <= WORST_ACCEPTED:
-            failure = repeat_sweep(plan, coupling, work, method, step)
-        sweeps += 1
-    return failure
+    """Sweep, and go on if inputs are corrected until the assumed values are those that come out.
 
-
-@njit(**_options)
-def starting_step(plan: Plan, coupling: Coupling, work: Work, method: Method, step: tuple[float, float]) -> Failure:
-    """A step without a past to extrapolate: made with held inputs, then again towards what came out."""
-    for j in coupling.assumed:
-        work.end[j] = work.past[0, coupling.links[j, SOURCE]]
-    work.integers[STARTING] = 1
-    failure = save(plan, coupling, work, ITERATION)
-    if failure[2] <= WORST_ACCEPTED:
-        failure = first_sweep(plan, coupling, work, method, step)
-    if failure[2] <= WORST_ACCEPTED:
+    A step without a past to extrapolate is made with held inputs, then again towards what came out.
+    """
+    starting = method.restarts and work.integers[N_PAST] == 1
+    correcting = method.max_iterations > 0
+    work.integers[STARTING] = starting
+    failure = FINE
+    if starting or correcting:
         for j in coupling.assumed:
-            work.end[j] = plan.reals[coupling.links[j, SOURCE]]
-        failure = repeat_sweep(plan, coupling, work, method, step)
+            work.end[j] = extrapolated(coupling.links[j], work, method.order, step[1])
+        if method.sweeps != 1:
+            failure = turn(plan, coupling, work, ITERATION, AGAIN, False)
+    sweeps, factor = 0, 1.0
+    while failure[2] <= WORST_ACCEPTED:
+        failure = sweep(plan, coupling, work, method, step, ALL if sweeps == 0 else AGAIN)
+        sweeps += 1
+        if failure[2] > WORST_ACCEPTED or not (correcting or (starting and sweeps == 1)):
+            break
+        if starting:
+            for j in coupling.assumed:
+                work.end[j] = plan.reals[coupling.links[j, SOURCE]]
+        else:
+            work.integers[ITERATIONS] += 1
+            worst, size = worst_residual(plan, coupling, work)
+            if sweeps == method.sweeps or (method.sweeps == 0 and size <= 1.0):
+                break
+            if method.sweeps == 0 and sweeps >= method.max_iterations:
+                return worst, 0, NOT_CONVERGED
+            if method.newton:
+                failure = newton(plan, coupling, work, method, step, sweeps)
+            else:
+                factor = relax(coupling, work, method, factor, sweeps)
+        if failure[2] <= WORST_ACCEPTED:
+            failure = turn(plan, coupling, work, ITERATION, AGAIN, True)
     work.integers[STARTING] = 0
     return failure
 
@@ -112,7 +96,7 @@ def worst_residual(plan: Plan, coupling: Coupling, work: Work) -> tuple[int, flo
     Discrete inputs must equal their sources; one that does not counts as infinite, with the number of
     Real links added to its own.
     """
-    work.last_residual[:] = work.residual
+    copy(work.residual, work.last_residual)
     worst, size = -1, 0.0
     for place, j in enumerate(coupling.assumed):
         value = plan.reals[coupling.links[j, SOURCE]]
@@ -158,7 +142,7 @@ def relax(coupling: Coupling, work: Work, method: Method, factor: float, sweeps:
     return factor
 
 
-@njit(**_options)
+@njit(inline="always", **_options)
 def newton(
     plan: Plan, coupling: Coupling, work: Work, method: Method, step: tuple[float, float], sweeps: int
 ) -> Failure:
@@ -170,15 +154,15 @@ def newton(
             failure = difference_jacobian(plan, coupling, work, method, step)
         if failure[2] > WORST_ACCEPTED:
             return failure
-        work.jacobian[:, :] = -work.jacobian
-        for place in range(coupling.assumed.shape[0]):
-            work.jacobian[place, place] += 1.0
+        for row in range(coupling.assumed.shape[0]):
+            for column in range(coupling.assumed.shape[0]):
+                work.jacobian[row, column] = (1.0 if row == column else 0.0) - work.jacobian[row, column]
         if not factorize(work.jacobian, work.pivots):
             work.integers[HAS_JACOBIAN] = 0
             return coupling.assumed[0], 0, SINGULAR
         work.integers[HAS_JACOBIAN] = 1
         work.numbers[JACOBIAN_STEP] = step[1]
-    work.scratch[:] = work.residual
+    copy(work.residual, work.scratch)
     solve(work.jacobian, work.pivots, work.scratch)
     for place, j in enumerate(coupling.assumed):
         work.end[j] += work.scratch[place]
@@ -189,18 +173,19 @@ def newton(
 def difference_jacobian(
     plan: Plan, coupling: Coupling, work: Work, method: Method, step: tuple[float, float]
 ) -> Failure:
-    """dy/du by repeating the step with one assumed value after the other displaced."""
+    """dy/du by repeating the step with one assumed value after the other displaced.
+
+    In a parallel exchange that moves one unit only.
+    """
     failure = FINE
-    work.trial[:] = plan.reals
+    copy(plan.reals, work.trial)
     for column, j in enumerate(coupling.assumed):
-        value = work.end[j]
-        displacement = 1e-6 * abs(value) + 1e3 * coupling.link_tolerances[j, 0]
-        work.end[j] = value + displacement
-        plan.reals[:] = work.trial
-        if method.sequential:
-            failure = repeat_sweep(plan, coupling, work, method, step)
-        else:
-            failure = repeat_unit(plan, coupling, work, method, coupling.links[j, TARGET_UNIT], step)
+        value, only = work.end[j], AGAIN if method.sequential else coupling.links[j, TARGET_UNIT]
+        work.end[j] = value + 1e-6 * abs(value) + 1e3 * coupling.link_tolerances[j, 0]
+        copy(work.trial, plan.reals)
+        failure = turn(plan, coupling, work, ITERATION, only, True)
+        if failure[2] <= WORST_ACCEPTED:
+            failure = sweep(plan, coupling, work, method, step, only)
         if failure[2] > WORST_ACCEPTED:
             return failure
         displacement = work.end[j] - value
@@ -208,20 +193,8 @@ def difference_jacobian(
         for row, i in enumerate(coupling.assumed):
             source = coupling.links[i, SOURCE]
             work.jacobian[row, column] = (plan.reals[source] - work.trial[source]) / displacement
-    plan.reals[:] = work.trial
+    copy(work.trial, plan.reals)
     return failure
-
-
-@njit(**_options)
-def repeat_unit(
-    plan: Plan, coupling: Coupling, work: Work, method: Method, i: int, step: tuple[float, float]
-) -> Failure:
-    """Go back with one unit, and step it again."""
-    status = call_state(coupling.units[i, SET_STATE], plan.table[i, COMPONENT], work.states[ITERATION, i])
-    if status > WORST_ACCEPTED:
-        return i, RESTORE, status
-    failure = step_unit(plan, coupling, work, method, i, step)
-    return show(plan, i) if failure[2] <= WORST_ACCEPTED else failure
 
 
 @njit(**_options)
@@ -230,10 +203,11 @@ def directional_jacobian(plan: Plan, coupling: Coupling, work: Work) -> Failure:
 
     A unit writes the differentials of its outputs where its outputs belong.
     """
-    work.trial[:] = plan.reals
+    copy(plan.reals, work.trial)
     for column, j in enumerate(coupling.assumed):
         i = coupling.links[j, TARGET_UNIT]
-        plan.reals[:] = 0.0
+        for k in range(plan.reals.shape[0]):
+            plan.reals[k] = 0.0
         status = 0
         if plan.table[i, GET_REAL + COUNT] > 0:
             status = call_direction(
@@ -247,7 +221,7 @@ def directional_jacobian(plan: Plan, coupling: Coupling, work: Work) -> Failure:
             )
         for row, k in enumerate(coupling.assumed):
             work.jacobian[row, column] = plan.reals[coupling.links[k, SOURCE]]
-        plan.reals[:] = work.trial
+        copy(work.trial, plan.reals)
         if status > WORST_ACCEPTED:
             return i, DIRECTION, status
     return FINE

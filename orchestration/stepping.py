@@ -16,7 +16,7 @@ from math import isfinite
 
 from numba import njit
 
-from orchestration.correction import corrected_step, starting_step
+from orchestration.correction import corrected_step
 from orchestration.coupling import (
     HAS_JACOBIAN,
     INTERVAL,
@@ -24,7 +24,6 @@ from orchestration.coupling import (
     N_PAST,
     NEXT_STEP,
     REJECTED,
-    STEP,
     STEPS_MADE,
     TIME,
     Coupling,
@@ -33,7 +32,7 @@ from orchestration.coupling import (
 )
 from orchestration.fmu import WORST_ACCEPTED
 from orchestration.loop import Plan, record
-from orchestration.sweeps import FINE, Failure, first_sweep, remember, restore, save
+from orchestration.sweeps import FINE, Failure, copy, remember, restore, save
 
 TOO_SMALL = 102
 DISCARD = 2
@@ -43,34 +42,21 @@ INTEGRAL, PROPORTIONAL = 0.7, 0.4  # exponents of the PI controller, over the er
 _options = {"cache": True, "nogil": True, "error_model": "numpy"}
 
 
-@njit(**_options)
-def macro_step(plan: Plan, coupling: Coupling, work: Work, method: Method, t: float, h: float) -> Failure:
-    """Make one step of h s from t s; afterwards the plan's buffers show its end."""
-    if method.restarts and work.integers[N_PAST] == 1:
-        failure = starting_step(plan, coupling, work, method, (t, h))
-    elif method.max_iterations == 0:
-        failure = first_sweep(plan, coupling, work, method, (t, h))
-    else:
-        failure = corrected_step(plan, coupling, work, method, (t, h))
-    if failure[2] <= WORST_ACCEPTED:
-        remember(plan, work, t + h)
-    return failure
-
-
-@njit(**_options)
+@njit(inline="always", **_options)
 def advance(plan: Plan, coupling: Coupling, work: Work, method: Method, t: float, h: float) -> Failure:
-    """One step; with step control made twice, so that `estimate` can tell the error."""
-    if not method.controlled:
-        return macro_step(plan, coupling, work, method, t, h)
-    failure = macro_step(plan, coupling, work, method, t, h)
-    if failure[2] > WORST_ACCEPTED:
-        return failure
-    work.whole[:] = plan.reals
-    failure = restore(plan, coupling, work, STEP)
-    if failure[2] <= WORST_ACCEPTED:
-        failure = macro_step(plan, coupling, work, method, t, 0.5 * h)
-    if failure[2] <= WORST_ACCEPTED:
-        failure = macro_step(plan, coupling, work, method, t + 0.5 * h, 0.5 * h)
+    """One step of h s from t s; with step control made whole, taken back, and made in two halves."""
+    failure = FINE
+    for part in range(3 if method.controlled else 1):
+        begin = t + 0.5 * h if part == 2 else t
+        length = h if part == 0 else 0.5 * h
+        if part == 1:
+            copy(plan.reals, work.whole)
+            failure = restore(plan, coupling, work)
+        if failure[2] <= WORST_ACCEPTED:
+            failure = corrected_step(plan, coupling, work, method, (begin, length))
+        if failure[2] > WORST_ACCEPTED:
+            return failure
+        remember(plan, work, begin + length)
     return failure
 
 
@@ -112,29 +98,44 @@ def has_crossed(plan: Plan, coupling: Coupling, work: Work) -> bool:
     return False
 
 
-@njit(**_options)
-def locate(plan: Plan, coupling: Coupling, work: Work, method: Method, t: float, h: float) -> tuple[float, Failure]:
-    """Bisect the step after which a sign has just changed; the units are left at its end."""
-    below, above = 0.0, h
-    failure = FINE
+@njit(inline="always", **_options)
+def attempt(plan: Plan, coupling: Coupling, work: Work, method: Method, t: float, h: float) -> tuple[float, Failure]:
+    """Step h; if a watched sign changes, bisect to just after that.
+
+    Returns
+    -------
+    tuple
+        The step made, s, or 0 if step control refuses it; and how that went.
+    """
+    below, above, trial = 0.0, h, h
     tolerance = max(coupling.limits[4], 4e-16 * (abs(t) + h))
-    while above - below > tolerance:
-        middle = 0.5 * (below + above)
-        failure = restore(plan, coupling, work, STEP)
-        if failure[2] <= WORST_ACCEPTED:
-            failure = advance(plan, coupling, work, method, t, middle)
-        if failure[2] > WORST_ACCEPTED:
-            return above, failure
-        if has_crossed(plan, coupling, work):
-            above = middle
+    found = False
+    while True:
+        failure = advance(plan, coupling, work, method, t, trial)
+        if trial == h and not found and method.controlled:
+            error, worst = estimate(plan, coupling, work, method, h)
+            if failure[2] == DISCARD:
+                failure, error = FINE, 1e300
+            if failure[2] <= WORST_ACCEPTED and not adapt(work, method, h, error):
+                return 0.0, (worst, 0, TOO_SMALL if work.numbers[NEXT_STEP] < coupling.limits[1] else 0)
+        if failure[2] > WORST_ACCEPTED or found or coupling.crossings.shape[0] == 0:
+            return trial, failure
+        crossed = has_crossed(plan, coupling, work)
+        if trial == h and not crossed:
+            return h, failure
+        if crossed:
+            above = trial
         else:
-            below = middle
-    if h - above < max(tolerance, 1e-6 * h):  # a rest so short would spoil the inputs' polynomials
-        above = h
-    failure = restore(plan, coupling, work, STEP)
-    if failure[2] <= WORST_ACCEPTED:
-        failure = advance(plan, coupling, work, method, t, above)
-    return above, failure
+            below = trial
+        found = above - below <= tolerance
+        if found and h - above < max(tolerance, 1e-6 * h):  # a rest so short would spoil the polynomials
+            above = h
+        if found and crossed and trial == above:
+            return trial, failure
+        trial = above if found else 0.5 * (below + above)
+        failure = restore(plan, coupling, work)
+        if failure[2] > WORST_ACCEPTED:
+            return trial, failure
 
 
 @njit(**_options)
@@ -199,7 +200,8 @@ def run(
     guarded = method.controlled or coupling.crossings.shape[0] > 0
     count = 0
     while work.integers[INTERVAL] < last:
-        if count == row_times.shape[0] or budget == 0:
+        due = coupling.crossings.shape[0] > 0 or (work.integers[STEPS_MADE] + 1) % every == 0
+        if (due and count == row_times.shape[0]) or budget == 0:
             return count, (FULL, 0, 0)
         k = work.integers[INTERVAL]
         t = work.numbers[TIME]
@@ -207,35 +209,22 @@ def run(
         left = (lengths[k] if lengths.shape[0] > 1 else lengths[0]) if whole else times[k + 1] - t
         h = next_step(coupling, work, method, left)
         if guarded:
-            failure = save(plan, coupling, work, STEP)
+            failure = save(plan, coupling, work)
             if failure[2] > WORST_ACCEPTED:
                 return count, failure
         budget -= 1
-        failure = advance(plan, coupling, work, method, t, h)
-        if method.controlled:
-            error, worst = estimate(plan, coupling, work, method, h)
-            if failure[2] == DISCARD:
-                failure, error = FINE, 1e300
-            if failure[2] > WORST_ACCEPTED:
-                return count, failure
-            if not adapt(work, method, h, error):
-                if work.numbers[NEXT_STEP] < coupling.limits[1]:
-                    return count, (worst, 0, TOO_SMALL)
-                failure = restore(plan, coupling, work, STEP)
-                if failure[2] > WORST_ACCEPTED:
-                    return count, failure
-                if method.restarts:  # the error of the last value, over a small h, would be a large slope
-                    work.integers[N_PAST] = 1
-                continue
+        made, failure = attempt(plan, coupling, work, method, t, h)
         if failure[2] > WORST_ACCEPTED:
             return count, failure
-        event = guarded and has_crossed(plan, coupling, work)
-        made = h
-        if event:
-            made, failure = locate(plan, coupling, work, method, t, h)
+        if made == 0.0:
+            failure = restore(plan, coupling, work)
             if failure[2] > WORST_ACCEPTED:
                 return count, failure
-            work.past[0] = plan.reals
+            if method.restarts:  # the error of the last value, over a small h, would be a large slope
+                work.integers[N_PAST] = 1
+            continue
+        event = guarded and has_crossed(plan, coupling, work)
+        if event:
             work.integers[N_PAST] = 1
             work.integers[HAS_JACOBIAN] = 0
         if made == left:

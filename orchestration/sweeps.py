@@ -4,6 +4,7 @@ Every function returns (subject, call, status): status 0 or 1 means that all wen
 fmi2Status of that call of component `subject`.
 """
 
+import numpy as np
 from numba import njit
 
 from orchestration.calls import call_do_step, call_rates, call_state
@@ -13,7 +14,6 @@ from orchestration.coupling import (
     FRESH,
     GET_STATE,
     INTERVAL,
-    ITERATION,
     N_PAST,
     N_PAST_KEPT,
     RATE_1,
@@ -58,85 +58,67 @@ STEP_CALL_NAMES = CALL_NAMES | {
     RATES: "fmi2SetRealInputDerivatives",
     DIRECTION: "fmi2GetDirectionalDerivative",
 }
+ALL, AGAIN = -1, -2  # what to sweep over
+GIVE, MAKE, SHOW = range(3)
 _options = {"cache": True, "nogil": True, "error_model": "numpy"}
 
 
 @njit(**_options)
-def first_sweep(plan: Plan, coupling: Coupling, work: Work, method: Method, step: tuple[float, float]) -> Failure:
-    """Step every unit; one of ratio r > 1 makes a step of r h in every r-th interval.
+def copy(source: np.ndarray, target: np.ndarray) -> None:
+    """Copy numbers; an assignment of slices would compile a second of error messages each time."""
+    for i in range(source.shape[0]):
+        target[i] = source[i]
 
-    A continuous one of these shows what it reached when the time is reached.
+
+@njit(**_options)
+def sweep(plan: Plan, coupling: Coupling, work: Work, method: Method, step: tuple[float, float], only: int) -> Failure:
+    """Set inputs, step, get outputs: of all units, of the continuous ones again, or of one of them again.
+
+    The order is unit by unit, or in the first sweep of a parallel exchange action by action. (There is
+    one place for each call: what is inlined twice is compiled twice.) A unit of ratio r > 1 makes a
+    step of r h in every r-th interval; a continuous one of these shows what it reached when the time is
+    reached.
+
+    Parameters
+    ----------
+    only
+        `ALL`, `AGAIN`, or a component.
     """
     table, units, interval = plan.table, coupling.units, work.integers[INTERVAL]
     n = table.shape[0]
-    if method.sequential:
-        for i in range(n):
-            if interval % units[i, RATIO] == 0:
-                failure = step_unit(plan, coupling, work, method, i, step)
-                if failure[2] <= WORST_ACCEPTED and not (units[i, RATIO] > 1 and units[i, CONTINUOUS]):
-                    failure = show(plan, i)
-                if failure[2] > WORST_ACCEPTED:
-                    return failure
-    else:
-        for i in range(n):
-            if interval % units[i, RATIO] == 0:
-                failure = give_inputs(plan, coupling, work, method, i, step)
-                if failure[2] > WORST_ACCEPTED:
-                    return failure
-        for i in range(n):
-            if interval % units[i, RATIO] == 0:
-                status = call_do_step(table[i, DO_STEP], table[i, COMPONENT], step[0], step[1] * units[i, RATIO])
-                if status > WORST_ACCEPTED:
-                    return i, DO_STEP, status
-    for i in range(n):
-        slow = units[i, RATIO] > 1 and units[i, CONTINUOUS] == 1
-        due = (interval + 1) % units[i, RATIO] == 0 if slow else not method.sequential
+    by_unit = method.sequential or only != ALL
+    i, action = 0, GIVE
+    call, status = 0, 0
+    while i < n and action <= SHOW:
+        ratio, continuous = units[i, RATIO], units[i, CONTINUOUS] == 1
+        due = (only == ALL or only == i or (only == AGAIN and continuous)) and interval % ratio == 0
+        if action == SHOW and ratio > 1 and continuous:
+            due = (interval + 1) % ratio == 0
         if due:
-            failure = show(plan, i)
-            if failure[2] > WORST_ACCEPTED:
-                return failure
+            if action == GIVE:
+                call, status = give_inputs(plan, coupling, work, method, i, step)
+            elif action == MAKE:
+                call, status = DO_STEP, call_do_step(table[i, DO_STEP], table[i, COMPONENT], step[0], step[1] * ratio)
+            else:
+                call, status = get_outputs(table, i)
+            if status > WORST_ACCEPTED:
+                return i, call, status
+        if by_unit:
+            action += 1
+            if action > SHOW:
+                i, action = i + 1, GIVE
+        else:
+            i += 1
+            if i == n:
+                i, action = 0, action + 1
     return FINE
-
-
-@njit(**_options)
-def repeat_sweep(plan: Plan, coupling: Coupling, work: Work, method: Method, step: tuple[float, float]) -> Failure:
-    """Step the continuous units again, with the assumed values as they are now."""
-    failure = restore(plan, coupling, work, ITERATION)
-    if failure[2] > WORST_ACCEPTED:
-        return failure
-    for i in range(plan.table.shape[0]):
-        if coupling.units[i, CONTINUOUS]:
-            failure = step_unit(plan, coupling, work, method, i, step)
-            if failure[2] <= WORST_ACCEPTED:
-                failure = show(plan, i)
-            if failure[2] > WORST_ACCEPTED:
-                return failure
-    return FINE
-
-
-@njit(**_options)
-def step_unit(plan: Plan, coupling: Coupling, work: Work, method: Method, i: int, step: tuple[float, float]) -> Failure:
-    """Hand component i its inputs and step it."""
-    failure = give_inputs(plan, coupling, work, method, i, step)
-    if failure[2] > WORST_ACCEPTED:
-        return failure
-    table = plan.table
-    status = call_do_step(table[i, DO_STEP], table[i, COMPONENT], step[0], step[1] * coupling.units[i, RATIO])
-    return i, DO_STEP, status
-
-
-@njit(**_options)
-def show(plan: Plan, i: int) -> Failure:
-    """Fetch the outputs of component i."""
-    call, status = get_outputs(plan.table, i)
-    return i, call, status
 
 
 @njit(**_options)
 def give_inputs(
     plan: Plan, coupling: Coupling, work: Work, method: Method, i: int, step: tuple[float, float]
-) -> Failure:
-    """Set the inputs of component i for the step, and how they move in it."""
+) -> tuple[int, int]:
+    """Set the inputs of component i for the step, and how they move in it; returns (call, status)."""
     table, reals, row = plan.table, plan.reals, coupling.units[i]
     correcting = method.max_iterations > 0 or work.integers[STARTING] == 1
     for j in range(table[i, FIRST_REAL], table[i, END_REAL]):
@@ -164,7 +146,7 @@ def give_inputs(
             row[RATES_ORDERS],
             row[RATES_VALUES],
         )
-    return i, call, status
+    return call, status
 
 
 @njit(**_options)
@@ -201,44 +183,45 @@ def remember(plan: Plan, work: Work, t: float) -> None:
     """Make the present values the youngest of the past."""
     past, times = work.past, work.past_times
     for age in range(N_PAST_KEPT - 1, 0, -1):
-        past[age] = past[age - 1]
+        copy(past[age - 1], past[age])
         times[age] = times[age - 1]
-    past[0] = plan.reals
+    copy(plan.reals, past[0])
     times[0] = t
     work.integers[N_PAST] = min(work.integers[N_PAST] + 1, N_PAST_KEPT)
 
 
 @njit(**_options)
-def save(plan: Plan, coupling: Coupling, work: Work, level: int) -> Failure:
-    """Save the state of every unit (level `STEP`) or of the continuous ones (level `ITERATION`)."""
+def turn(plan: Plan, coupling: Coupling, work: Work, level: int, only: int, back: bool) -> Failure:
+    """Save, or go `back` to, the state of all units, of the continuous ones (`AGAIN`), or of one."""
     table, units = plan.table, coupling.units
     for i in range(table.shape[0]):
-        if level == STEP or units[i, CONTINUOUS]:
-            status = call_state(units[i, GET_STATE], table[i, COMPONENT], units[i, SAVED + level])
+        if only == ALL or only == i or (only == AGAIN and units[i, CONTINUOUS] == 1):
+            state = work.states[level, i] if back else units[i, SAVED + level]
+            status = call_state(units[i, SET_STATE if back else GET_STATE], table[i, COMPONENT], state)
             if status > WORST_ACCEPTED:
-                return i, SAVE, status
-    if level == STEP:
-        work.kept_reals[:] = plan.reals
-        work.kept_discretes[:] = plan.discretes
-        work.kept_past[:] = work.past
-        work.kept_times[:] = work.past_times
-        work.kept_integers[:] = work.integers
+                return i, RESTORE if back else SAVE, status
     return FINE
 
 
 @njit(**_options)
-def restore(plan: Plan, coupling: Coupling, work: Work, level: int) -> Failure:
+def save(plan: Plan, coupling: Coupling, work: Work) -> Failure:
+    """Save everything at level `STEP`."""
+    copy(plan.reals, work.kept_reals)
+    copy(plan.discretes, work.kept_discretes)
+    copy(work.past_times, work.kept_times)
+    copy(work.integers, work.kept_integers)
+    for age in range(N_PAST_KEPT):
+        copy(work.past[age], work.kept_past[age])
+    return turn(plan, coupling, work, STEP, ALL, False)
+
+
+@njit(**_options)
+def restore(plan: Plan, coupling: Coupling, work: Work) -> Failure:
     """Go back to what `save` saved."""
-    table, units = plan.table, coupling.units
-    for i in range(table.shape[0]):
-        if level == STEP or units[i, CONTINUOUS]:
-            status = call_state(units[i, SET_STATE], table[i, COMPONENT], work.states[level, i])
-            if status > WORST_ACCEPTED:
-                return i, RESTORE, status
-    if level == STEP:
-        plan.reals[:] = work.kept_reals
-        plan.discretes[:] = work.kept_discretes
-        work.past[:] = work.kept_past
-        work.past_times[:] = work.kept_times
-        work.integers[N_PAST] = work.kept_integers[N_PAST]
-    return FINE
+    copy(work.kept_reals, plan.reals)
+    copy(work.kept_discretes, plan.discretes)
+    copy(work.kept_times, work.past_times)
+    for age in range(N_PAST_KEPT):
+        copy(work.kept_past[age], work.past[age])
+    work.integers[N_PAST] = work.kept_integers[N_PAST]
+    return turn(plan, coupling, work, STEP, ALL, True)
