@@ -67,8 +67,8 @@ def solve_loops(name: str, assembly: Assembly, evaluate: Evaluate) -> None:
 
 
 def _size(residual: np.ndarray) -> float:
-    """The largest element; infinite if one is no number."""
-    return float(np.abs(residual).max()) if np.isfinite(residual).all() else np.inf
+    """The largest element, 0 if there is none; infinite if one is no number."""
+    return float(np.abs(residual).max(initial=0.0)) if np.isfinite(residual).all() else np.inf
 
 
 def _direction(assembly: Assembly, evaluate: Evaluate) -> np.ndarray:

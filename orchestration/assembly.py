@@ -49,8 +49,8 @@ class Assembly:
 
     def record(self, row: np.ndarray) -> None:
         """Copy the recorded outputs, as they are now, into a row of shape (n_columns,)."""
-        loop.record(self.plan.recorded_reals, self.plan.reals, row)
-        loop.record(self.plan.recorded_discretes, self.plan.discretes, row)
+        loop.record(self.plan.recorded_reals, self.plan.reals, row[None, :], np.uint64(0))
+        loop.record(self.plan.recorded_discretes, self.plan.discretes, row[None, :], np.uint64(0))
 
 
 Key = tuple[str, str, str]  # causality, component, variable
@@ -96,9 +96,10 @@ def assemble(
         If a variable to record is unknown or no output.
     """
     recorded = _recorded_paths(system, record)
-    sources = {(c.target, c.input): (c.source, c.output) for c in system.connections}
+    sources = {(c.target, c.input): c for c in system.connections}
     buffers = _Buffers()
-    wanted = {*recorded, *sources.values(), *(_path(system, name) for name in fetched)}
+    shown = {(c.source, c.output) for c in system.connections}
+    wanted = {*recorded, *shown, *(_path(system, name) for name in fetched)}
     calls = _calls(system, {"output": wanted, "input": set(sources)}, buffers)
     reals, discretes = np.zeros(len(buffers.reals)), np.zeros(len(buffers.discretes), np.int32)
     table, references = _table(instances, calls, reals, discretes)
@@ -197,7 +198,7 @@ def _names(component: Component, causality: str, kind: str, wanted: Collection[P
 def _links(
     system: System,
     places: dict[Key, int],
-    sources: dict[Path, Path],
+    sources: dict[Path, Connection],
     table: np.ndarray,
     column: int,
 ) -> tuple[np.ndarray, tuple[Connection, ...]]:
@@ -211,9 +212,9 @@ def _links(
         table[i, column] = len(links)
         for (causality, name, variable), place in places.items():
             if causality == "input" and name == component.name:
-                source = sources[name, variable]
-                links.append((places["output", *source], place))
-                connections.append(Connection(*source, name, variable))
+                connection = sources[name, variable]
+                links.append((places["output", connection.source, connection.output], place))
+                connections.append(connection)
         table[i, column + 1] = len(links)
     return np.array(links, np.uint64).reshape(-1, 2), tuple(connections)
 

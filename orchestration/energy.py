@@ -25,6 +25,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from orchestration.algorithm import SEQUENTIAL, Algorithm, find_algorithm
+from orchestration.component import unit_scale
 from orchestration.errors import SystemDescriptionError
 from orchestration.fmu import INTERPOLATES
 from orchestration.result import Result
@@ -165,9 +166,9 @@ def _jumps(system: System, bond: PowerBond, path: str, algorithm: Algorithm) -> 
     import fmpy
 
     raw = fmpy.read_model_description(str(component.description.path), validate=False)
-    inputs = {v.name for v in component.description.of_causality("input")}
+    inputs = {v.fmu_name for v in component.description.of_causality("input")}
     for unknown in raw.outputs:
-        if unknown.variable.name == variable.name:
+        if unknown.variable.name == variable.fmu_name:
             depends = inputs if unknown.dependencies is None else {v.name for v in unknown.dependencies}
             return bool(depends & inputs)
     return False
@@ -179,6 +180,10 @@ def _connection(system: System, bond: PowerBond, source: str, target: str) -> Co
     for connection in system.connections:
         if (connection.source, connection.output) == (component.name, variable.name):
             if connection.target == other.name:
+                by_units = unit_scale(component, variable, other, other.variable(connection.input))
+                if connection.scale != by_units:
+                    msg = f"Power bond {bond}: {connection} changes the value on its way, so the powers differ."
+                    raise SystemDescriptionError(msg)
                 return connection
     msg = f"Power bond {bond}: {source} is not connected to {other.name}, so no power goes through it."
     raise SystemDescriptionError(msg)
@@ -201,7 +206,7 @@ def _watts(system: System, bond: PowerBond) -> float:
         if unit is None:
             return factor
         factor *= unit.factor
-        for name, exponent in unit.exponents:
+        for name, exponent in ((unit.name, 1),) if unit.exponents is None else unit.exponents:
             exponents[name] = exponents.get(name, 0) + exponent
     found = {name: exponent for name, exponent in exponents.items() if exponent and name != "rad"}
     if found != POWER:

@@ -8,14 +8,18 @@ import sys
 import threading
 from collections.abc import Collection, Mapping
 from contextlib import chdir
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cache, lru_cache
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 from weakref import WeakValueDictionary
 
 from orchestration.archive import screen
-from orchestration.errors import ArchiveError, InitializationError
+from orchestration.errors import ArchiveError, InitializationError, SystemDescriptionError
+from orchestration.units import BASE_UNITS, Linear, UnitDefinition, defined
+
+if TYPE_CHECKING:
+    from orchestration.scaling import ScaledInputs
 
 REAL, INTEGER, BOOLEAN, STRING = "Real", "Integer", "Boolean", "String"
 STATUS_NAMES = ("fmi2OK", "fmi2Warning", "fmi2Discard", "fmi2Error", "fmi2Fatal", "fmi2Pending")
@@ -30,21 +34,6 @@ _IDENTIFIER = re.compile(r"[A-Za-z_]\w*", re.ASCII)
 
 
 @dataclass(frozen=True)
-class UnitDefinition:
-    """A physical unit: exponents of the SI base units, factor and offset to them."""
-
-    name: str
-    exponents: tuple[tuple[str, int], ...] = ()
-    factor: float = 1.0
-    offset: float = 0.0
-
-    def equivalent(self, other: "UnitDefinition") -> bool:
-        """Whether a number means the same in both units."""
-        mine = (self.exponents, self.factor, self.offset)
-        return mine == (other.exponents, other.factor, other.offset)
-
-
-@dataclass(frozen=True)
 class Variable:
     """A scalar variable of an FMU; `unit` is empty where none is declared.
 
@@ -52,6 +41,10 @@ class Variable:
     ----------
     direct
         Whether an output declares that it depends on an input at the same instant.
+    relative
+        Whether it is a difference, to which the offset of its unit does not apply.
+    declared
+        Its name in the FMU, if the component goes by another one; see `Description.renamed`.
     """
 
     name: str
@@ -63,6 +56,13 @@ class Variable:
     start: float | None
     description: str = ""
     direct: bool = False
+    relative: bool = False
+    declared: str = ""
+
+    @property
+    def fmu_name(self) -> str:
+        """Its name in the FMU."""
+        return self.declared or self.name
 
 
 @dataclass(frozen=True)
@@ -90,6 +90,31 @@ class Description:
     def of_causality(self, causality: str) -> list[Variable]:
         """Variables of a causality, in their order, without strings."""
         return [v for v in self.variables.values() if v.causality == causality and v.type != STRING]
+
+    def unit(self, variable: Variable) -> UnitDefinition | None:
+        """The unit of a variable; None if it declares none."""
+        return defined(variable.unit, self.units)
+
+    def renamed(self, names: Mapping[str, str]) -> "Description":
+        """The same FMU with other names for its variables, by the names in the FMU.
+
+        Raises
+        ------
+        SystemDescriptionError
+            If two variables get one name.
+        """
+        if not names:
+            return self
+        variables: dict[str, Variable] = {}
+        for variable in self.variables.values():
+            name = names.get(variable.fmu_name, variable.fmu_name)
+            if name in variables:
+                both = f"{variables[name].fmu_name} and {variable.fmu_name}"
+                msg = f"{self.model_name}: {both} would both be called {name}; map the other one too."
+                raise SystemDescriptionError(msg)
+            declared = "" if name == variable.fmu_name else variable.fmu_name
+            variables[name] = replace(variable, name=name, declared=declared)
+        return replace(self, variables=variables)
 
 
 def read_description(path: Path) -> Description:
@@ -153,15 +178,15 @@ def _variable(raw: Any, direct: Collection[str]) -> Variable:
         start=start,
         description=raw.description or "",
         direct=raw.name in direct,
+        relative=bool(raw.relativeQuantity or getattr(raw.declaredType, "relativeQuantity", False)),
     )
 
 
 def _unit(raw: Any) -> UnitDefinition:
     base = raw.baseUnit
     if base is None:
-        return UnitDefinition(raw.name, ((f"={raw.name}", 1),))  # equal to itself alone
-    names = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
-    exponents = tuple((n, int(getattr(base, n))) for n in names if int(getattr(base, n) or 0))
+        return UnitDefinition(raw.name, None)
+    exponents = tuple((n, int(getattr(base, n))) for n in BASE_UNITS if int(getattr(base, n) or 0))
     return UnitDefinition(raw.name, exponents, float(base.factor or 1), float(base.offset or 0))
 
 
@@ -227,12 +252,15 @@ class Instance:
         Of the component, used in messages.
     messages
         The last texts that the FMU logged.
+    scaled
+        Stands before the FMU if inputs are converted on the way in; see `orchestration.scaling`.
     """
 
     name: str
     description: Description
     slave: Any = None
     messages: list[str] = field(default_factory=list)
+    scaled: "ScaledInputs | None" = None
     _callbacks: Any = None
 
     @classmethod
@@ -264,13 +292,19 @@ class Instance:
 
     @property
     def component(self) -> int:
-        """Address of the instance."""
-        component = self.slave.component
-        return int(getattr(component, "value", component))
+        """Address of the instance, for functions that `address` gave."""
+        return self.scaled.component if self.scaled else self._handle
 
     def address(self, function: str) -> int:
-        """Address of an FMI function."""
-        return int(ctypes.cast(getattr(self.slave.dll, function), ctypes.c_void_p).value or 0)
+        """Address of an FMI function, to be called with `component`."""
+        return self.scaled.address(function) if self.scaled else self._address(function)
+
+    def scale_inputs(self, scales: Mapping[int, Linear]) -> None:
+        """From now on convert Real inputs, by value reference, in what is called by address."""
+        from orchestration.scaling import ScaledInputs
+
+        n_inputs = len(self.description.of_causality("input"))
+        self.scaled = ScaledInputs(self._handle, self._address, scales, n_inputs)
 
     def call(self, function: str, *arguments: Any) -> None:
         """Call an FMI function with the component as first argument, before the first step.
@@ -288,7 +322,7 @@ class Instance:
         """Call an FMI function with the component as first argument; returns the fmi2Status."""
         c_function = getattr(self.slave.dll, function)
         c_function.restype = ctypes.c_int
-        return c_function(ctypes.c_void_p(self.component), *arguments)
+        return c_function(ctypes.c_void_p(self._handle), *arguments)
 
     def failure(self, function: str, status: int, where: str = "") -> str:
         """The sentence that says which call returned what, and the instance's last message."""
@@ -301,6 +335,14 @@ class Instance:
         if self.slave is not None and self.slave.component:
             self.slave.freeInstance()
             self.slave.component = None
+
+    @property
+    def _handle(self) -> int:
+        component = self.slave.component
+        return int(getattr(component, "value", component))
+
+    def _address(self, function: str) -> int:
+        return int(ctypes.cast(getattr(self.slave.dll, function), ctypes.c_void_p).value or 0)
 
     def _instantiate(self) -> None:
         from fmpy.fmi2 import (

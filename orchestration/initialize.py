@@ -44,6 +44,13 @@ def opened(system: System) -> Iterator[list[Instance]]:
             folder = folders[component.description.path]
             instance = Instance.open(component.name, component.description, folder)
             stack.callback(instance.close)
+            scales = {
+                component.variable(c.input).reference: c.scale
+                for c in system.connections
+                if c.target == component.name and not c.scale.trivial
+            }
+            if scales:
+                instance.scale_inputs(scales)
             instances.append(instance)
         yield instances
 
@@ -95,7 +102,6 @@ def set_values(component: Component, instance: Instance, values: Mapping[str, fl
 def _propagate(system: System, instances: Sequence[Instance], assembly: Assembly) -> None:
     plan = assembly.plan
     _get_all(instances, assembly)
-    before = plan.reals.copy(), plan.discretes.copy()
     # A chain passes through each connection at most once; anything longer is an algebraic loop.
     for _ in range(len(system.connections) + 1):
         before = plan.reals.copy(), plan.discretes.copy()
@@ -114,7 +120,9 @@ def _propagate(system: System, instances: Sequence[Instance], assembly: Assembly
             _raise_failure(instances[k], *get_outputs(plan.table, k))
 
     solve_loops(system.name, assembly, evaluate)
-    if not _same(before[1], plan.discretes):
+    settled = plan.discretes.copy()
+    evaluate(None)
+    if not _same(settled, plan.discretes):
         msg = f"System {system.name}: Integer or Boolean outputs do not settle during initialization."
         raise InitializationError(msg)
 

@@ -94,11 +94,8 @@ def check_capabilities(system: System, algorithm: Algorithm, crossings: Crossing
         correction = algorithm.correction
         if correction is not None and correction.jacobian == DIRECTIONAL and component.continuous:
             _require(component, DIFFERENTIATES, "a Jacobian from directional derivatives")
-    for name, ratio in ratios.items():
+    for name in ratios:
         system.component(name)
-        if not (isinstance(ratio, int) and ratio >= 1):
-            msg = f"{name}: the ratio {ratio!r} of its step to the communication step is no positive integer."
-            raise SystemDescriptionError(msg)
     if any(ratio > 1 for ratio in ratios.values()) and (algorithm.rolls_back or crossings.outputs):
         msg = f"Steps of several lengths do not go together with algorithm {algorithm.name} or crossings."
         raise SystemDescriptionError(msg)

@@ -113,10 +113,10 @@ def get_outputs(table: np.ndarray, i: int) -> tuple[int, int]:
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def record(index: np.ndarray, values: np.ndarray, row: np.ndarray) -> None:
-    """Copy recorded values into their columns of a row."""
+def record(index: np.ndarray, values: np.ndarray, rows: np.ndarray, row: int) -> None:
+    """Copy recorded values into their columns of a row (a view of it would be reference-counted)."""
     for j in range(index.shape[0]):
-        row[index[j, 1]] = values[index[j, 0]]
+        rows[row, index[j, 1]] = values[index[j, 0]]
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -176,7 +176,7 @@ def run(
                     return k, i, call, status
         until_record -= 1
         if until_record == 0:
-            record(recorded_reals, reals, rows[row])
-            record(recorded_discretes, discretes, rows[row])
+            record(recorded_reals, reals, rows, row)
+            record(recorded_discretes, discretes, rows, row)
             until_record, row = every, row + np.uint64(1)
     return span[1], 0, 0, 0

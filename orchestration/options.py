@@ -49,6 +49,10 @@ class Options:
         if not (isinstance(self.every, int) and self.every >= 1):
             msg = f"every = {self.every!r}: every n-th step is recorded, n an integer of at least 1."
             raise SystemDescriptionError(msg)
+        for name, ratio in self.ratios.items():
+            if not (isinstance(ratio, int) and ratio >= 1):
+                msg = f"{name}: the ratio {ratio!r} of its step to the communication step is no positive integer."
+                raise SystemDescriptionError(msg)
 
     @property
     def slow(self) -> bool:

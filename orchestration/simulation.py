@@ -48,6 +48,7 @@ from orchestration.system import RATIO_TOLERANCE, System
 
 _FIRST_CHUNK = 256  # steps; later chunks last about _CHUNK_SECONDS
 _CHUNK_SECONDS = 0.1
+_CHUNK_VALUES = 2**17  # recorded in a chunk: they are checked while they are in the processor's cache
 
 
 class Simulation:
@@ -293,7 +294,8 @@ class Simulation:
         integers, every = self._layout.work.integers, self.options.every
         done = int(integers[places.INTERVAL])
         room = self._recorder.room()[1]
-        end = min(last, done + self._chunk, (done // every + len(room)) * every + every - 1)
+        most = max(1, _CHUNK_VALUES // max(1, room.shape[1])) * every
+        end = min(last, done + min(self._chunk, most), (done // every + len(room)) * every + every - 1)
         kind = loop.GAUSS_SEIDEL if self.algorithm.exchange == SEQUENTIAL else loop.JACOBI
         grid = (self.grid.times, self.grid.lengths)
         k, i, call, status = loop.run(self._assembly.plan, kind, grid, (done, end), room, every)
@@ -396,6 +398,9 @@ _SAVED_WORK = ("past", "past_times", "end", "residual", "last_residual", "jacobi
 
 def _not_finite(columns: tuple[str, ...], times: np.ndarray, rows: np.ndarray, *, first: int) -> tuple[int, str] | None:
     """The first row with a value that is NaN or infinite, and the sentence that says so."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        if np.isfinite(rows.sum()):  # NaN and infinity stay in a sum; one that overflows is looked at below
+            return None
     finite = np.isfinite(rows)
     if finite.all():
         return None

@@ -6,11 +6,14 @@ written to a file; else it stays with the instance.
 
 import ctypes
 import json
+import struct
+import zlib
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
+from zipfile import BadZipFile
 
 import numpy as np
 
@@ -18,6 +21,19 @@ from orchestration.errors import OrchestrationError, SystemDescriptionError
 from orchestration.fmu import SAVES_STATE, SERIALIZES_STATE, Instance
 
 FORMAT = 1
+# What numpy, zipfile and json raise on bytes that are no archive of arrays, or a broken one.
+_DAMAGED = (
+    ValueError,
+    KeyError,
+    TypeError,
+    EOFError,
+    RuntimeError,
+    ArithmeticError,
+    MemoryError,
+    BadZipFile,
+    struct.error,
+    zlib.error,
+)
 
 
 @dataclass(frozen=True)
@@ -75,7 +91,7 @@ class Snapshot:
             If the file is missing or no snapshot.
         """
         try:
-            with np.load(path, allow_pickle=False) as file:
+            with Path(path).open("rb") as raw, np.load(raw, allow_pickle=False) as file:
                 content = {name: file[name] for name in file.files}
             header = json.loads(str(content.pop("header")))
             states = [content.pop(f"state_{i}").tobytes() for i in range(len([n for n in content if _is_state(n)]))]
@@ -86,7 +102,7 @@ class Snapshot:
         except OSError as error:
             msg = f"{path}: the snapshot cannot be read: {error.strerror or error}."
             raise OrchestrationError(msg) from error
-        except (ValueError, KeyError, TypeError, EOFError) as error:
+        except _DAMAGED as error:
             msg = f"{path} is no snapshot: {error}."
             raise OrchestrationError(msg) from error
 

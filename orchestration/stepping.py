@@ -14,6 +14,7 @@ Steps end on the points exactly: ticks of sampled units are among them.
 
 from math import isfinite
 
+import numpy as np
 from numba import njit
 
 from orchestration.correction import corrected_step
@@ -236,7 +237,7 @@ def run(
         work.integers[STEPS_MADE] += 1
         if event or work.integers[STEPS_MADE] % every == 0:
             row_times[count] = work.numbers[TIME]
-            record(plan.recorded_reals, plan.reals, values[count])
-            record(plan.recorded_discretes, plan.discretes, values[count])
+            record(plan.recorded_reals, plan.reals, values, np.uint64(count))
+            record(plan.recorded_discretes, plan.discretes, values, np.uint64(count))
             count += 1
     return count, (REACHED, 0, 0)

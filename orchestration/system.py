@@ -6,87 +6,21 @@ a system that exists can be run.
 
 import math
 from collections.abc import Mapping, Sequence
-from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from orchestration.component import Component, Connection, checked_connection, number, require_settable
 from orchestration.errors import SystemDescriptionError
-from orchestration.fmu import (
-    BOOLEAN,
-    INTEGER,
-    SAMPLE_TIME,
-    STRING,
-    Description,
-    Variable,
-    parse_value,
-    read_description,
-)
+from orchestration.fmu import SAMPLE_TIME, Variable, read_description
 
 if TYPE_CHECKING:
     from orchestration.algorithm import Algorithm
     from orchestration.stability import Verdict
 
+__all__ = ["Component", "Connection", "System"]
+
 RATIO_TOLERANCE = 1e-9  # by which a quotient of two times may miss an integer
-
-
-@dataclass(frozen=True)
-class Component:
-    """An FMU under a name, with the start values that differ from its own.
-
-    Attributes
-    ----------
-    start
-        Values by variable name; Booleans are 0 or 1.
-    """
-
-    name: str
-    description: Description
-    start: Mapping[str, float] = field(default_factory=dict)
-
-    def variable(self, name: str) -> Variable:
-        """A variable by name.
-
-        Raises
-        ------
-        SystemDescriptionError
-            Listing the known names.
-        """
-        try:
-            return self.description.variables[name]
-        except KeyError:
-            known = ", ".join(self.description.variables)
-            msg = f"{self.name} has no variable {name}; it has {known}."
-            raise SystemDescriptionError(msg) from None
-
-    @property
-    def sample_time(self) -> float | None:
-        """Sampling period, s, of a component that declares the parameter ``sample_time``."""
-        variable = self.description.variables.get(SAMPLE_TIME)
-        if variable is None or variable.causality != "parameter":
-            return None
-        return self.start.get(SAMPLE_TIME, variable.start)
-
-    @property
-    def continuous(self) -> bool:
-        """Whether outputs follow inputs between ticks: there is no ``sample_time``, nor are all discrete."""
-        outputs = self.description.of_causality("output")
-        held = bool(outputs) and all(variable.variability == "discrete" for variable in outputs)
-        return self.sample_time is None and not held
-
-
-@dataclass(frozen=True, order=True)
-class Connection:
-    """From an output to an input, both scalar."""
-
-    source: str
-    output: str
-    target: str
-    input: str
-
-    def __str__(self) -> str:
-        """``plant.x[1] -> controller.x[1]``."""
-        return f"{self.source}.{self.output} -> {self.target}.{self.input}"
 
 
 @dataclass(frozen=True)
@@ -98,7 +32,10 @@ class System:
     step, stop_time
         Default communication step and stop time, s.
     notices
-        What happened to the system that its user should know, for example dropped connections.
+        What happened to the system that its user should know, for example dropped connections; history,
+        which does not count when systems are compared.
+    assumptions
+        Sentences on values that were assumed, by ``component.variable``; packages carry them along.
     """
 
     name: str
@@ -106,7 +43,8 @@ class System:
     connections: tuple[Connection, ...] = ()
     step: float = 1e-4
     stop_time: float = 2.0
-    notices: tuple[str, ...] = ()
+    notices: tuple[str, ...] = field(default=(), compare=False)
+    assumptions: Mapping[str, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         """Check names, connections and start values."""
@@ -121,11 +59,16 @@ class System:
         for component in self.components:
             for name, value in component.start.items():
                 variable = component.variable(name)
-                _require_settable(component, variable)
-                _number(f"{component.name}.{name}", variable, value)
+                require_settable(component, variable)
+                number(f"{component.name}.{name}", variable, value)
+        for path in self.assumptions:
+            self.resolve(path)
+        connections = tuple(
+            checked_connection(c, self.component(c.source), self.component(c.target)) for c in self.connections
+        )
+        object.__setattr__(self, "connections", connections)
         driven: set[tuple[str, str]] = set()
-        for connection in self.connections:
-            self._check(connection)
+        for connection in connections:
             target = (connection.target, connection.input)
             if target in driven:
                 msg = f"Connection {connection}: {'.'.join(target)} already has a source."
@@ -152,7 +95,7 @@ class System:
         connections = []
         for target in components:
             for variable in target.description.of_causality("input"):
-                sources = _sources(components, target, variable.name)
+                sources = sources_of(components, target, variable.name)
                 if len(sources) > 1:
                     names = " or ".join(source.name for source in sources)
                     msg = f"{target.name}.{variable.name} could come from {names}; connect it by hand."
@@ -200,53 +143,34 @@ class System:
         changed: dict[str, dict[str, float]] = {}
         for path, value in values.items():
             component, variable = self.resolve(path)
-            _require_settable(component, variable)
-            changed.setdefault(component.name, {})[variable.name] = _number(path, variable, value)
+            require_settable(component, variable)
+            changed.setdefault(component.name, {})[variable.name] = number(path, variable, value)
         components = tuple(replace(c, start={**c.start, **changed.get(c.name, {})}) for c in self.components)
         return replace(self, components=components)
 
-    def replace(self, name: str, fmu: str | Path) -> "System":
+    def replace(self, name: str, fmu: str | Path, mapping: Mapping[str, str] | None = None) -> "System":
         """Put another FMU in the place of a component.
 
-        Start values and connections of variables that the new FMU has are kept; connections to
-        inputs that it lacks are dropped, and its further inputs connected to outputs of the same
-        name, with a notice each.
+        Start values and connections of variables that the new FMU has are kept, converted to its units;
+        connections to inputs that it lacks are dropped, and its further inputs connected to outputs of
+        the same name, with a notice each.
+
+        Parameters
+        ----------
+        mapping
+            The FMU's names by ours, of scalars or of whole arrays: ``{"tau_cmd": "Torque"}`` makes
+            ``tau_cmd[1]`` what the FMU calls ``Torque[1]``. The component keeps our names, so that
+            connections, start values, records and results do.
 
         Raises
         ------
         SystemDescriptionError
-            If the new FMU lacks an output that is connected.
+            If the new FMU lacks an output that is connected, a mapped name is unknown, or a unit cannot
+            be converted.
         """
-        old = self.component(name)
-        description = read_description(Path(fmu))
-        known = description.variables
-        inputs = {variable.name for variable in description.of_causality("input")}
-        start = {n: v for n, v in old.start.items() if n in known and known[n].causality in _SETTABLE}
-        notices = [
-            f"{name}: start value of {n} dropped, {description.model_name} has no such variable."
-            for n in old.start
-            if n not in start
-        ]
-        connections = []
-        for connection in self.connections:
-            if connection.target == name and connection.input not in inputs:
-                notices.append(f"Connection {connection} dropped: {description.model_name} has no such input.")
-                continue
-            connections.append(connection)
-        new = Component(name, description, start)
-        components = tuple(new if c.name == name else c for c in self.components)
-        had = {variable.name for variable in old.description.of_causality("input")}
-        for variable in description.of_causality("input"):
-            sources = _sources(components, new, variable.name) if variable.name not in had else []
-            if len(sources) == 1:
-                connections.append(Connection(sources[0].name, variable.name, name, variable.name))
-                notices.append(f"Connection {connections[-1]} added: {description.model_name} has this input too.")
-        return replace(
-            self,
-            components=components,
-            connections=tuple(connections),
-            notices=(*self.notices, *notices),
-        )
+        from orchestration.replacement import replaced
+
+        return replaced(self, name, Path(fmu), mapping or {})
 
     def ordered(self, names: Sequence[str]) -> "System":
         """The same system with its components in another order.
@@ -324,30 +248,8 @@ class System:
             ratios[component.name] = nearest
         return ratios
 
-    def _check(self, connection: Connection) -> None:
-        source, target = self.component(connection.source), self.component(connection.target)
-        output, input_ = source.variable(connection.output), target.variable(connection.input)
-        if output.causality != "output":
-            msg = f"Connection {connection}: {output.name} has causality {output.causality}, not output."
-            raise SystemDescriptionError(msg)
-        if input_.causality != "input":
-            msg = f"Connection {connection}: {input_.name} has causality {input_.causality}, not input."
-            raise SystemDescriptionError(msg)
-        if output.type != input_.type:
-            msg = f"Connection {connection}: types {output.type} and {input_.type} differ."
-            raise SystemDescriptionError(msg)
-        if output.type == STRING:
-            msg = f"Connection {connection}: Strings cannot be connected."
-            raise SystemDescriptionError(msg)
-        if not _same_unit(source, output, target, input_):
-            msg = f"Connection {connection}: units {output.unit} and {input_.unit} differ."
-            raise SystemDescriptionError(msg)
 
-
-_SETTABLE = ("parameter", "input")
-
-
-def _sources(components: Sequence[Component], target: Component, name: str) -> list[Component]:
+def sources_of(components: Sequence[Component], target: Component, name: str) -> list[Component]:
     """Components other than the target with an output of that name."""
     return [c for c in components if _has_output(c, name) and c is not target]
 
@@ -355,33 +257,3 @@ def _sources(components: Sequence[Component], target: Component, name: str) -> l
 def _has_output(component: Component, name: str) -> bool:
     variable = component.description.variables.get(name)
     return variable is not None and variable.causality == "output"
-
-
-def _same_unit(source: Component, output: Variable, target: Component, input_: Variable) -> bool:
-    """Whether two ends of a connection agree; an end without a unit agrees with all."""
-    if not output.unit or not input_.unit or output.unit == input_.unit:
-        return True
-    a = source.description.units.get(output.unit)
-    b = target.description.units.get(input_.unit)
-    return a is not None and b is not None and a.equivalent(b)
-
-
-def _require_settable(component: Component, variable: Variable) -> None:
-    if variable.causality not in _SETTABLE:
-        path = f"{component.name}.{variable.name}"
-        msg = f"{path} has causality {variable.causality}; only parameters and inputs can be set."
-        raise SystemDescriptionError(msg)
-    if variable.type == STRING:
-        msg = f"{component.name}.{variable.name} is a String; only Reals, Integers and Booleans can be set."
-        raise SystemDescriptionError(msg)
-
-
-def _number(path: str, variable: Variable, value: float | bool | str) -> float:
-    number = math.nan
-    with suppress(ValueError, KeyError, TypeError):
-        number = parse_value(value, variable.type)
-    if math.isnan(number):
-        examples = {BOOLEAN: "true or false", INTEGER: "an integer of 32 bits"}
-        msg = f"{path} = {value!r}: {examples.get(variable.type, 'a number')} is needed."
-        raise SystemDescriptionError(msg)
-    return number

@@ -1,6 +1,7 @@
 """Fixtures shared by all tests."""
 
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
@@ -8,6 +9,21 @@ import pytest
 from adaptimp_fmu import build
 from fmus.catalog import UNITS
 from tests.driver import Driver
+
+ORCHESTRATION = Path(__file__).parents[1] / "orchestration"
+COMPILED = ("calls", "loop", "coupling", "sweeps", "correction", "stepping")
+
+
+def pytest_configure() -> None:
+    """Forget compiled code that is older than any of its sources.
+
+    numba looks at the file of a function alone, not at those of the functions that it calls.
+    """
+    newest = max((ORCHESTRATION / f"{name}.py").stat().st_mtime for name in COMPILED)
+    for index in (ORCHESTRATION / "__pycache__").glob("*.nbi"):
+        with suppress(OSError):
+            if index.stat().st_mtime < newest:
+                index.unlink()
 
 
 @pytest.fixture(scope="session")

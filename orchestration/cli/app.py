@@ -53,6 +53,10 @@ def run(
     controller: Annotated[
         Path | None, typer.Option(help="FMU to put in the place of the component 'controller'.")
     ] = None,
+    map_: Annotated[
+        list[str] | None,
+        typer.Option("--map", metavar="OURS=THEIRS", help="Name in --controller of one of ours; may be repeated."),
+    ] = None,
     set_: Annotated[
         list[str] | None,
         typer.Option("--set", metavar="COMP.VAR=VALUE", help="Start value; may be repeated."),
@@ -102,6 +106,7 @@ def run(
         RunRequest(
             system=system,
             controller=controller,
+            mapping=tuple(map_ or ()),
             settings=tuple(set_ or ()),
             algorithm=AlgorithmRequest(algorithm, exchange, input_order, tolerance, tuple(absolute or ())),
             ratios=tuple(ratio or ()),
@@ -118,6 +123,32 @@ def run(
             allow_stale_inputs=allow_stale_inputs,
         )
     )
+
+
+@app.command()
+def export(
+    name: Annotated[str, typer.Argument(help="A scenario: fig2, fig3, ..., fig7.")],
+    out: Annotated[Path, typer.Option(help="The .ssp file to write.")],
+) -> None:
+    """Write a scenario as an SSP package, for this and for other tools."""
+    from orchestration.cli.commands import export_scenario
+
+    export_scenario(name, out)
+
+
+@app.command()
+def check(
+    fmu: Annotated[Path, typer.Argument(help="The FMU to examine, ours or any other.")],
+    role: Annotated[
+        str | None,
+        typer.Option(help="controller, plant, sensor, actuator or trajectory; guessed from the outputs by default."),
+    ] = None,
+    json: Annotated[bool, typer.Option("--json", help="Print the report as JSON.")] = False,
+) -> None:
+    """Examine an FMU: description, contract, interface, and for a controller a closed loop."""
+    from orchestration.cli.check import run_check
+
+    raise typer.Exit(run_check(fmu, role, json))
 
 
 def main() -> None:

@@ -68,3 +68,17 @@ def require_folder(folder: Path) -> None:
     except OSError as error:
         msg = f"--out: nothing can be written to {folder}: {error.strerror}; choose another place."
         raise OrchestrationError(msg) from error
+
+
+def export_scenario(name: str, out: Path) -> None:
+    """Write a scenario as an SSP package."""
+    from orchestration.paper.provide import fmus, scenario
+
+    if out.suffix != ".ssp":
+        msg = f"{out}: a scenario is written as .ssp."
+        raise SystemDescriptionError(msg)
+    chosen = scenario(name)
+    require_folder(out.parent)
+    system = chosen.system(fmus(chosen.units.values()))
+    system.write(out)
+    typer.echo(f"wrote {out}: {len(system.components)} components, {len(system.connections)} connections")

@@ -70,6 +70,7 @@ class RunRequest:
 
     system: str
     controller: Path | None
+    mapping: Sequence[str]
     settings: Sequence[str]
     algorithm: AlgorithmRequest
     crossings: Sequence[str]
@@ -176,7 +177,11 @@ def _system(request: RunRequest) -> System:
         chosen = scenario(request.system)
         system = chosen.system(fmus(chosen.units.values()))
     if request.controller is not None:
-        system = system.replace("controller", request.controller)
+        mapping = dict(map(_setting_of("--map"), request.mapping))
+        system = system.replace("controller", request.controller, mapping)
+    elif request.mapping:
+        msg = "--map says what --controller calls our variables; give one."
+        raise SystemDescriptionError(msg)
     system = system.set(dict(_setting(text) for text in request.settings))
     if request.sample_time is not None:
         system = system.with_sample_time(request.sample_time)

@@ -6,7 +6,7 @@ assumed values serves all figures of a kind; nothing is tuned per figure.
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from orchestration.system import System
@@ -61,11 +61,12 @@ class Scenario:
     stop_time: float = 2.0  # s, V: one turn of the ellipse
 
     def system(self, fmus: Mapping[str, Path]) -> System:
-        """The system, from FMU files by model identifier."""
+        """The system, from FMU files by model identifier; it says what of it is assumed."""
         files = {component: fmus[identifier] for component, identifier in self.units.items()}
         system = System.connected_by_name(self.name, files, step=self.step, stop_time=self.stop_time)
         numbers = {path: value.number for path, value in self.values.items()}
-        return system.set(numbers).with_sample_time(self.step)
+        assumptions = {path: value.origin for path, value in self.values.items() if value.assumed}
+        return replace(system.set(numbers).with_sample_time(self.step), assumptions=assumptions)
 
 
 def _vector(path: str, numbers: tuple[float, ...], origin: str) -> dict[str, Value]:

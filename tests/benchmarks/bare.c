@@ -1,6 +1,7 @@
 /* The five units of the paper's loop as plain C calls, values passed by copying arrays. The inputs
- * of the controller are q, dq, ddq, F_hat, x_v, dx_v, ddx_v; outputs of the plant begin with q, dq,
- * ddq, x, dx, F_ext. The benchmark checks the result against the real run, bit by bit. */
+ * of the controller are q, dq, ddq, F_hat, x_v, dx_v, ddx_v and, with CONTROLLER_SEES_SATURATION, the
+ * actuator's second output, saturated; outputs of the plant begin with q, dq, ddq, x, dx, F_ext. The
+ * benchmark checks the result against the real run, bit by bit. */
 #include <stdint.h>
 #include <string.h>
 
@@ -36,20 +37,44 @@ EXPORT void bare_start(int64_t unit, const double *given, double t0) {
 
 EXPORT const double *bare_outputs(int64_t unit) { return *units[unit].outputs; }
 
+static void copy_to_sensor(void) { COPY(sensor_inputs, plant_outputs + 10, 2); }
+
+static void copy_to_controller(void) {
+    COPY(controller_inputs, plant_outputs, 6);
+    COPY(controller_inputs + 6, sensor_outputs, 2);
+    COPY(controller_inputs + 8, trajectory_outputs, 6);
+#if CONTROLLER_SEES_SATURATION
+    COPY(controller_inputs + 14, actuator_outputs + 2, 2);
+#endif
+}
+
+static void copy_to_actuator(void) { COPY(actuator_inputs, controller_outputs, 2); }
+
+static void copy_to_plant(void) { COPY(plant_inputs, actuator_outputs, 2); }
+
 EXPORT void bare_run(const double *times, double h, int64_t first, int64_t last) {
     for (int64_t k = first; k < last; ++k) {
         const double t = times[k];
         trajectory_step(t, h);
-        COPY(sensor_inputs, plant_outputs + 10, 2);
+        copy_to_sensor();
         sensor_step(t, h);
-        COPY(controller_inputs, plant_outputs, 6);
-        COPY(controller_inputs + 6, sensor_outputs, 2);
-        COPY(controller_inputs + 8, trajectory_outputs, 6);
+        copy_to_controller();
         controller_step(t, h);
-        COPY(actuator_inputs, controller_outputs, 2);
+        copy_to_actuator();
         actuator_step(t, h);
-        COPY(plant_inputs, actuator_outputs, 2);
+        copy_to_plant();
         plant_step(t, h);
+    }
+}
+
+/* The copies of a step alone, n times. The barrier keeps the compiler from making them once. */
+EXPORT void bare_copies(int64_t n) {
+    for (int64_t k = 0; k < n; ++k) {
+        copy_to_sensor();
+        copy_to_controller();
+        copy_to_actuator();
+        copy_to_plant();
+        __asm__ volatile("" ::: "memory");
     }
 }
 

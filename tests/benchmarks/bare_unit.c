@@ -1,35 +1,66 @@
 /* A unit without FMI: takes the place of the runtime in a unit's sources, so the adapters to the
  * generated functions are the very same. NAME(x) puts the component's name before x.
  *
- * A step calls what the runtime calls in a step, without its checks: the tick of a sampled unit;
- * four derivatives, the preparations for them, the event indicators and the outputs of a
- * continuous one. An event flips its
- * mode at the end of the step in which it happens; it is not located, so a run equals the real one
- * until the first event.
+ * A step calls what the runtime calls in a step, without its checks: the noise and the tick, or the
+ * tick with update of the slow states, of a sampled unit; four derivatives, the preparations for
+ * them, the event indicators and the outputs of a continuous one. An event flips its mode at the end
+ * of the step in which it happens; it is not located, so a run equals the real one until the first
+ * event.
  */
 #include <string.h>
+
+#if MODEL_N_NOISE
+#include "philox.h"
+#endif
 
 static double values[MODEL_N_VARIABLES];
 static double states[AT_LEAST_ONE(MODEL_N_STATES)], constants[AT_LEAST_ONE(MODEL_N_CONSTANTS)];
 static double checks[AT_LEAST_ONE(MODEL_N_CHECKS) + AT_LEAST_ONE(MODEL_N_STATIC_CHECKS)];
 static const double *const p = values, *const c = constants;
-static double start_time;
+static double start_time, noise_active;
 static int64_t ticks_run;
 double *const NAME(inputs) = values + MODEL_FIRST_INPUT;
 double *const NAME(outputs) = values + MODEL_FIRST_OUTPUT;
 const int64_t NAME(n_inputs) = MODEL_N_INPUTS;
 
 #if MODEL_SAMPLED
-static double no_noise[AT_LEAST_ONE(MODEL_N_NOISE)];
-
 static void begin(void) {}
+
+/* The runtime's draw: block `ticks_run` of the generator, nothing if the noise is off. */
+static void draw_noise(double *w) {
+#if MODEL_N_NOISE
+    uint64_t block[4];
+    double uniforms[4];
+    if (!(noise_active > 0)) {
+        memset(w, 0, MODEL_N_NOISE * sizeof *w);
+        return;
+    }
+    philox4x64((uint64_t)ticks_run, model_seed(p), block);
+    for (int i = 0; i < 4; ++i) uniforms[i] = uniform(block[i]);
+    model_noise(uniforms, p, c, w);
+#else
+    (void)w;
+#endif
+}
+
+static void compute_tick(double now, double *y, double *next) {
+    double w[AT_LEAST_ONE(MODEL_N_NOISE)];
+    draw_noise(w);
+#ifdef MODEL_DIVISOR
+    if (ticks_run % (int64_t)values[MODEL_DIVISOR] == 0) {
+        model_tick_update(now, states, NAME(inputs), p, c, w, y, next, checks);
+        return;
+    }
+#endif
+    model_tick(now, states, NAME(inputs), p, c, w, y, next, checks);
+}
 
 void NAME(step)(double t, double h) {
     double y[AT_LEAST_ONE(MODEL_N_OUTPUTS)], next[AT_LEAST_ONE(MODEL_N_STATES)];
     const double now = start_time + (double)ticks_run * values[MODEL_PERIOD];
     (void)t, (void)h;
     if (ticks_run == 0) model_initial(now, NAME(inputs), p, c, states);
-    model_tick(now, states, NAME(inputs), p, c, no_noise, y, next, checks);
+    compute_tick(now, y, next);
     memcpy(NAME(outputs), y, MODEL_N_OUTPUTS * sizeof *y);
     memcpy(states, next, MODEL_N_STATES * sizeof *next);
     ++ticks_run;
@@ -74,10 +105,9 @@ void NAME(step)(double t, double h) {
 
 /* Back to the start; `given` are the values of all variables after initialization. */
 void NAME(start)(const double *given, double t0) {
-    double active;
     memcpy(values, given, sizeof values);
     start_time = t0;
     ticks_run = 0;
-    model_calibrate(p, constants, checks, &active);
+    model_calibrate(p, constants, checks, &noise_active);
     begin();
 }

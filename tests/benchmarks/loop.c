@@ -50,41 +50,67 @@ static int32_t transfer(const Component *c, Kind first, Kind last) {
     return 0;
 }
 
-/* Steps first to last - 1; returns the worst status that ended the run, or 0. */
-EXPORT int32_t fmi_run(const Plan *plan, const double *times, double h, int64_t first, int64_t last,
-                       double *rows) {
+static void copy_links(const Plan *plan, const Component *c) {
     double *reals = plan->reals;
     int32_t *discretes = plan->discretes;
+    for (int64_t j = c->first_real; j < c->end_real; ++j)
+        reals[plan->real_links[j].to] = reals[plan->real_links[j].from];
+    for (int64_t j = c->first_discrete; j < c->end_discrete; ++j)
+        discretes[plan->discrete_links[j].to] = discretes[plan->discrete_links[j].from];
+}
+
+static void record(const Plan *plan, double *row) {
+    for (int64_t j = 0; j < plan->n_recorded_reals; ++j)
+        row[plan->recorded_reals[j].to] = plan->reals[plan->recorded_reals[j].from];
+    for (int64_t j = 0; j < plan->n_recorded_discretes; ++j)
+        row[plan->recorded_discretes[j].to] = plan->discretes[plan->recorded_discretes[j].from];
+}
+
+/* Steps first to last - 1; a row, one behind the other, after each step k for which k + 1 is a
+ * multiple of `every`. Returns the worst status that ended the run, or 0. */
+EXPORT int32_t fmi_run(const Plan *plan, const double *times, double h, int64_t first, int64_t last,
+                       double *rows, int64_t every) {
+    int64_t until_record = every - first % every;
     for (int64_t k = first; k < last; ++k) {
+        const double t = times[k];
         for (int64_t i = 0; i < plan->n_components; ++i) {
             const Component *c = &plan->components[i];
             int32_t status;
-            for (int64_t j = c->first_real; j < c->end_real; ++j)
-                reals[plan->real_links[j].to] = reals[plan->real_links[j].from];
-            for (int64_t j = c->first_discrete; j < c->end_discrete; ++j)
-                discretes[plan->discrete_links[j].to] = discretes[plan->discrete_links[j].from];
+            copy_links(plan, c);
             if ((status = transfer(c, SET_REAL, SET_BOOLEAN)) > 1) return status;
-            if ((status = c->do_step(c->instance, times[k], h, 1)) > 1) return status;
+            if ((status = c->do_step(c->instance, t, h, 1)) > 1) return status;
             if ((status = transfer(c, GET_REAL, GET_BOOLEAN)) > 1) return status;
         }
-        double *row = rows + (k + 1) * plan->n_columns;
-        for (int64_t j = 0; j < plan->n_recorded_reals; ++j)
-            row[plan->recorded_reals[j].to] = reals[plan->recorded_reals[j].from];
-        for (int64_t j = 0; j < plan->n_recorded_discretes; ++j)
-            row[plan->recorded_discretes[j].to] = discretes[plan->recorded_discretes[j].from];
+        if (--until_record == 0) {
+            record(plan, rows);
+            rows += plan->n_columns;
+            until_record = every;
+        }
     }
     return 0;
 }
 
-/* One component alone, n times, with the inputs it had in a run (n rows of them): the calls that
- * `set`, `step` and `get` ask for. */
+/* What a step does besides its calls, n times: the links into all components, the records. */
+EXPORT void fmi_copies(const Plan *plan, int64_t n, double *rows, int32_t links, int32_t records) {
+    for (int64_t k = 0; k < n; ++k) {
+        for (int64_t i = 0; links && i < plan->n_components; ++i)
+            copy_links(plan, &plan->components[i]);
+        if (records) record(plan, rows + k * plan->n_columns);
+    }
+}
+
+/* One component alone, n times, with the Real and Boolean inputs it had in a run (n rows of each):
+ * the calls that `set`, `step` and `get` ask for. */
 EXPORT int32_t fmi_replay(const Component *c, const double *times, double h, int64_t n,
-                          const double *inputs, int32_t set, int32_t step, int32_t get) {
-    const int64_t width = (int64_t)c->calls[SET_REAL].count;
-    double *target = c->calls[SET_REAL].values;
+                          const double *reals, const int32_t *booleans, int32_t set, int32_t step,
+                          int32_t get) {
+    const size_t n_reals = c->calls[SET_REAL].count, n_booleans = c->calls[SET_BOOLEAN].count;
+    double *real_inputs = c->calls[SET_REAL].values;
+    int32_t *boolean_inputs = c->calls[SET_BOOLEAN].values;
     for (int64_t k = 0; k < n; ++k) {
         int32_t status;
-        for (int64_t j = 0; j < width; ++j) target[j] = inputs[k * width + j];
+        for (size_t j = 0; j < n_reals; ++j) real_inputs[j] = *reals++;
+        for (size_t j = 0; j < n_booleans; ++j) boolean_inputs[j] = *booleans++;
         if (set && (status = transfer(c, SET_REAL, SET_BOOLEAN)) > 1) return status;
         if (step && (status = c->do_step(c->instance, times[k], h, 1)) > 1) return status;
         if (get && (status = transfer(c, GET_REAL, GET_BOOLEAN)) > 1) return status;

@@ -8,7 +8,9 @@ import ctypes
 import subprocess
 import sys
 from collections.abc import Mapping, Sequence
+from functools import cache
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 from zipfile import ZipFile
 
@@ -20,7 +22,7 @@ from orchestration.loop import Plan
 
 HERE = Path(__file__).parent
 COMPONENTS = ("trajectory", "sensor", "controller", "actuator", "plant")  # the order in bare.c
-_MODEL_FILES = ("model.c", "model.h", "equations.h")
+_MODEL_FILES = ("model.c", "model.h", "equations.h", "philox.h")
 _UNIT = """#define NAME(x) {name}_##x
 #define CASADI_CODEGEN_PREFIX
 #define CODEGEN_PREFIX {name}_
@@ -54,11 +56,13 @@ class BareUnits:
     ----------
     fmus
         The FMU of each of `COMPONENTS`.
+    saturation
+        Whether the controller has the inputs ``saturated``.
     folder
         A scratch folder.
     """
 
-    def __init__(self, fmus: Mapping[str, Path], folder: Path) -> None:
+    def __init__(self, fmus: Mapping[str, Path], saturation: bool, folder: Path) -> None:
         for name in COMPONENTS:
             unit = folder / name
             unit.mkdir()
@@ -68,7 +72,7 @@ class BareUnits:
             (unit / "runtime.c").write_bytes((HERE / "bare_unit.c").read_bytes())
             (folder / f"{name}.c").write_text(_UNIT.format(name=name), encoding="utf-8")
         sources = [HERE / "bare.c", *(folder / f"{name}.c" for name in COMPONENTS)]
-        self._library = _compile(sources, folder / "bare")
+        self._library = _compile(sources, folder / "bare", f"-DCONTROLLER_SEES_SATURATION={saturation:d}")
         self._library.bare_outputs.restype = ctypes.POINTER(_F64)
 
     def start(self, values: Mapping[str, np.ndarray], t0: float) -> None:
@@ -79,6 +83,10 @@ class BareUnits:
     def run(self, times: np.ndarray, h: float, first: int, last: int) -> None:
         """Make the steps first to last - 1."""
         self._library.bare_run(_address(times), _F64(h), _I64(first), _I64(last))
+
+    def copy(self, n: int) -> None:
+        """Make the copies of a step from outputs to inputs n times."""
+        self._library.bare_copies(_I64(n))
 
     def replay(self, name: str, times: np.ndarray, h: float, inputs: np.ndarray, step: bool) -> None:
         """Copy the given rows of inputs to one unit; with `step`, step it after each."""
@@ -100,13 +108,11 @@ class CLoop:
         Addresses and buffers; must outlive this object.
     n_columns
         Width of a row of records.
-    folder
-        A scratch folder.
     """
 
-    def __init__(self, plan: Plan, n_columns: int, folder: Path) -> None:
-        self._library = _compile([HERE / "loop.c"], folder / "loop")
-        self._table = plan.table
+    def __init__(self, plan: Plan, n_columns: int) -> None:
+        self._library = _loop_library()
+        self._arrays = plan
         self._plan = _PlanStruct(
             *(_address(plan.table), plan.table.shape[0]),
             *(_address(plan.real_links), _address(plan.discrete_links)),
@@ -115,32 +121,50 @@ class CLoop:
             *(len(plan.recorded_reals), len(plan.recorded_discretes), n_columns),
         )
 
-    def run(self, times: np.ndarray, h: float, span: tuple[int, int], rows: np.ndarray) -> int:
-        """Make the steps span[0] to span[1] - 1 and fill their rows; returns the fmi2Status."""
+    def run(self, grid: tuple[np.ndarray, float], span: tuple[int, int], rows: np.ndarray, every: int) -> int:
+        """Make the steps span[0] to span[1] - 1 at times and with a step in s; returns the fmi2Status.
+
+        A row is filled after each step k for which k + 1 is a multiple of `every`.
+        """
+        plan, (times, h) = ctypes.byref(self._plan), grid
         return self._library.fmi_run(
-            ctypes.byref(self._plan), _address(times), _F64(h), _I64(span[0]), _I64(span[1]), _address(rows)
+            plan, _address(times), _F64(h), _I64(span[0]), _I64(span[1]), _address(rows), _I64(every)
         )
 
-    def replay(self, i: int, times: np.ndarray, h: float, inputs: np.ndarray, calls: Sequence[bool]) -> int:
-        """Make the calls (set, step, get) of component i with the given rows of inputs."""
+    def copy(self, n: int, rows: np.ndarray, links: bool, records: bool) -> None:
+        """Make the copies of a step n times: those of the links, and of the records into rows."""
+        self._library.fmi_copies(ctypes.byref(self._plan), _I64(n), _address(rows), _I32(links), _I32(records))
+
+    def replay(
+        self, i: int, grid: tuple[np.ndarray, float], inputs: tuple[np.ndarray, np.ndarray], calls: Sequence[bool]
+    ) -> int:
+        """Make the calls (set, step, get) of component i with the given rows of Real and Boolean inputs."""
+        times, h = grid
         return self._library.fmi_replay(
-            _address(self._table[i]),
-            *(_address(times), _F64(h), _I64(len(inputs)), _address(inputs)),
+            _address(self._arrays.table[i]),
+            *(_address(times), _F64(h), _I64(len(times)), *map(_address, inputs)),
             *(_I32(call) for call in calls),
         )
+
+
+@cache
+def _loop_library() -> ctypes.CDLL:
+    """loop.c, compiled once per process; it stays loaded when its file is gone."""
+    with TemporaryDirectory(prefix="benchmark-", ignore_cleanup_errors=True) as folder:
+        return _compile([HERE / "loop.c"], Path(folder) / "loop")
 
 
 def _address(array: np.ndarray) -> Any:
     return ctypes.c_void_p(array.ctypes.data)
 
 
-def _compile(sources: Sequence[Path], output: Path) -> ctypes.CDLL:
+def _compile(sources: Sequence[Path], output: Path, *flags: str) -> ctypes.CDLL:
     """Compile C files into one library, as the toolchain does with a unit, and load it."""
     target = host_platform()
     library = output.with_suffix(target.extension)
     command = [
         *(sys.executable, "-m", "ziglang", "cc", "-shared", "-target", target.target),
-        *(*FLAGS, *target.flags, *map(str, sources), "-o", str(library), "-lm"),
+        *(*FLAGS, *target.flags, *flags, *map(str, sources), "-o", str(library), "-lm"),
     ]
     run = subprocess.run(command, capture_output=True, text=True, check=False)
     if run.returncode != 0:

@@ -1,4 +1,4 @@
-"""The benchmark runs, and compares programs that compute the same; no time is asserted."""
+"""The benchmarks run, and compare programs that compute the same; no time is asserted."""
 
 import json
 from pathlib import Path
@@ -6,35 +6,70 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.benchmarks import master
-from tests.benchmarks.variants import Bench, BenchmarkError, bench
+from orchestration.paper.provide import fmus, scenario
+from tests.benchmarks import master, overhead, scaling, start
+from tests.benchmarks.rig import BenchmarkError, Rig
+from tests.benchmarks.trivial import ring
+from tests.benchmarks.variants import Bench
 
 N_STEPS = 200
+# Before the tip touches the wall too, noise is seen, and the actuator saturates now and then.
+NOISE = {"sensor.contact_gated": False, "sensor.noise_std": 30.0, "sensor.noise_bound": 90.0}
+SATURATION = {"actuator.tau_max[1]": 150.0, "controller.freeze_when_saturated": True}
+CHANGES = {"fig2": NOISE, "fig5": {**NOISE, **SATURATION, "controller.update_divisor": 4}}
+PARTS = ("set", "do_step", "get", "link copies", "recording")
 
 
-@pytest.fixture
-def fig2():
-    """The system of Fig. 2, ready to run `N_STEPS` steps."""
-    about = master.scenario("fig2")
-    with bench(about.system(master.fmus(about.units.values())), N_STEPS) as b:
+@pytest.fixture(params=master.SCENARIOS)
+def bench(request: pytest.FixtureRequest):
+    """A system of the paper with `CHANGES`, ready to run `N_STEPS` steps."""
+    about = scenario(request.param)
+    with Bench(about.system(fmus(about.units.values())).set(CHANGES[about.name]), N_STEPS) as b:
         yield b
 
 
-def test_every_loop_records_the_same_bits(fig2: Bench) -> None:
-    ours = fig2.records(fig2.time_ours, N_STEPS)
-    assert len(ours) == N_STEPS + 1
-    assert ours.shape[1] == 40
-    assert fig2.records(fig2.time_c, N_STEPS).tobytes() == ours.tobytes()
-    assert fig2.records(fig2.time_fmpy, N_STEPS).tobytes() == ours.tobytes()
-    assert fig2.check_bare(ours) == N_STEPS
+def test_every_loop_records_the_same_bits(bench: Bench) -> None:
+    ours = bench.records(bench.time_ours, N_STEPS)
+    assert ours.shape == (N_STEPS + 1, len(bench.assembly.columns))
+    for measure in (bench.time_c, bench.time_fmpy):
+        assert bench.records(measure, N_STEPS).tobytes() == ours.tobytes()
+    assert bench.first_contact(ours) == N_STEPS + 1
+    assert bench.check_bare(ours) == N_STEPS
 
 
-def test_a_repetition_begins_where_the_first_began(fig2: Bench) -> None:
-    first = fig2.records(fig2.time_c, N_STEPS)
-    assert fig2.records(fig2.time_c, N_STEPS).tobytes() == first.tobytes()
+def test_the_comparison_has_noise_slow_updates_and_saturation() -> None:
+    about = scenario("fig5")
+    system = about.system(fmus(about.units.values())).set(CHANGES["fig5"])
+    with Bench(system, N_STEPS) as b:
+        ours = b.records(b.time_ours, N_STEPS)
+        column = b.assembly.columns.index
+        assert len(np.unique(ours[1:, column("sensor.F_hat[1]")])) == N_STEPS
+        assert set(ours[:, column("actuator.saturated[1]")]) == {0.0, 1.0}
+        changes = np.flatnonzero(np.diff(ours[:, column("controller.p_hat[2]")]))
+        assert len(changes) > N_STEPS / 16
+        assert set(np.diff(changes) % 4) == {0}
 
 
-def test_a_difference_is_an_error(fig2: Bench, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_repetition_begins_where_the_first_began(bench: Bench) -> None:
+    first = bench.records(bench.time_c, N_STEPS)
+    assert bench.records(bench.time_c, N_STEPS).tobytes() == first.tobytes()
+
+
+def test_a_component_alone_repeats_what_it_did_in_the_run(bench: Bench) -> None:
+    ours = bench.records(bench.time_ours, N_STEPS)
+    inputs = bench.inputs(ours)
+    assert inputs["controller"].booleans.shape[1] == (2 if "controller.mu" in bench.assembly.columns else 0)
+    row = np.empty(ours.shape[1])
+    for i, (name, given) in enumerate(inputs.items()):
+        columns = [j for j, path in enumerate(bench.assembly.columns) if path.startswith(f"{name}.")]
+        bench.time_component(i, given, (1, 1, 1))
+        bench.assembly.record(row)
+        assert row[columns].tobytes() == ours[-1, columns].tobytes()
+        bench.time_unit(name, given, step=True)
+        assert bench.bare.outputs(name, len(columns)).tobytes() == ours[-1, columns].tobytes()
+
+
+def test_a_difference_is_an_error(bench: Bench, monkeypatch: pytest.MonkeyPatch) -> None:
     def wrong(b: Bench, n: int) -> np.ndarray:
         seconds = b.time_ours(n)
         b.rows[n // 2, 0] += 1e-12
@@ -42,16 +77,69 @@ def test_a_difference_is_an_error(fig2: Bench, monkeypatch: pytest.MonkeyPatch) 
 
     monkeypatch.setattr(Bench, "time_c", wrong)
     with pytest.raises(BenchmarkError, match=f"c differ from ours, first in row {N_STEPS // 2}"):
-        master._check(fig2, N_STEPS)
+        master.check(bench, N_STEPS)
 
 
-def test_it_writes_its_numbers(tmp_path: Path) -> None:
+@pytest.mark.parametrize("every", [1, 7, 10])
+def test_the_c_loop_records_every_nth_step_as_ours_does(every: int) -> None:
+    with Rig(ring(3, 2), N_STEPS, piece=33) as rig:
+        all_rows = rig.records(rig.time_ours, N_STEPS)
+        for measure in (rig.time_c, rig.time_ours):
+            rows = rig.records(lambda n, measure=measure: measure(n, every=every), N_STEPS)
+            count = N_STEPS // every + 1
+            assert rows[:count].tobytes() == all_rows[::every][:count].tobytes()
+            assert np.isnan(rows[count:]).all()
+
+
+@pytest.mark.parametrize("name", master.SCENARIOS)
+def test_master_writes_its_numbers(name: str, tmp_path: Path) -> None:
     file = tmp_path / "speed.json"
-    assert master.main(["--json", str(file), "--steps", str(N_STEPS), "--repetitions", "1"]) == 0
+    arguments = ["--scenario", name, "--json", str(file), "--steps", str(N_STEPS), "--repetitions", "1"]
+    assert master.main(arguments) == 0
     result = json.loads(file.read_text(encoding="utf-8"))
-    for name in (*master.FAST, *master.SLOW):
-        assert "unavailable" in result[name] or result[name]["minimum_ns"] > 0
-    assert result["checks"]["c_equals_ours_bitwise"]
+    for variant in (*master.FAST, *master.SLOW):
+        assert "unavailable" in result[variant] or result[variant]["minimum_ns"] > 0
+    assert result["checks"] == {
+        "c_equals_ours_bitwise": True,
+        "steps_compared": N_STEPS,
+        "bare_equals_ours_steps": N_STEPS,
+    }
     assert set(result["per_fmu"]) == {"trajectory", "sensor", "controller", "actuator", "plant"}
     assert result["per_fmu"]["plant"].keys() == {"bare", "set", "do_step", "get"}
-    assert {"ratios", "machine", "versions"} <= result.keys()
+    for parts in result["parts"].values():
+        assert parts["sum"] == pytest.approx(sum(parts[part] or 0.0 for part in PARTS))
+        assert parts["left"] == pytest.approx(parts["whole"] - parts["sum"])
+    assert {"ratios", "goals", "machine", "versions"} <= result.keys()
+
+
+def test_overhead_writes_its_numbers(tmp_path: Path) -> None:
+    file = tmp_path / "overhead.json"
+    assert overhead.main(["--json", str(file), "--steps", str(N_STEPS), "--repetitions", "1"]) == 0
+    result = json.loads(file.read_text(encoding="utf-8"))
+    assert set(result["systems"]) == {"chain5x1", "ring5x6"}
+    for found in result["systems"].values():
+        for variant in overhead.MEANING:
+            assert "unavailable" in found[variant] or found[variant]["minimum_ns"] > 0
+    assert {"goals", "machine", "versions"} <= result.keys()
+
+
+def test_scaling_measures_sizes_and_lengths() -> None:
+    result = scaling.run((2, 3), (1, 2), (50,), repetitions=1, work=100)
+    assert [(record["units"], record["variables"]) for record in result["size"]] == [(2, 1), (3, 1), (2, 2), (3, 2)]
+    assert [record["steps"] for record in result["length"]] == [50]
+    assert all(record["ours"] > 0 for record in result["size"])
+
+
+@pytest.mark.skipif("sys.platform == 'win32'", reason="peak memory is asked from the module resource of Unix")
+def test_start_measures_fresh_processes() -> None:
+    memory = start.measure_memory(1000)
+    assert memory["in_memory"]["data"] == 8 * 1000 * 41
+    assert all(found["few"] > 0 for found in memory.values())
+    assert start.child("import", "json")["seconds"] > 0
+    times = start.child("simulate", str(start.unit(1)), "gauss-seidel")
+    assert times.keys() == {"imports", "first", "second"}
+
+
+def test_a_process_that_fails_is_an_error() -> None:
+    with pytest.raises(RuntimeError, match="no_such_module"):
+        start.child("import", "no_such_module")

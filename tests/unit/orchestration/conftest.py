@@ -7,6 +7,7 @@ import pytest
 
 from orchestration import System
 from orchestration.paper.scenarios import SCENARIOS
+from tests.unit.orchestration.foreign import build_foreign
 from tests.unit.orchestration.units import H, build_units, mixed
 
 
@@ -14,6 +15,12 @@ from tests.unit.orchestration.units import H, build_units, mixed
 def small(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     """FMU files of the small units, by model identifier."""
     return build_units(tmp_path_factory.mktemp("small"))
+
+
+@pytest.fixture(scope="session")
+def strange(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
+    """FMU files of foreign units, by model identifier."""
+    return build_foreign(tmp_path_factory.mktemp("strange"))
 
 
 @pytest.fixture(scope="session")

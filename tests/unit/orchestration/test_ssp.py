@@ -68,7 +68,7 @@ def test_profile_is_the_one_other_engines_load(package: Path) -> None:
         text = archive.read(SSD_FILE).decode()
         values = archive.read("resources/relay.ssv").decode()
     assert "<ssd:SystemStructureDescription" in text
-    assert '<ssv:Real value="0.1"/>' in values
+    assert '<ssv:Real value="0.1" unit="m"/>' in values
     assert '<ssv:Integer value="-7"/>' in values
     assert '<ssv:Boolean value="true"/>' in values
     connectors = set(re.findall(r'Connector name="(\w+)"', text))

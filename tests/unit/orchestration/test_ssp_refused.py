@@ -11,7 +11,12 @@ from tests.unit.orchestration.packages import SSD_FILE, edited, substitute
 pytestmark = pytest.mark.usefixtures("own_cache")
 FMU, VALUES = 'source="resources/Relay.fmu"', 'source="resources/relay.ssv"'
 FROM_PLANT = 'startElement="plant" startConnector="x"'
-DOUBLED = r'\1><ssc:LinearTransformation factor="2"/></ssd:Connection>'
+MAPPED = r'\1><ssc:BooleanMappingTransformation><ssc:MapEntry source="true" target="false"/>'
+MAPPED += "</ssc:BooleanMappingTransformation></ssd:Connection>"
+SCALED = r'\1><ssc:LinearTransformation factor="2"/></ssd:Connection>'
+DICTIONARY = '<ssd:SignalDictionaryReference name="d" dictionary="d"/></ssd:Elements>'
+NESTED = '<ssd:System name="a"><ssd:Elements><ssd:Component name="b" source="resources/Relay.fmu"/></ssd:Elements>'
+NESTED += '</ssd:System><ssd:Component name="a__b" source="resources/Relay.fmu"/></ssd:Elements>'
 
 
 @pytest.mark.parametrize(
@@ -23,6 +28,10 @@ DOUBLED = r'\1><ssc:LinearTransformation factor="2"/></ssd:Connection>'
         (FMU, 'source="resources/None.fmu"', r"'resources/None\.fmu' is not in the package"),
         (VALUES, 'source="../relay.ssv"', r"'\.\./relay\.ssv' is missing or leads outside"),
         (VALUES, 'source="resources/none.ssv"', r"none\.ssv' is not in the package"),
+        (VALUES, f'{VALUES} sourceBase="component"', r"resources/relay\.ssv' is not in Relay\.fmu"),
+        (VALUES, 'source="http://x.org/relay.ssv"', r"'http://x\.org/relay\.ssv' lies elsewhere"),
+        ('<step size="[^"]*"', '<step size="long"', r"org\.adaptimp\.step has the size 'long'"),
+        (FMU, 'source="%2e%2e/Relay.fmu"', r"'%2e%2e/Relay\.fmu' is missing or leads outside"),
         ("<ssd:Elements>", "<ssd:Element>", r"SystemStructure\.ssd is missing or no well-formed XML"),
         ("<ssd:Connections>", "<ssd:Connections><ssd:Wire/>", r"SystemStructure\.ssd is invalid: .*Wire"),
         ('version="1.0"', 'version="3.0"', r"SystemStructure\.ssd is invalid"),
@@ -36,13 +45,34 @@ def test_bad_packages_are_refused(package: Path, pattern: str, replacement: str,
 @pytest.mark.parametrize(
     ("pattern", "replacement", "message"),
     [
-        (rf"(<ssd:Connection {FROM_PLANT}[^>]*)/>", DOUBLED, "transformation"),
-        (FROM_PLANT, 'startConnector="x"', "system's own connectors"),
+        (
+            r'(<ssd:Connection startElement="source" startConnector="even"[^>]*)/>',
+            MAPPED,
+            "a BooleanMapping.* not supp",
+        ),
+        (r'(<ssd:Connection startElement="source" startConnector="n"[^>]*)/>', SCALED, "Integer; only Reals can be"),
+        (FROM_PLANT, 'startConnector="x"', "system small has no connector x; it has none"),
+        (
+            'type="application/x-fmu-sharedlibrary"',
+            'type="application/x-ssp-package"',
+            "source is of type application/x-ssp",
+        ),
+        (
+            '(<ssd:Component name="source")',
+            r'\1 implementation="ModelExchange"',
+            "source is to be run as model exchange",
+        ),
+        ("</ssd:Elements>", DICTIONARY, "d refers to a signal dictionary"),
+        ("</ssd:Elements>", NESTED, r"a\.b and a__b would both be called a__b; rename one"),
         (FROM_PLANT, FROM_PLANT.replace("plant", "spring"), "no component spring; it has source, relay"),
         (FROM_PLANT, FROM_PLANT.replace('"x"', '"z"'), "plant has no variable z; it has "),
         (FROM_PLANT, 'startElement="source" startConnector="even"', "types Boolean and Real differ"),
-        (VALUES, f'{VALUES} prefix="p."', "maps or prefixes parameter names"),
-        ("</ssd:Elements>", '<ssd:System name="inner"/></ssd:Elements>', "nested systems are not supported"),
+        (VALUES, f'{VALUES} prefix="p."', r"relay has no variable p\.offset; it has sample_time"),
+        (
+            r'(Connector name="x" kind="output">\s*<ssc:Real unit=)"m"',
+            r'\1"m2"',
+            "has unit m2, the variable of the FMU m",
+        ),
         ('(<ssd:Component name=)"switch"', r'\1"relay"', "'relay' is empty, has a dot, or is used twice"),
     ],
 )
@@ -56,7 +86,9 @@ def test_what_cannot_be_run_is_refused(package: Path, pattern: str, replacement:
     [
         ('name="offset"', 'name="offsets"', r"relay has no variable offsets; it has sample_time, offset"),
         ('name="offset"', 'name="y"', r"relay\.y has causality output; only parameters and inputs"),
-        ('Real value="0.1"', 'Real value="0.1" unit="rad"', r"relay\.offset is given in rad, the FMU has m"),
+        ('(value="0.1") unit="m"', r'\1 unit="rad"', r"relay\.offset is given in rad, the FMU has m"),
+        ('(ssc:BaseUnit) m="1"', r'\1 s="1"', r"relay\.offset is given in m, the FMU has m"),
+        ('(<ssv:Parameter name=)"n"', r'\1"offset"', "parameter set parameters has two parameters offset"),
         ('Real value="0.1"', 'Real value="NaN"', r"relay\.offset = 'NaN': a number is needed"),
         ('Integer value="-7"', 'Real value="-7.5"', r"relay\.n = '-7\.5': an integer"),
     ],
@@ -73,6 +105,12 @@ def test_external_entities_are_not_read(package: Path, tmp_path: Path) -> None:
     edit = substitute(r"(<ssd:SystemStructureDescription.*?>)", rf"{doctype}\1<!-- -->&leak;")
     with pytest.raises(ArchiveError, match=r"SystemStructure\.ssd declares a document type"):
         System.read(edited(package, SSD_FILE, edit))
+
+
+def test_entities_are_not_read_in_parameter_sets_either(package: Path) -> None:
+    edit = substitute(r"(<ssv:ParameterSet)", r'<!DOCTYPE x [<!ENTITY a "aaaa">]>\1')
+    with pytest.raises(ArchiveError, match=r"relay\.ssv declares a document type"):
+        System.read(edited(package, "resources/relay.ssv", edit))
 
 
 def test_missing_package_and_missing_description(tmp_path: Path, package: Path) -> None:

@@ -1,0 +1,125 @@
+"""A controller in a closed loop: it runs, its tip follows the virtual trajectory, its torques stay within limits.
+
+The loop itself, a system with a controller known to work, is given: this package knows no scenario.
+"""
+
+import pickle
+import tempfile
+import warnings
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from orchestration.check.findings import LOOP, Finding, error, shown, warning
+from orchestration.check.process import work
+from orchestration.errors import OrchestrationError
+from orchestration.system import System
+
+DURATION = 0.2  # s, in which the tip of the paper's arm moves 0.6 m
+TIMEOUT = 120.0  # s; the first run of a machine compiles the loop
+DIVERGED, LOST = 1.0, 0.1  # m by which the tip misses the virtual trajectory: half the arm's reach, and a lot
+
+
+@dataclass(frozen=True)
+class Loop:
+    """Where a controller is tried.
+
+    Attributes
+    ----------
+    system
+        With components trajectory, plant and controller; the latter is the one to compare with.
+    limits
+        Largest torque of each joint, N.m.
+    """
+
+    system: System
+    limits: Sequence[float]
+
+
+@dataclass(frozen=True)
+class Ride:
+    """What a run showed.
+
+    Attributes
+    ----------
+    miss
+        Largest distance of the tip from the virtual trajectory, m.
+    torques
+        Largest torque of each joint, N.m.
+    """
+
+    miss: float
+    torques: tuple[float, ...]
+
+
+def try_loop(path: Path, loop: Loop, timeout: float = TIMEOUT) -> tuple[list[Finding], list[str]]:
+    """Run the loop with its own controller and with another one, in a process of its own."""
+    try:
+        candidate = loop.system.replace("controller", path)
+    except OrchestrationError as refused:
+        return [error(LOOP, f"The controller does not fit into the loop: {refused}")], []
+    with tempfile.TemporaryDirectory(prefix="adaptimp-check-") as name:
+        folder = Path(name)
+        (folder / "systems").write_bytes(pickle.dumps([loop.system, candidate]))
+        ending = work({"task": "loop", "systems": str(folder / "systems")}, folder, timeout)
+    rides, findings = [], []
+    for line in ending.lines:
+        if "ride" in line:
+            rides.append(Ride(float(line["ride"]["miss"]), tuple(line["ride"]["torques"])))
+        if "failed" in line:
+            findings.append(error(LOOP, f"The loop does not run: {line['failed']}"))
+    if ending.how:
+        findings.append(error(LOOP, f"The process of the closed loop {ending.how}."))
+    if ending.printed:
+        findings.append(warning("9", f'In the loop the binary writes to standard output: "{shown(ending.printed)}".'))
+    if len(rides) < 2:
+        return findings, []
+    return [*findings, *judge(rides[1], loop)], [_sentence(*rides)]
+
+
+def run(plan: dict[str, Any], write: Callable[..., None]) -> None:
+    """In the worker: run both systems."""
+    from orchestration.master import simulate
+    from orchestration.options import Options
+
+    record = [f"{n}[{i}]" for n in ("plant.x", "trajectory.x_v") for i in (1, 2)]
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        for system in pickle.loads(Path(plan["systems"]).read_bytes()):
+            commands = [v.name for v in system.component("controller").description.of_causality("output")]
+            commands = [name for name in commands if name.startswith("tau_cmd[")]
+            columns = [*record, *(f"controller.{name}" for name in commands)]
+            try:
+                result = simulate(system, stop_time=DURATION, options=Options(record=columns))
+            except OrchestrationError as failed:
+                write(failed=str(failed))
+                return
+            tip, target = ([result.at_ticks(f"{n}[{i}]") for i in (1, 2)] for n in ("plant.x", "trajectory.x_v"))
+            miss = max(
+                ((a - b) ** 2 + (c - d) ** 2) ** 0.5
+                for a, b, c, d in zip(tip[0], target[0], tip[1], target[1], strict=True)
+            )
+            torques = [float(abs(result[f"controller.{name}"]).max()) for name in commands]
+            write(ride={"miss": float(miss), "torques": torques})
+
+
+def judge(ride: Ride, loop: Loop) -> list[Finding]:
+    """What a ride says about the controller."""
+    findings = []
+    if not ride.miss < LOST:
+        said = f"The tip misses the virtual trajectory by {ride.miss:.3g} m within {DURATION:g} s"
+        worse = error(LOOP, f"{said}, more than {DIVERGED:g} m: the loop diverges.")
+        findings.append(warning(LOOP, f"{said}, more than {LOST:g} m.") if ride.miss < DIVERGED else worse)
+    for i, (torque, limit) in enumerate(zip(ride.torques, loop.limits, strict=False), start=1):
+        if not torque <= limit:
+            findings.append(warning(LOOP, f"tau_cmd[{i}] reaches {torque:.4g} N.m, beyond the limit {limit:g} N.m."))
+    return findings
+
+
+def _sentence(own: Ride, other: Ride) -> str:
+    largest = " and ".join(f"{torque:.4g}" for torque in other.torques)
+    return (
+        f"Closed loop of {DURATION:g} s: max |x - x_v| = {other.miss:.3e} m, {own.miss:.3e} m with the loop's own"
+        f" controller; max |tau_cmd| = {largest} N.m."
+    )

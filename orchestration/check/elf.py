@@ -1,0 +1,144 @@
+"""What a shared library of Linux exports and needs, from the dynamic section of its ELF file (64 bit, little-endian).
+
+System V ABI, chapters 4 and 5, and the GNU hash table: enough to answer without binutils, and without
+loading what is examined.
+"""
+
+import struct
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+MACHINES = {62: "x86_64", 183: "aarch64"}
+_LOAD, _DYNAMIC = 1, 2
+_NEEDED, _HASH, _STRTAB, _SYMTAB, _RPATH, _RUNPATH, _GNU_HASH = 1, 4, 5, 6, 15, 29, 0x6FFFFEF5
+_SYMBOL = struct.Struct("<IBBHQQ")
+_MOST = 200_000  # symbols, entries, headers: more are a damaged table
+
+
+class ElfError(ValueError):
+    """A file is no library that can be read so."""
+
+
+@dataclass(frozen=True)
+class Library:
+    """Names in the dynamic section.
+
+    Attributes
+    ----------
+    machine
+        Processor, such as ``x86_64``.
+    exported
+        Dynamic symbols that are defined and visible.
+    needed, search_paths
+        Libraries it loads, and its RPATH and RUNPATH.
+    """
+
+    machine: str
+    exported: frozenset[str]
+    needed: tuple[str, ...]
+    search_paths: tuple[str, ...]
+
+
+def read(data: bytes) -> Library:
+    """Read a shared library.
+
+    Raises
+    ------
+    ElfError
+    """
+    if data[:6] != b"\x7fELF\x02\x01":
+        msg = "it is no 64-bit little-endian ELF file"
+        raise ElfError(msg)
+    try:
+        return _read(data)
+    except (struct.error, IndexError, KeyError, OverflowError, MemoryError) as failed:
+        msg = f"its tables are damaged ({failed})"
+        raise ElfError(msg) from failed
+
+
+def _read(data: bytes) -> Library:
+    machine = struct.unpack_from("<H", data, 18)[0]
+    loads, dynamic = _segments(data)
+    entries = list(_dynamic(data, dynamic))
+    tags = dict(entries)
+    strings = _offset(loads, tags[_STRTAB])
+
+    def text(index: int) -> str:
+        end = data.find(b"\0", strings + index)
+        if end < 0:
+            msg = "a name has no end"
+            raise ElfError(msg)
+        return data[strings + index : end].decode(errors="replace")
+
+    exported = set()
+    table = _offset(loads, tags[_SYMTAB])
+    for i in range(_count(data, loads, tags)):
+        name, info, other, section, *_ = _SYMBOL.unpack_from(data, table + _SYMBOL.size * i)
+        if name and section and info >> 4 and other & 3 in (0, 3):  # defined, not local, default or protected
+            exported.add(text(name))
+    return Library(
+        machine=MACHINES.get(machine, f"machine {machine}"),
+        exported=frozenset(exported),
+        needed=tuple(text(value) for tag, value in entries if tag == _NEEDED),
+        search_paths=tuple(text(value) for tag, value in entries if tag in (_RPATH, _RUNPATH)),
+    )
+
+
+def _segments(data: bytes) -> tuple[list[tuple[int, int, int]], tuple[int, int]]:
+    """Address, size and file offset of what is loaded; offset and size of the dynamic section."""
+    start, size, count = (struct.unpack_from("<Q", data, 32)[0], *struct.unpack_from("<HH", data, 54))
+    loads, dynamic = [], None
+    for i in range(count):
+        kind, _, offset, address, _, length = struct.unpack_from("<IIQQQQ", data, start + i * size)
+        if kind == _LOAD:
+            loads.append((address, length, offset))
+        elif kind == _DYNAMIC:
+            dynamic = (offset, length)
+    if dynamic is None:
+        msg = "it has no dynamic section"
+        raise ElfError(msg)
+    return loads, dynamic
+
+
+def _dynamic(data: bytes, place: tuple[int, int]) -> Iterator[tuple[int, int]]:
+    for i in range(min(place[1] // 16, _MOST)):
+        tag, value = struct.unpack_from("<QQ", data, place[0] + 16 * i)
+        if tag == 0:
+            return
+        yield tag, value
+
+
+def _offset(loads: list[tuple[int, int, int]], address: int) -> int:
+    for base, length, offset in loads:
+        if base <= address < base + length:
+            return address - base + offset
+    msg = f"no segment holds the address {address:#x}"
+    raise ElfError(msg)
+
+
+def _count(data: bytes, loads: list[tuple[int, int, int]], tags: dict[int, int]) -> int:
+    """Number of dynamic symbols, from either hash table."""
+    if _HASH in tags:
+        count = struct.unpack_from("<I", data, _offset(loads, tags[_HASH]) + 4)[0]
+    else:
+        count = _gnu_count(data, _offset(loads, tags[_GNU_HASH]))
+    if count > _MOST:
+        msg = f"it has {count} symbols"
+        raise ElfError(msg)
+    return count
+
+
+def _gnu_count(data: bytes, table: int) -> int:
+    """The end of the last chain of the GNU hash table."""
+    buckets, first, words, _ = struct.unpack_from("<IIII", data, table)
+    if buckets > _MOST:
+        msg = f"its hash table has {buckets} buckets"
+        raise ElfError(msg)
+    start = table + 16 + 8 * words
+    last = max(struct.unpack_from(f"<{buckets}I", data, start), default=0)
+    if last < first:
+        return first
+    chain = start + 4 * buckets
+    while not struct.unpack_from("<I", data, chain + 4 * (last - first))[0] & 1:
+        last += 1
+    return last + 1

@@ -1,0 +1,86 @@
+"""What a fresh process does for `tests.benchmarks.start`; prints one JSON object.
+
+    python -m tests.benchmarks.child import MODULE
+    python -m tests.benchmarks.child simulate FMU ALGORITHM
+    python -m tests.benchmarks.child memory FMU N_ROWS [PARQUET]
+
+FMU is a unit of `tests.benchmarks.trivial`. Nothing but the standard library is imported at first.
+"""
+
+import json
+import sys
+from importlib import import_module
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+N_MEMORY_UNITS = 4
+
+
+def main(arguments: list[str]) -> None:
+    """Do it, and print the numbers."""
+    work, *rest = arguments
+    found = {"import": time_import, "simulate": time_simulate, "memory": measure_memory}[work](*rest)
+    sys.stdout.write(json.dumps(found) + "\n")
+
+
+def time_import(module: str) -> dict[str, float]:
+    """Time of an import, s."""
+    begin = perf_counter()
+    import_module(module)
+    return {"seconds": perf_counter() - begin}
+
+
+def time_simulate(fmu: str, algorithm: str) -> dict[str, float]:
+    """Time of imports, and of the first and the second `simulate` of two units, s."""
+    begin = perf_counter()
+    import_module("orchestration.stepping")  # which the first run would import
+    import_module("orchestration.simulation")
+    from orchestration.master import simulate
+
+    system = chain(fmu, 2)
+    imported = perf_counter()
+    simulate(system, 16 * system.step, algorithm=algorithm)
+    first = perf_counter()
+    simulate(system, 16 * system.step, algorithm=algorithm)
+    return {"imports": imported - begin, "first": first - imported, "second": perf_counter() - first}
+
+
+def measure_memory(fmu: str, n_rows: str, parquet: str | None = None) -> dict[str, float]:
+    """Peak memory of a run that records all outputs, in memory or to a file; bytes."""
+    import resource
+
+    from orchestration.master import simulate, stream
+
+    system = chain(fmu, N_MEMORY_UNITS)
+    simulate(system, 9 * system.step)  # compiled code and caches are there
+    before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    stop_time, begin = (int(n_rows) - 1) * system.step, perf_counter()
+    if parquet is None:
+        result = simulate(system, stop_time)
+        size = result.time.nbytes + result.rows.nbytes
+    else:
+        stream(parquet, system, stop_time)
+        size = Path(parquet).stat().st_size
+    seconds = perf_counter() - begin
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    unit = 1 if sys.platform == "darwin" else 1024  # of ru_maxrss, bytes
+    return {"peak": peak * unit, "peak_before": before * unit, "size": size, "seconds": seconds}
+
+
+def chain(fmu: str, n_units: int) -> Any:
+    """Units of one FMU, each output to the next unit; every unit has as many inputs as outputs."""
+    from orchestration.fmu import read_description
+    from orchestration.system import Component, Connection, System
+
+    description = read_description(Path(fmu))
+    units = [f"unit{i + 1}" for i in range(n_units)]
+    inputs, outputs = ([v.name for v in description.of_causality(kind)] for kind in ("input", "output"))
+    links = [
+        Connection(units[i - 1], y, units[i], u) for i in range(n_units) for y, u in zip(outputs, inputs, strict=True)
+    ]
+    return System("ring", tuple(Component(name, description) for name in units), tuple(links), step=2.0**-10)
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

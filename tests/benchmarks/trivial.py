@@ -1,0 +1,42 @@
+"""Units that compute next to nothing, and systems of them: what is left is the master's work.
+
+A unit of width n has inputs u[1..n] and outputs y = t - u. In a ring every output feeds the next
+unit, so all values change at every step.
+"""
+
+from functools import cache
+from pathlib import Path
+
+from adaptimp_fmu import SampledModel, build
+from orchestration.fmu import read_description
+from orchestration.system import Component, Connection, System
+
+STEP = 2.0**-10  # s: a power of two, so that k STEP is exact
+
+
+@cache
+def unit(width: int) -> Path:
+    """The FMU of a unit, from the cache or built now."""
+    model = SampledModel(f"Trivial{width}", "Subtracts its inputs from the time", sample_time=STEP)
+    u = model.input("u", [0.0] * width, description="Signals")
+    model.output("y", model.time - u, description="t - u")
+    return build(model)
+
+
+def ring(n_units: int, width: int, *, closed: bool = True) -> System:
+    """Units one behind the other; if not `closed`, the first has no sources."""
+    names = [f"unit{i + 1}" for i in range(n_units)]
+    description = read_description(unit(width))
+    links = tuple(
+        Connection(names[i - 1], f"y[{j + 1}]", names[i], f"u[{j + 1}]")
+        for i in range(0 if closed else 1, n_units)
+        for j in range(width)
+    )
+    components = tuple(Component(name, description) for name in names)
+    kind = "ring" if closed else "chain"
+    return System(f"{kind}{n_units}x{width}", components, links, step=STEP, stop_time=1000 * STEP)
+
+
+def chain(n_units: int, width: int = 1) -> System:
+    """An open ring."""
+    return ring(n_units, width, closed=False)

@@ -1,0 +1,59 @@
+"""The command check: its exit codes, its table and its JSON."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from orchestration.cli.check import run_check
+from tests.unit.orchestration.checked import edited, swap
+
+Captured = pytest.CaptureFixture[str]
+
+
+def test_a_good_unit(fmu_folder: Path, capsys: Captured) -> None:
+    assert run_check(fmu_folder / "Plant.fmu", None, False) == 0
+    out, err = capsys.readouterr()
+    assert out.splitlines()[-1] == "Plant.fmu, plant: no findings"
+    assert err == ""
+
+
+@pytest.mark.parametrize("unit", ["CraigAdaptiveImpedance", "HoganImpedance3R"])
+def test_a_good_controller_drives_the_papers_loop(fmu_folder: Path, capsys: Captured, unit: str) -> None:
+    assert run_check(fmu_folder / f"{unit}.fmu", "controller", True) == 0
+    report = json.loads(capsys.readouterr().out)
+    assert report["findings"] == []
+    assert report["role"] == "controller"
+    assert report["facts"][-1].startswith("Closed loop of 0.2 s: max |x - x_v| = ")
+
+
+def test_a_wrong_unit(fmu_folder: Path, tmp_path: Path, capsys: Captured) -> None:
+    path = edited(fmu_folder / "Plant.fmu", tmp_path, swap('name="gap"', 'name="distance"'))
+    assert run_check(path, None, False) == 0, "a note is no error"
+    out = capsys.readouterr().out
+    assert " role │ note " in out
+    assert out.splitlines()[-1] == "Plant.fmu, plant: 1 note"
+    assert run_check(path, "sensor", True) == 1
+    report = json.loads(capsys.readouterr().out)
+    assert report["errors"] == len([f for f in report["findings"] if f["severity"] == "error"]) > 0
+    assert {"rule", "severity", "message"} == set(report["findings"][0])
+
+
+@pytest.mark.parametrize("as_json", [False, True])
+def test_what_cannot_be_examined(tmp_path: Path, fmu_folder: Path, capsys: Captured, as_json: bool) -> None:
+    for path, role, said in (
+        (tmp_path / "none.fmu", None, "there is no such file"),
+        (tmp_path, None, "there is no such file"),
+        (fmu_folder / "Plant.fmu", "pilot", "There is no role pilot"),
+    ):
+        assert run_check(path, role, as_json) == 2
+        out, err = capsys.readouterr()
+        assert said in err
+        assert said in json.loads(out)["error"] if as_json else out == ""
+
+
+def test_a_file_that_is_no_fmu(tmp_path: Path, capsys: Captured) -> None:
+    path = tmp_path / "text.fmu"
+    path.write_text("no archive")
+    assert run_check(path, None, False) == 1
+    assert "is no readable zip archive" in capsys.readouterr().out

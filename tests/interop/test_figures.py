@@ -1,0 +1,100 @@
+"""Evidence that every figure's package, and one with a scaled connection, runs in two other engines as here.
+
+50 steps of each of the paper's systems; ``test_jacobi.py`` compares 20,000 of fig2. ecos sums its times
+and libcosim rounds them to nanoseconds, on which no value of these units depends by more than the last
+bits of a trajectory; agreement is asked to 1e-9 of each signal's size, and bitwise equality is the rule.
+"""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from orchestration import Result, System, simulate
+from orchestration.paper.scenarios import SCENARIOS
+from tests.interop.peers import run_ecospy, run_libcosim, unavailable
+
+STEPS = 50
+AGREEMENT = 1e-9
+
+needs_ecospy = pytest.mark.skipif(bool(unavailable("ecospy")), reason=str(unavailable("ecospy")))
+needs_libcosim = pytest.mark.skipif(bool(unavailable("libcosimpy")), reason=str(unavailable("libcosimpy")))
+figures = pytest.mark.parametrize("figure", [name for name in SCENARIOS if name.startswith("fig")])
+
+
+def figure_system(fmu_folder: Path, figure: str) -> System:
+    """The system of a figure, with the wall before the arm's start so that there is contact."""
+    scenario = SCENARIOS[figure]
+    system = scenario.system({unit: fmu_folder / f"{unit}.fmu" for unit in scenario.units.values()})
+    return system.set({"plant.wall_offset": -1.501, "trajectory.wall_offset": -1.501})
+
+
+def ours(system: System, *, nanoseconds: bool = False) -> Result:
+    """Our Jacobi run, on the engine's clock."""
+    step_ns = round(system.step * 1e9)
+    times = np.array([(k * step_ns) / 1e9 for k in range(STEPS + 1)]) if nanoseconds else None
+    return simulate(system, STEPS * system.step, system.step, "jacobi", times=times)
+
+
+def assert_agree(values: np.ndarray, rows: np.ndarray) -> None:
+    """Within `AGREEMENT` of the largest value of each column."""
+    assert values.shape == rows.shape
+    assert np.isfinite(values).all()
+    size = np.maximum(np.abs(rows).max(axis=0), 1.0)
+    assert (np.abs(values - rows) / size).max() <= AGREEMENT
+
+
+@figures
+@needs_ecospy
+def test_ecos_agrees(fmu_folder: Path, figure: str, tmp_path: Path) -> None:
+    system = figure_system(fmu_folder, figure)
+    result = ours(system)
+    values = run_ecospy(system.write(tmp_path / "figure.ssp"), system.step, STEPS, result.names)
+    assert_agree(values, result.rows)
+
+
+@figures
+@needs_libcosim
+def test_libcosim_agrees(fmu_folder: Path, figure: str, tmp_path: Path) -> None:
+    system = figure_system(fmu_folder, figure)
+    result = ours(system, nanoseconds=True)
+    package = system.write(tmp_path / "figure.ssp")
+    values = run_libcosim(package, round(system.step * 1e9), STEPS, result.names)
+    assert_agree(values, result.rows[1:])
+
+
+def test_there_are_six_figures_and_contact(fmu_folder: Path) -> None:
+    assert [name for name in SCENARIOS if name.startswith("fig")] == [f"fig{i}" for i in range(2, 8)]
+    assert np.abs(ours(figure_system(fmu_folder, "fig2"))["plant.F_ext[1]"]).max() > 1  # N
+
+
+def scaled(fmu_folder: Path) -> System:
+    """Fig. 2 with torques that arrive doubled and with 0.1 N.m added, as if the motor were miscalibrated."""
+    system = figure_system(fmu_folder, "fig2")
+    return replace(
+        system,
+        connections=tuple(
+            replace(c, factor=2.0, offset=0.1) if c.input.startswith("tau") and c.target == "plant" else c
+            for c in system.connections
+        ),
+    )
+
+
+@needs_ecospy
+def test_ecos_scales_as_we_do(fmu_folder: Path, tmp_path: Path) -> None:
+    system = scaled(fmu_folder)
+    result = ours(system)
+    values = run_ecospy(system.write(tmp_path / "scaled.ssp"), system.step, STEPS, result.names)
+    assert_agree(values, result.rows)
+
+
+@needs_libcosim
+def test_libcosim_scales_as_we_do(fmu_folder: Path, tmp_path: Path) -> None:
+    system = scaled(fmu_folder)
+    assert sum(c.scale.factor == 2.0 for c in system.connections) == 2
+    result = ours(system, nanoseconds=True)
+    values = run_libcosim(system.write(tmp_path / "scaled.ssp"), round(system.step * 1e9), STEPS, result.names)
+    assert_agree(values, result.rows[1:])
+    plain = ours(figure_system(fmu_folder, "fig2"), nanoseconds=True)
+    assert np.abs(result["plant.dq[1]"] - plain["plant.dq[1]"]).max() > 1e-3  # rad/s

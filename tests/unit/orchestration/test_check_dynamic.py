@@ -1,0 +1,96 @@
+"""Rules 8 to 16 at run time: binaries that misbehave in one way each, and live on in a process of their own."""
+
+import time
+from pathlib import Path
+
+import pytest
+
+from orchestration.check import Severity, check
+from tests.unit.orchestration.checked import assert_found, compiled, misbehaving, swap
+
+ERROR, WARNING = Severity.ERROR, Severity.WARNING
+TIMEOUT = 1.5  # s; the process itself needs 0.1
+
+WRONG: dict[str, tuple[str, Severity, str]] = {
+    "refuse": ("9", ERROR, "fmi2Instantiate refuses the GUID of the description"),
+    "exit": ("9", ERROR, "fmi2Instantiate ends the process with exit code 7 during .*'instantiation'"),
+    "initialization": ("11", ERROR, "fmi2EnterInitializationMode returns fmi2Error at t = 0 s"),
+    "nan at start": ("11", ERROR, "not finite after initialization with the start values: y = inf"),
+    "nan": ("11", ERROR, "not finite at t = 2 s: y = nan"),
+    "step": ("11", ERROR, "Stepping: fmi2DoStep returns fmi2Error at t = 0 s"),
+    "crash": ("11", ERROR, "fmi2DoStep dies of SIG.* during the experiment 'stepping'"),
+    "hang": ("11", ERROR, "fmi2DoStep does not return within 1.5 s during the experiment 'stepping'"),
+    "guid": ("9", WARNING, "accepts a wrong GUID"),
+    "stdout": ("9", WARNING, 'writes to standard output: "hello from the unit'),
+    "chatter": ("9", WARNING, 'writes to standard output: "step'),
+    "reset": ("13", ERROR, "After fmi2Reset, y is 12 in row 0; in a fresh instance it is 0"),
+    "state": ("13", ERROR, "After fmi2SetFMUstate, y is .* in row 0; when the state was saved it is"),
+    "no state": ("13", ERROR, "Rollback: fmi2GetFMUstate returns fmi2Error"),
+    "serialization": ("13", ERROR, "With its state deserialized, y is"),
+    "huge state": ("13", ERROR, "fmi2SerializedFMUstateSize says 9223372036854775807 bytes"),
+    "torn": ("13", WARNING, "accepts 20 of 40 bytes of a state"),
+    "shared": ("13", WARNING, "memory that instances share"),
+    "random": ("13", WARNING, "random numbers without a seed"),
+    "split": ("14", WARNING, "With each step split in two, y is 2 in row 0; with whole steps it is 1"),
+    "lives": ("14", ERROR, "fmi2Instantiate dies of SIGABRT during the experiment '50 lives'"),
+    "derivative": ("16", ERROR, "d y / d u is -1 as a derivative, 1 as a difference"),
+    "reference": ("10", WARNING, "unknown value reference 4294967294 returns fmi2OK; an error is due"),
+    "crash on reference": ("10", WARNING, "fmi2GetReal dies of SIGABRT during the experiment 'unknown reference'"),
+    "crash on NaN": ("11", ERROR, "fmi2SetReal dies of SIGABRT during the experiment 'NaN as input'"),
+    "any step": ("11", WARNING, "fmi2DoStep with h = -0.5 s returns fmi2OK; an error is due"),
+    "hang on negative step": ("11", WARNING, "fmi2DoStep does not return within 1.5 s .* 'step of NaN'"),
+    "settable": ("12", WARNING, "fmi2SetReal of the fixed parameter p after initialization returns fmi2OK"),
+    "terminate": ("10", ERROR, "Termination: fmi2Terminate returns fmi2Error"),
+}
+
+
+@pytest.fixture(scope="module")
+def library(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The binary that misbehaves as its GUID says."""
+    return compiled(tmp_path_factory.mktemp("misbehaving"), "Misbehaving")
+
+
+def test_one_that_behaves(library: Path, tmp_path: Path) -> None:
+    report = check(misbehaving(library, tmp_path / "good.fmu", "none"), timeout=TIMEOUT)
+    assert report.findings == ()
+    assert report.role is None
+
+
+@pytest.mark.parametrize("fault", list(WRONG))
+def test_one_that_misbehaves(library: Path, tmp_path: Path, fault: str) -> None:
+    rule, severity, message = WRONG[fault]
+    report = check(misbehaving(library, tmp_path / "wrong.fmu", fault), timeout=TIMEOUT)
+    assert_found(report, rule, severity, message)
+    assert all(finding.rule != "1" for finding in report.findings)
+    if severity == WARNING:
+        assert not report.failed, "such a unit can be used"
+
+
+def test_a_missing_function(tmp_path: Path) -> None:
+    library = compiled(tmp_path, "incomplete", "-DINCOMPLETE")
+    report = check(misbehaving(library, tmp_path / "wrong.fmu", "none"), timeout=TIMEOUT)
+    assert_found(report, "8", ERROR, "not export fmi2GetRealOutputDerivatives; co-simulation needs all 34")
+    assert len(report.findings) == 1
+
+
+def test_one_that_takes_no_other_inputs(library: Path, tmp_path: Path) -> None:
+    report = check(misbehaving(library, tmp_path / "picky.fmu", "picky"), timeout=TIMEOUT)
+    assert report.findings == ()
+    assert any("kept at their start values" in fact for fact in report.facts)
+
+
+def test_what_is_not_promised_is_not_tried(library: Path, tmp_path: Path) -> None:
+    """A unit without states, derivatives or variable steps, of which there is but one."""
+    edit = swap(
+        r"canHandleVariable.*?/>",
+        'canHandleVariableCommunicationStepSize="false" canBeInstantiatedOnlyOncePerProcess="true"/>',
+    )
+    for fault in ("no state", "derivative", "split"):
+        report = check(misbehaving(library, tmp_path / "less.fmu", fault, edit), timeout=TIMEOUT)
+        assert report.findings == (), fault
+
+
+def test_a_hang_costs_its_timeout_and_ends(library: Path, tmp_path: Path) -> None:
+    started = time.monotonic()
+    check(misbehaving(library, tmp_path / "wrong.fmu", "hang"), timeout=0.5)
+    assert time.monotonic() - started < 5
