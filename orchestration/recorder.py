@@ -90,3 +90,18 @@ class Recorder:
             self._full.append((self._times, self._rows))
             self._times, self._rows = np.empty_like(self._times), np.empty_like(self._rows)
             self._filled = 0
+
+
+def not_finite(columns: tuple[str, ...], times: np.ndarray, rows: np.ndarray, *, first: int) -> tuple[int, str] | None:
+    """The first row with a value that is NaN or infinite, and the sentence that says so."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        if np.isfinite(rows.sum()):  # NaN and infinity stay in a sum; one that overflows is looked at below
+            return None
+    finite = np.isfinite(rows)
+    if finite.all():
+        return None
+    bad = np.argwhere(~finite)
+    k, column = int(bad[0, 0]), bad[0, 1]
+    why = "the run has diverged" if first + k > 0 else "start values are wrong or missing"
+    where = f"at t = {times[k]:.9g} s (row {first + k})"
+    return k, f"{columns[column]} is {rows[k, column]} {where}; {why}."

@@ -14,7 +14,6 @@ the others that of `orchestration.stepping`. Both are called for about a tenth o
 that interrupts and progress get through.
 """
 
-import hashlib
 import time as clock
 from collections.abc import Mapping
 from contextlib import ExitStack
@@ -41,9 +40,9 @@ from orchestration.initialize import initialize, opened, set_values
 from orchestration.layout import Experiment, Layout, check_capabilities, check_crossings, layout
 from orchestration.messages import failure_message
 from orchestration.options import Options
-from orchestration.recorder import Recorder, Sink
+from orchestration.recorder import Recorder, Sink, not_finite
 from orchestration.result import Result
-from orchestration.snapshot import Snapshot, free_states, restore_state, save_state
+from orchestration.snapshot import Snapshot, free_states, identity, restore_state, save_state
 from orchestration.system import RATIO_TOLERANCE, System
 
 _FIRST_CHUNK = 256  # steps; later chunks last about _CHUNK_SECONDS
@@ -107,7 +106,7 @@ class Simulation:
             times, rows = self._recorder.room()
             times[0] = self.grid.times[0]
             self._assembly.record(rows[0])
-            if fault := _not_finite(self._assembly.columns, *self._recorder.filled(1), first=0):
+            if fault := not_finite(self._assembly.columns, *self._recorder.filled(1), first=0):
                 raise InitializationError(fault[1])
             self._stack = stack.pop_all()
         return self
@@ -329,7 +328,7 @@ class Simulation:
     def _finish_rows(self, times: np.ndarray, rows: np.ndarray) -> None:
         """Refuse rows with values that are not finite; those before stay."""
         first = self._recorder.count - len(times)
-        if fault := _not_finite(self._assembly.columns, times, rows, first=first):
+        if fault := not_finite(self._assembly.columns, times, rows, first=first):
             self._recorder.drop(len(times) - fault[0])
             self._recorder.flush()
             raise SimulationError(fault[1], self.result())
@@ -374,18 +373,10 @@ class Simulation:
         return {name: float(period) for name, period in periods.items() if period is not None}
 
     def _identity(self) -> str:
-        """A hash of all that a snapshot must share with a run."""
-        units = [(c.name, c.description.identifier, c.description.guid) for c in self.system.components]
-        said = (
-            units,
-            [str(connection) for connection in self.system.connections],
-            repr(self.algorithm),
-            self._assembly.columns,
-            self.options.every,
-            sorted(self.options.ratios.items()),
-            repr(self.options.crossings),
-        )
-        return hashlib.sha256(repr(said).encode() + self.grid.times.tobytes()).hexdigest()
+        """What a snapshot must share with a run."""
+        options = self.options
+        chosen = (repr(self.algorithm), options.every, sorted(options.ratios.items()), repr(options.crossings))
+        return identity(self.system, self._assembly.columns, self.grid.times, chosen)
 
     def _free_snapshots(self) -> None:
         for snapshot in self._kept:
@@ -394,18 +385,3 @@ class Simulation:
 
 
 _SAVED_WORK = ("past", "past_times", "end", "residual", "last_residual", "jacobian", "pivots", "integers", "numbers")
-
-
-def _not_finite(columns: tuple[str, ...], times: np.ndarray, rows: np.ndarray, *, first: int) -> tuple[int, str] | None:
-    """The first row with a value that is NaN or infinite, and the sentence that says so."""
-    with np.errstate(over="ignore", invalid="ignore"):
-        if np.isfinite(rows.sum()):  # NaN and infinity stay in a sum; one that overflows is looked at below
-            return None
-    finite = np.isfinite(rows)
-    if finite.all():
-        return None
-    bad = np.argwhere(~finite)
-    k, column = int(bad[0, 0]), bad[0, 1]
-    why = "the run has diverged" if first + k > 0 else "start values are wrong or missing"
-    where = f"at t = {times[k]:.9g} s (row {first + k})"
-    return k, f"{columns[column]} is {rows[k, column]} {where}; {why}."

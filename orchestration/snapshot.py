@@ -5,6 +5,7 @@ written to a file; else it stays with the instance.
 """
 
 import ctypes
+import hashlib
 import json
 import struct
 import zlib
@@ -19,6 +20,7 @@ import numpy as np
 
 from orchestration.errors import OrchestrationError, SystemDescriptionError
 from orchestration.fmu import SAVES_STATE, SERIALIZES_STATE, Instance
+from orchestration.system import System
 
 FORMAT = 1
 # What numpy, zipfile and json raise on bytes that are no archive of arrays, or a broken one.
@@ -109,6 +111,13 @@ class Snapshot:
 
 def _is_state(name: str) -> bool:
     return name.startswith("state_")
+
+
+def identity(system: System, columns: Sequence[str], times: np.ndarray, chosen: Sequence[object]) -> str:
+    """A hash of units, connections, columns, points, and what else was chosen for a run."""
+    units = [(c.name, c.description.identifier, c.description.guid) for c in system.components]
+    said = (units, [repr(connection) for connection in system.connections], tuple(columns), *chosen)
+    return hashlib.sha256(repr(said).encode() + times.tobytes()).hexdigest()
 
 
 def save_state(instance: Instance) -> Any:
