@@ -7,6 +7,7 @@ import subprocess
 import sys
 import tracemalloc
 from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 
@@ -69,14 +70,19 @@ def small_groups(monkeypatch: pytest.MonkeyPatch) -> int:
     return 64
 
 
-@pytest.fixture
+@contextmanager
 def full_disk() -> Iterator[None]:
-    """No file may be longer than `WHOLE` bytes: writing fails as on a full disk."""
+    """No file may be longer than `WHOLE` bytes: writing fails as on a full disk.
+
+    Within a block only, for the file that a test run's own output goes to is no exception.
+    """
     resource = pytest.importorskip("resource", reason="Windows has no limit on the size of files")
     soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (WHOLE, hard))
-    yield
-    resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
 
 
 @pytest.mark.parametrize("n_rows", [0, 1, 500])
@@ -331,29 +337,29 @@ def test_a_sink_sees_a_folder_in_its_place_before_the_run(tmp_path: Path) -> Non
 
 
 @pytest.mark.parametrize("suffix", [".csv", ".parquet"])
-@pytest.mark.usefixtures("full_disk")
 def test_a_full_disk_leaves_nothing_but_the_old_file(tmp_path: Path, suffix: str) -> None:
     (tmp_path / f"x{suffix}").write_text("old")
-    with pytest.raises(OrchestrationError, match=rf"x{suffix}: the result cannot be written: File too large\.$"):
+    message = rf"x{suffix}: the result cannot be written: File too large\.$"
+    with full_disk(), pytest.raises(OrchestrationError, match=message):
         sample(5000).write(tmp_path / f"x{suffix}")
     gc.collect()  # a writer that is left open would write once more, and complain
     assert files(tmp_path) == [f"x{suffix}"]
     assert (tmp_path / f"x{suffix}").read_text() == "old"
 
 
-@pytest.mark.usefixtures("full_disk", "small_groups")
+@pytest.mark.usefixtures("small_groups")
 def test_a_disk_that_fills_up_ends_the_stream(tmp_path: Path) -> None:
     sink = ParquetSink(tmp_path / "x.parquet", NAMES)
-    with pytest.raises(OrchestrationError, match=r"x\.parquet: the result cannot be written: File too large\.$"):
+    message = r"x\.parquet: the result cannot be written: File too large\.$"
+    with full_disk(), pytest.raises(OrchestrationError, match=message):
         stream(sink, sample(5000), 1)
     gc.collect()
     assert 64 < sink.count < 5000
     assert (sink.written, files(tmp_path)) == (None, [])
 
 
-@pytest.mark.usefixtures("full_disk")
 def test_a_partial_file_that_does_not_fit_does_not_hide_the_failure(tmp_path: Path) -> None:
-    with pytest.raises(ValueError, match="diverged") as caught:
+    with full_disk(), pytest.raises(ValueError, match="diverged") as caught:
         stream(ParquetSink(tmp_path / "x.parquet", NAMES), sample(5000), 5000, ValueError("diverged"))
     gc.collect()
     assert caught.value.__notes__ == [
