@@ -79,7 +79,7 @@ def _scalars(name: str, known: Sequence[str]) -> list[str]:
 
 
 def _start(old: Component, new: Component, mapping: Mapping[str, str]) -> tuple[dict[str, float], list[str]]:
-    """Start values in the new units, and notices of what was dropped."""
+    """Start values in the new units, and notices of what was dropped, or kept as a mere number."""
     start, notices, model = {}, [], new.description.model_name
     for name, value in old.start.items():
         variable = new.description.variables.get(name)
@@ -93,9 +93,9 @@ def _start(old: Component, new: Component, mapping: Mapping[str, str]) -> tuple[
             if name in mapping or name.partition("[")[0] in mapping:
                 msg = f"{new.name}.{name} = {value:g}: {units}; map it to a variable of {model} of the same dimension."
                 raise SystemDescriptionError(msg)
-            notices.append(f"{new.name}: start value of {name} dropped, {units}.")
-            continue
-        start[name] = scale(value)
+            # The gains of two adaptation laws are of different dimensions; a swap shall not switch one off.
+            notices.append(f"{new.name}: start value of {name} = {value:g} kept, but {units}; set it anew.")
+        start[name] = value if scale is None else scale(value)
     return start, notices
 
 
