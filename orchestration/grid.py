@@ -36,6 +36,22 @@ class Grid:
         """Number of intervals."""
         return self.times.size - 1
 
+    def ahead(self, until: float, now: float) -> int:
+        """The index of the point at the time `until`, s, not before `now`.
+
+        Raises
+        ------
+        SystemDescriptionError
+            If there is none; naming the nearest that there is.
+        """
+        k = int(np.argmin(np.abs(self.times - until)))
+        if abs(self.times[k] - until) > RATIO_TOLERANCE * max(1.0, abs(until)) or self.times[k] < now:
+            points = self.times[self.times >= now]
+            near = points[np.argmin(np.abs(points - until))]
+            msg = f"t = {until:.9g} s is no communication point ahead of {now:.9g} s; {near:.9g} s is one."
+            raise SystemDescriptionError(msg)
+        return k
+
 
 def fixed_grid(
     system: System, span: tuple[float, float], step: float, times: np.ndarray | None, *, stale: bool

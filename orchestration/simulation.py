@@ -1,6 +1,6 @@
 """A system in the middle of a run, which can be saved, taken back, branched and continued.
 
-    with Simulation(system, stop_time=2.0, step=1e-4) as simulation:
+    with prepare(system, stop_time=2.0, step=1e-4) as simulation:
         simulation.run(until=1.0)
         snapshot = simulation.save()
         simulation.run()                              # to the stop time
@@ -14,12 +14,13 @@ the others that of `orchestration.stepping`. Both are called for about a tenth o
 that interrupts and progress get through.
 """
 
+import json
 import time as clock
 from collections.abc import Mapping
 from contextlib import ExitStack
 from pathlib import Path
 from types import TracebackType
-from typing import Self
+from typing import TYPE_CHECKING, Self
 
 import numpy as np
 
@@ -43,7 +44,10 @@ from orchestration.options import Options
 from orchestration.recorder import Recorder, Sink, not_finite
 from orchestration.result import Result
 from orchestration.snapshot import Snapshot, free_states, identity, restore_state, save_state
-from orchestration.system import RATIO_TOLERANCE, System
+from orchestration.system import System
+
+if TYPE_CHECKING:
+    from orchestration.storage import ParquetSink
 
 _FIRST_CHUNK = 256  # steps; later chunks last about _CHUNK_SECONDS
 _CHUNK_SECONDS = 0.1
@@ -88,6 +92,8 @@ class Simulation:
         self._path: Path | None = None
         self._plain = algorithm.plain and not options.crossings.outputs and not options.slow
         self._kept: list[Snapshot] = []
+        self._changes: list[list[float | str]] = []  # time, variable, value
+        self._stream: ParquetSink | None = None
         self._stack = ExitStack()
         self._chunk = _FIRST_CHUNK
 
@@ -168,7 +174,7 @@ class Simulation:
         RunInterrupted
             A KeyboardInterrupt, with the rows until then.
         """
-        last = self.grid.n if until is None else self._point(until)
+        last = self.grid.n if until is None else self.grid.ahead(until, self.time)
         work = self._layout.work
         try:
             while work.integers[places.INTERVAL] < last:
@@ -184,15 +190,10 @@ class Simulation:
     def result(self) -> Result:
         """What is recorded so far; views of the run's memory where that is possible."""
         times, rows = self._recorder.rows()
-        assembly, counters = self._assembly, self._layout.work.integers
-        metadata = dict(self._metadata)
-        if not self._plain:
-            metadata |= {
-                "steps_made": str(counters[places.STEPS_MADE]),
-                "steps_rejected": str(counters[places.REJECTED]),
-                "sweeps": str(counters[places.ITERATIONS]),
-            }
-        return Result(times, assembly.columns, rows, assembly.units, self.steps_per_tick, metadata, self._periods())
+        assembly = self._assembly
+        return Result(
+            times, assembly.columns, rows, assembly.units, self.steps_per_tick, self._described(), self._periods()
+        )
 
     @property
     def steps_per_tick(self) -> dict[str, int]:
@@ -218,6 +219,7 @@ class Simulation:
         ):
             named = [name.partition(".")[2] for name in values if name.partition(".")[0] == component.name]
             set_values(before, instance, {name: component.start[name] for name in named})
+            self._changes += [[self.time, f"{component.name}.{name}", component.start[name]] for name in named]
 
     def save(self) -> Snapshot:
         """The state of everything.
@@ -235,9 +237,10 @@ class Simulation:
         times, rows = self._recorder.rows()
         arrays = {name: getattr(work, name).copy() for name in _SAVED_WORK}
         arrays |= {"reals": plan.reals.copy(), "discretes": plan.discretes.copy()}
-        arrays |= {"times": times.copy(), "rows": rows.copy()}
+        arrays |= {"times": times.copy(), "rows": rows.copy(), "changes": np.array(json.dumps(self._changes))}
         snapshot = Snapshot(self.time, self._identity(), arrays, states)
-        self._kept.append(snapshot)
+        if not all(isinstance(state, bytes) for state in states):
+            self._kept.append(snapshot)  # its states live in the units, and are freed with them
         return snapshot
 
     def restore(self, snapshot: Snapshot) -> None:
@@ -254,7 +257,8 @@ class Simulation:
                 " units, connections, algorithm, points and recorded outputs must be the same."
             )
             raise SystemDescriptionError(msg)
-        if not all(isinstance(state, bytes) for state in snapshot.states) and snapshot not in self._kept:
+        whole = all(isinstance(state, bytes) for state in snapshot.states)
+        if not whole and not any(snapshot is mine for mine in self._kept):
             msg = "The snapshot has states that live in another run; their units do not serialize."
             raise SystemDescriptionError(msg)
         for instance, state in zip(self._instances, snapshot.states, strict=True):
@@ -263,7 +267,19 @@ class Simulation:
         for name in _SAVED_WORK:
             getattr(work, name)[...] = snapshot.arrays[name]
         plan.reals[:], plan.discretes[:] = snapshot.arrays["reals"], snapshot.arrays["discretes"]
+        self._changes = json.loads(str(snapshot.arrays["changes"]))
         self._recorder.reset(snapshot.arrays["times"], snapshot.arrays["rows"])
+
+    def _described(self) -> dict[str, str]:
+        """The metadata, what was set on the way, and what the algorithm needed."""
+        described, counters = dict(self._metadata), self._layout.work.integers
+        if self._changes:
+            described["changes"] = json.dumps(self._changes)
+        if not self._plain:
+            described["steps_made"] = str(counters[places.STEPS_MADE])
+            described["steps_rejected"] = str(counters[places.REJECTED])
+            described["sweeps"] = str(counters[places.ITERATIONS])
+        return described
 
     def _sink(self, stack: ExitStack) -> Sink | None:
         if self._path is None:
@@ -271,7 +287,9 @@ class Simulation:
         from orchestration.storage import ParquetSink
 
         columns, units = self._assembly.columns, self._assembly.units
-        return stack.enter_context(ParquetSink(self._path, columns, units, self._metadata, self.steps_per_tick))
+        ticks = {"steps_per_tick": self.steps_per_tick, "sample_times": self._periods()}
+        self._stream = stack.enter_context(ParquetSink(self._path, columns, units, self._metadata, **ticks))
+        return self._stream
 
     def _lay_out(self) -> Layout:
         times = self.grid.times
@@ -342,22 +360,12 @@ class Simulation:
 
     def _terminate(self) -> None:
         self._recorder.flush()
+        if self._stream is not None:
+            self._stream.metadata |= self._described()
         for instance in self._instances:
             status = instance.status("fmi2Terminate")
             if status > WORST_ACCEPTED:
                 raise SimulationError(instance.failure("fmi2Terminate", status), self.result())
-
-    def _point(self, until: float) -> int:
-        """The communication point at a time."""
-        times = self.grid.times
-        k = int(np.argmin(np.abs(times - until)))
-        closest = RATIO_TOLERANCE * max(1.0, abs(until))
-        if abs(times[k] - until) > closest or k < self._layout.work.integers[places.INTERVAL]:
-            ahead = times[times >= self.time]
-            near = ahead[np.argmin(np.abs(ahead - until))]
-            msg = f"t = {until:.9g} s is no communication point ahead of {self.time:.9g} s; {near:.9g} s is one."
-            raise SystemDescriptionError(msg)
-        return k
 
     def _progress(self) -> tuple[int, int]:
         if self.algorithm.control is None:

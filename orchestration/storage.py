@@ -13,6 +13,7 @@ import csv
 import json
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
+from dataclasses import replace
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
@@ -24,7 +25,8 @@ from orchestration.result import Result
 
 TIME = "time"
 PREFIX = "adaptimp."
-UNITS, STEPS_PER_TICK = "units", "steps_per_tick"  # metadata that a result has anyway
+# Metadata that a result has anyway:
+UNITS, STEPS_PER_TICK, SAMPLE_TIMES = "units", "steps_per_tick", "sample_times"
 ROW_GROUP_BYTES = 2**24  # of a sink's buffer; 51 150 rows of 40 columns
 CSV_BLOCK_BYTES = 2**23  # for reading; a line must be shorter
 
@@ -102,7 +104,8 @@ def write_parquet(result: Result, path: Path) -> None:
     OrchestrationError
         If the file cannot be written.
     """
-    with ParquetSink(path, result.names, result.units, result.metadata, result.steps_per_tick) as sink:
+    ticks = {"steps_per_tick": result.steps_per_tick, "sample_times": result.sample_times}
+    with ParquetSink(path, result.names, result.units, result.metadata, **ticks) as sink:
         sink.append(result.time, result.rows)
 
 
@@ -122,8 +125,8 @@ class ParquetSink:
     units
         Unit of each column, empty where none is declared.
     metadata
-        See `Result`; may not have the keys ``units`` and ``steps_per_tick``.
-    steps_per_tick
+        See `Result`; may not have the keys ``units``, ``steps_per_tick`` and ``sample_times``.
+    steps_per_tick, sample_times
         See `Result`.
 
     Attributes
@@ -147,14 +150,17 @@ class ParquetSink:
         names: Sequence[str],
         units: Mapping[str, str] | None = None,
         metadata: Mapping[str, str] | None = None,
+        *,
         steps_per_tick: Mapping[str, int] | None = None,
+        sample_times: Mapping[str, float] | None = None,
     ) -> None:
         self.path = path
         self.names = tuple(names)
         self.metadata = dict(metadata or {})
         self.count = 0
         self.written: Path | None = None
-        self._own = {UNITS: dict(units or {}), STEPS_PER_TICK: dict(steps_per_tick or {})}
+        ticks = {STEPS_PER_TICK: dict(steps_per_tick or {}), SAMPLE_TIMES: dict(sample_times or {})}
+        self._own = {UNITS: dict(units or {}), **ticks}
         self._file_metadata()
         self._schema = _schema(self.names, self._own[UNITS])
         self._buffer = np.empty((0, 0))  # (n_columns + 1, rows of a group), s and the columns' units
@@ -285,7 +291,7 @@ class ParquetSink:
     def _file_metadata(self) -> dict[str, str]:
         for key, value in self.metadata.items():
             if key in self._own or not isinstance(value, str):
-                taken = " and ".join(self._own)
+                taken = ", ".join(self._own)
                 msg = f"{self.path}: metadata {key!r} = {value!r}: a text is needed, under another key than {taken}."
                 raise OrchestrationError(msg)
         own = {key: json.dumps(value, ensure_ascii=False) for key, value in self._own.items()}
@@ -306,7 +312,7 @@ def _read_csv(path: Path) -> Result:
                 column_types=dict.fromkeys(names, pa.float64()), null_values=[]
             ),  # -0 is no integer
         )
-    return _result(table, {}, {}, {})
+    return _result(table)
 
 
 def _read_parquet(path: Path) -> Result:
@@ -319,11 +325,11 @@ def _read_parquet(path: Path) -> Result:
     found = {k.removeprefix(prefix).decode(): v.decode() for k, v in raw.items() if k.startswith(prefix)}
     declared = {field.name: (field.metadata or {}).get(b"unit", b"").decode() for field in table.schema}
     units = json.loads(found.pop(UNITS)) if UNITS in found else declared
-    ratios = json.loads(found.pop(STEPS_PER_TICK, "{}"))
-    return _result(table, dict(units), dict(ratios), found)
+    ratios, periods = (json.loads(found.pop(key, "{}")) for key in (STEPS_PER_TICK, SAMPLE_TIMES))
+    return replace(_result(table), units=units, steps_per_tick=ratios, sample_times=periods, metadata=found)
 
 
-def _result(table: Any, units: dict[str, str], ratios: dict[str, int], metadata: dict[str, str]) -> Result:
+def _result(table: Any) -> Result:
     names = tuple(table.column_names)
     if names[:1] != (TIME,):
         msg = f"its first column is {', '.join(names[:1]) or 'missing'}, not time"
@@ -334,7 +340,7 @@ def _result(table: Any, units: dict[str, str], ratios: dict[str, int], metadata:
             msg = f"column {name} has {column.null_count} cells without a value"
             raise ValueError(msg)
         rows[:, i] = column.to_numpy()
-    return Result(rows[:, 0].copy(), names[1:], rows[:, 1:].copy(), units, ratios, metadata)
+    return Result(rows[:, 0].copy(), names[1:], rows[:, 1:].copy())
 
 
 def _schema(names: Sequence[str], units: Mapping[str, str]) -> Any:

@@ -5,9 +5,10 @@ from pathlib import Path
 
 import pytest
 
-from orchestration import System
+from orchestration import System, storage
 from orchestration.paper.scenarios import SCENARIOS
 from tests.unit.orchestration.foreign import build_foreign
+from tests.unit.orchestration.stored import NAMES
 from tests.unit.orchestration.units import H, build_units, mixed
 
 
@@ -48,3 +49,10 @@ def signals(small: dict[str, Path]) -> System:
 def package(signals: System, tmp_path: Path) -> Path:
     """That system as a package."""
     return signals.write(tmp_path / "signals.ssp")
+
+
+@pytest.fixture
+def small_groups(monkeypatch: pytest.MonkeyPatch) -> int:
+    """Row groups of 64 rows of the sample."""
+    monkeypatch.setattr(storage, "ROW_GROUP_BYTES", 64 * 8 * (len(NAMES) + 1))
+    return 64

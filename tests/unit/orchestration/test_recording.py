@@ -1,5 +1,6 @@
 """Which rows a run keeps, and what remains of a run that is interrupted or fails; each in every loop."""
 
+import json
 import signal
 from pathlib import Path
 
@@ -8,8 +9,8 @@ import pytest
 
 from orchestration import Options, OrchestrationError, Result, SimulationError, simulate
 from orchestration.errors import RunInterrupted
-from orchestration.master import stream
-from tests.unit.orchestration.runs import ADAPTIVE, ALGORITHMS, at_zero, crossing, falling
+from orchestration.master import prepare, stream
+from tests.unit.orchestration.runs import ADAPTIVE, ALGORITHMS, SAMPLE_TIME, at_zero, crossing, falling, paper
 from tests.unit.orchestration.units import FIRST, LAST_TICK, H, mixed, system
 
 STEPS = 3000  # several chunks of the compiled loop
@@ -139,3 +140,31 @@ def test_an_interrupted_stream_leaves_a_partial_file(small: dict[str, Path], tmp
         stream(tmp_path / "run.parquet", decaying(small, STEPS), options=Options(progress=interrupt))
     assert [p.name for p in tmp_path.iterdir()] == ["run.partial.parquet"]
     assert 1 < len(Result.read(tmp_path / "run.partial.parquet").time) < STEPS
+
+
+@pytest.mark.parametrize("algorithm", [ALGORITHMS["gauss-seidel"], ADAPTIVE], ids=["fixed", "controlled"])
+def test_a_file_knows_ticks_and_what_the_algorithm_needed(small: dict[str, Path], tmp_path: Path, algorithm) -> None:
+    """Rows of controlled steps keep no pace with ticks: reading them back must find these by their times."""
+    system = mixed(small)
+    result = simulate(system, algorithm=algorithm)
+    stream(tmp_path / "streamed.parquet", system, algorithm=algorithm)
+    result.write(tmp_path / "whole.parquet")
+    assert len(result.at_ticks("source.u")) < len(result.time)
+    for name in ("streamed", "whole"):
+        back = Result.read(tmp_path / f"{name}.parquet")
+        np.testing.assert_array_equal(back.at_ticks("source.u"), result.at_ticks("source.u"))
+        np.testing.assert_array_equal(back.tick_times("source.u"), result.tick_times("source.u"))
+        assert back.metadata == result.metadata
+
+
+def test_what_is_set_on_the_way_is_in_the_metadata(fmu_folder: Path) -> None:
+    with prepare(paper(fmu_folder, "fig2"), 4 * SAMPLE_TIME, SAMPLE_TIME) as run:
+        run.run(until=SAMPLE_TIME)
+        before = run.save()
+        run.set({"controller.K[1]": 2000.0})
+        after = run.save()
+        assert json.loads(run.result().metadata["changes"]) == [[SAMPLE_TIME, "controller.K[1]", 2000.0]]
+        run.restore(before)
+        assert "changes" not in run.result().metadata
+        run.restore(after)
+        assert "changes" in run.result().metadata

@@ -1,13 +1,10 @@
 """Evidence for results on disk: every bit comes back, other tools read them, and a file is whole or not there."""
 
 import csv
-import gc
 import os
 import subprocess
 import sys
 import tracemalloc
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 
@@ -18,71 +15,19 @@ import pytest
 
 from orchestration import OrchestrationError, Result, storage
 from orchestration.storage import ParquetSink
-
-NAMES = ("plant.x[1]", "controller.p_hat[6]", "actuator.saturated[1]")
-ODD = ("a.H[1,2]", 'b."quoted" name', "straße.φ[1]", "c. spaced ", "d.line\nbreak", "#e.y")
-UNITS = {"plant.x[1]": "m", "controller.p_hat[6]": "kg.m2", "actuator.saturated[1]": ""}
-METADATA = {"system": "fig2, übung", "step": "0.0001", "connections": '["a.y -> b.u"]'}
-QUIET_NAN, OTHER_NAN = 0x7FF8000000000000, 0xFFF8000000000123
-WHOLE = 5000  # bytes of a file that may be written where a disk is full
-
-
-def sample(n_rows: int = 500, names: tuple[str, ...] = NAMES) -> Result:
-    """Numbers of all magnitudes, hard to print, with the special ones in front."""
-    bits = np.random.default_rng(7).integers(0, 2**64, (n_rows, len(names)), dtype=np.uint64)
-    rows = bits.view(np.float64)
-    rows[~np.isfinite(rows)] = 1.0
-    special = [np.nan, np.inf, -np.inf, -0.0, np.nextafter(0, 1), np.finfo(float).max, 0.1, 2.0**53 + 2, 3.0]
-    rows.reshape(-1)[: len(special)] = special[: rows.size]
-    return Result(np.arange(n_rows) * 1e-4, names, rows)
-
-
-def described(result: Result) -> Result:
-    """The same with everything that Parquet keeps."""
-    return replace(result, units=UNITS, steps_per_tick={"controller": 2, "sensor": 1}, metadata=METADATA)
-
-
-def assert_same_values(a: Result, b: Result) -> None:
-    assert a.names == b.names
-    assert a.time.tobytes() == b.time.tobytes()
-    assert a.rows.shape == b.rows.shape
-    assert a.rows.tobytes() == b.rows.tobytes()
-
-
-def stream(sink: ParquetSink, result: Result, length: int, stop: BaseException | None = None) -> None:
-    """Append the rows of a result, `length` at a time, and then stop."""
-    with sink:
-        for first in range(0, len(result.time), length):
-            sink.append(result.time[first : first + length], result.rows[first : first + length])
-            assert sink.written is None
-        if stop is not None:
-            raise stop
-
-
-def files(folder: Path) -> list[str]:
-    return sorted(path.name for path in folder.iterdir())
-
-
-@pytest.fixture
-def small_groups(monkeypatch: pytest.MonkeyPatch) -> int:
-    """Row groups of 64 rows of the sample."""
-    monkeypatch.setattr(storage, "ROW_GROUP_BYTES", 64 * 8 * (len(NAMES) + 1))
-    return 64
-
-
-@contextmanager
-def full_disk() -> Iterator[None]:
-    """No file may be longer than `WHOLE` bytes: writing fails as on a full disk.
-
-    Within a block only, for the file that a test run's own output goes to is no exception.
-    """
-    resource = pytest.importorskip("resource", reason="Windows has no limit on the size of files")
-    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (WHOLE, hard))
-    try:
-        yield
-    finally:
-        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+from tests.unit.orchestration.stored import (
+    METADATA,
+    NAMES,
+    ODD,
+    OTHER_NAN,
+    QUIET_NAN,
+    UNITS,
+    assert_same_values,
+    described,
+    files,
+    sample,
+    stream,
+)
 
 
 @pytest.mark.parametrize("n_rows", [0, 1, 500])
@@ -126,6 +71,7 @@ def test_parquet_keeps_what_describes_the_values(tmp_path: Path) -> None:
     back = Result.read(str(tmp_path / "x.parquet"))
     assert back.units == result.units
     assert back.steps_per_tick == result.steps_per_tick
+    assert back.sample_times == result.sample_times
     assert back.metadata == result.metadata
     np.testing.assert_array_equal(back.at_ticks("controller.p_hat[6]"), result["controller.p_hat[6]"][1::2])
 
@@ -226,7 +172,8 @@ def test_order_of_metadata_does_not_matter(tmp_path: Path) -> None:
 def test_a_stream_gives_the_bytes_of_the_whole(tmp_path: Path, small_groups: int, length: int) -> None:
     result = described(sample())
     result.write_parquet(tmp_path / "whole.parquet")
-    with ParquetSink(tmp_path / "s.parquet", NAMES, UNITS, steps_per_tick=result.steps_per_tick) as sink:
+    ticks = {"steps_per_tick": result.steps_per_tick, "sample_times": result.sample_times}
+    with ParquetSink(tmp_path / "s.parquet", NAMES, UNITS, **ticks) as sink:
         for first in range(0, 500, length):
             sink.append(result.time[first : first + length], result.rows[first : first + length])
             assert not sink.path.exists()
@@ -256,7 +203,7 @@ def test_a_sink_holds_one_row_group(tmp_path: Path, monkeypatch: pytest.MonkeyPa
 def test_an_exception_keeps_the_rows_apart(tmp_path: Path, stop: BaseException, n_rows: int) -> None:
     result = described(sample(n_rows))
     (tmp_path / "x.parquet").write_text("old")
-    sink = ParquetSink(tmp_path / "x.parquet", NAMES, UNITS, METADATA, result.steps_per_tick)
+    sink = ParquetSink(tmp_path / "x.parquet", NAMES, UNITS, METADATA, steps_per_tick=result.steps_per_tick)
     with pytest.raises(type(stop)) as caught:
         stream(sink, result, 1, stop)
     assert caught.value is stop
@@ -276,10 +223,11 @@ def test_an_exception_before_the_first_row_leaves_nothing(tmp_path: Path) -> Non
     assert files(tmp_path) == []
 
 
-@pytest.mark.parametrize("metadata", [{"units": "SI"}, {"steps_per_tick": "1"}, {"step": 1e-4}])
+@pytest.mark.parametrize("metadata", [{"units": "SI"}, {"steps_per_tick": "1"}, {"sample_times": "1"}, {"step": 1e-4}])
 def test_metadata_that_cannot_be_kept_is_refused(tmp_path: Path, metadata: dict[str, str]) -> None:
     result = replace(sample(), metadata=metadata)
-    message = r"x\.parquet: metadata '\w+' = .*: a text is needed, under another key than units and steps_per_tick\.$"
+    keys = "units, steps_per_tick, sample_times"
+    message = rf"x\.parquet: metadata '\w+' = .*: a text is needed, under another key than {keys}\.$"
     with pytest.raises(OrchestrationError, match=message):
         result.write_parquet(tmp_path / "x.parquet")
     assert files(tmp_path) == []
@@ -334,38 +282,6 @@ def test_a_sink_sees_a_folder_in_its_place_before_the_run(tmp_path: Path) -> Non
     with pytest.raises(OrchestrationError, match=r"x\.parquet: the result cannot be written: Is a directory\.$"):
         sink.__enter__()
     assert files(tmp_path) == ["x.parquet"]
-
-
-@pytest.mark.parametrize("suffix", [".csv", ".parquet"])
-def test_a_full_disk_leaves_nothing_but_the_old_file(tmp_path: Path, suffix: str) -> None:
-    (tmp_path / f"x{suffix}").write_text("old")
-    message = rf"x{suffix}: the result cannot be written: File too large\.$"
-    with full_disk(), pytest.raises(OrchestrationError, match=message):
-        sample(5000).write(tmp_path / f"x{suffix}")
-    gc.collect()  # a writer that is left open would write once more, and complain
-    assert files(tmp_path) == [f"x{suffix}"]
-    assert (tmp_path / f"x{suffix}").read_text() == "old"
-
-
-@pytest.mark.usefixtures("small_groups")
-def test_a_disk_that_fills_up_ends_the_stream(tmp_path: Path) -> None:
-    sink = ParquetSink(tmp_path / "x.parquet", NAMES)
-    message = r"x\.parquet: the result cannot be written: File too large\.$"
-    with full_disk(), pytest.raises(OrchestrationError, match=message):
-        stream(sink, sample(5000), 1)
-    gc.collect()
-    assert 64 < sink.count < 5000
-    assert (sink.written, files(tmp_path)) == (None, [])
-
-
-def test_a_partial_file_that_does_not_fit_does_not_hide_the_failure(tmp_path: Path) -> None:
-    with full_disk(), pytest.raises(ValueError, match="diverged") as caught:
-        stream(ParquetSink(tmp_path / "x.parquet", NAMES), sample(5000), 5000, ValueError("diverged"))
-    gc.collect()
-    assert caught.value.__notes__ == [
-        f"{tmp_path / 'x.parquet'}: the result cannot be written: File too large. Nothing is kept."
-    ]
-    assert files(tmp_path) == []
 
 
 @pytest.mark.parametrize(
