@@ -10,7 +10,7 @@ import jinja2
 
 from adaptimp_fmu.lowering import Lowered, lower
 from adaptimp_fmu.model import Model, SampledModel
-from adaptimp_fmu.variables import element_names
+from adaptimp_fmu.variables import Variable, element_names
 
 GUID_PLACEHOLDER = "{guid}"
 MAIN_SOURCE = "model.c"
@@ -72,6 +72,7 @@ def generate(model: Model) -> dict[str, str]:
         period=model.reference(model.period_name),
         guid=GUID_PLACEHOLDER,
         variables=[(v, 0.0 if v.start is None else v.start) for v in model.ordered_variables()],
+        runs=_runs(model.ordered_variables()),
         sentences=_sentences(model),
         equations=EQUATIONS_SOURCE,
         functions=[_adapter(function) for function in lowered.functions],
@@ -119,6 +120,17 @@ def _sentences(model: Model) -> dict[str, list[str]]:
     }
 
 
+def _runs(variables: Sequence[Variable]) -> list[tuple[Variable, int]]:
+    """Each variable, and how many neighbours from it on have its type and role, itself included."""
+    lengths: list[int] = []
+    following = None
+    for variable in reversed(variables):
+        alike = following is not None and (variable.type, variable.role) == (following.type, following.role)
+        lengths.append(lengths[-1] + 1 if alike else 1)
+        following = variable
+    return list(zip(variables, reversed(lengths), strict=True))
+
+
 def _seed_reference(model: Model) -> int | None:
     if isinstance(model, SampledModel) and model.noise:
         return model.reference(model.noise.seed_name)
@@ -134,7 +146,7 @@ def _divisor_reference(model: Model) -> int | None:
 def _adapter(function: ca.Function) -> Adapter:
     name = function.name()
     arguments, results = _SEAM[name]
-    declarations = [_IN[a] for a in arguments] + [f"double *{_result(r)}" for r in results]
+    declarations = [_IN[a] for a in arguments] + [f"double *restrict {_result(r)}" for r in results]
     return Adapter(
         name=name,
         signature=", ".join(declarations),

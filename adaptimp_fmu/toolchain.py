@@ -13,6 +13,8 @@ from adaptimp_fmu.errors import ToolchainError
 FLAGS = (
     "-std=c11",
     "-O2",
+    # Numbers go from unit to unit one by one; the code fits the processor's caches (docs/decisions/009).
+    *("-fno-slp-vectorize", "-fno-vectorize", "-falign-functions=64"),
     "-ffp-contract=off",
     "-fno-math-errno",  # lets sin and cos of one angle become one call, with the same bits
     "-fvisibility=hidden",

@@ -1,5 +1,6 @@
 /* Reading and writing variables. A call that is refused changes nothing. */
 #include <math.h>
+#include <string.h>
 
 #include "instance.h"
 
@@ -59,23 +60,45 @@ static int stepping(const Instance *instance) {
     return instance && instance->state.phase == STEP_COMPLETE;
 }
 
-/* 1 if all references are inputs of the type: what a host sets at every step, needing no more checks. */
-static int all_inputs(const fmi2ValueReference vr[], size_t n, VariableType type) {
-    int all = 1;
-    for (size_t i = 0; i < n; ++i)
-        all &= vr[i] < MODEL_N_VARIABLES && model_kinds[vr[i]] == MODEL_KIND(type, ROLE_INPUT);
-    return all;
+static int is_of_kind(const ModelRun *run, VariableType type, int only_inputs) {
+    return run->type == type && (!only_inputs || run->role == ROLE_INPUT);
 }
 
-static int all_of_type(const fmi2ValueReference vr[], size_t n, VariableType type) {
-    int all = 1;
-    for (size_t i = 0; i < n; ++i)
-        all &= vr[i] < MODEL_N_VARIABLES && model_kinds[vr[i]] >> 2 == (int)type;
-    return all;
+/* 1 if the references are n neighbours of one kind, counting up: what most hosts ask for at every step,
+ * needing no more checks. */
+static int are_neighbours(const fmi2ValueReference vr[], size_t n, VariableType type, int only_inputs) {
+    if (n == 0 || !vr || vr[0] >= MODEL_N_VARIABLES) return 0;
+    const ModelRun *run = &model_runs[vr[0]];
+    if (!is_of_kind(run, type, only_inputs) || n > run->length) return 0;
+    if (n <= 2) return vr[n - 1] == vr[0] + n - 1;
+    return memcmp(vr, model_references + vr[0], n * sizeof *vr) == 0;
 }
 
-/* What a host does at every step comes first, in a function so small that it saves no register;
- * the rest is another function. */
+/* The same in any order. */
+static int are_of_kind(const fmi2ValueReference vr[], size_t n, VariableType type, int only_inputs) {
+    if (!vr) return 0;
+    for (size_t i = 0; i < n; ++i)
+        if (vr[i] >= MODEL_N_VARIABLES || !is_of_kind(&model_runs[vr[i]], type, only_inputs)) return 0;
+    return 1;
+}
+
+/* to[i] = from[i] for i < n <= COPIED_AT_ONCE, with one jump. A loop ends with a branch that the processor
+ * mispredicts, a memcpy reads several numbers at once that were written one by one, and waits for all
+ * (docs/decisions/009). */
+#define COPIED_AT_ONCE 24
+#define COPY_1(i, to, from, CONVERT) case (i) + 1: (to)[i] = CONVERT((from)[i]); FALL_THROUGH
+#define COPY_4(i, ...)                                                                             \
+    COPY_1((i) + 3, __VA_ARGS__) COPY_1((i) + 2, __VA_ARGS__)                                      \
+    COPY_1((i) + 1, __VA_ARGS__) COPY_1(i, __VA_ARGS__)
+#define COPY(n, ...)                                                                               \
+    switch (n) {                                                                                   \
+        COPY_4(20, __VA_ARGS__) COPY_4(16, __VA_ARGS__) COPY_4(12, __VA_ARGS__)                    \
+        COPY_4(8, __VA_ARGS__) COPY_4(4, __VA_ARGS__) COPY_4(0, __VA_ARGS__)                       \
+        default: break;                                                                            \
+    }
+
+/* What a host does at every step comes first, in a function so small that it saves no register; the
+ * rest are others: variables in any order, and all that needs more checks. */
 #define DEFINE_SETTER(FUNCTION, VALUE, TYPE, CONVERT)                                              \
     static RARE fmi2Status FUNCTION##_checked(Instance *component, const fmi2ValueReference vr[],  \
                                               size_t nvr, const VALUE value[]) {                   \
@@ -93,12 +116,22 @@ static int all_of_type(const fmi2ValueReference vr[], size_t n, VariableType typ
         return fmi2OK;                                                                             \
     }                                                                                              \
                                                                                                    \
+    static APART fmi2Status FUNCTION##_scattered(Instance *instance, const fmi2ValueReference vr[],\
+                                                 size_t nvr, const VALUE value[]) {                \
+        if (!stepping(instance) || !value || !are_of_kind(vr, nvr, TYPE, 1))                       \
+            return FUNCTION##_checked(instance, vr, nvr, value);                                   \
+        for (size_t i = 0; i < nvr; ++i) instance->state.values[vr[i]] = CONVERT(value[i]);        \
+        return fmi2OK;                                                                             \
+    }                                                                                              \
+                                                                                                   \
     fmi2Status FUNCTION(fmi2Component c, const fmi2ValueReference vr[], size_t nvr,                \
                         const VALUE value[]) {                                                     \
         Instance *instance = (Instance *)c;                                                        \
-        if (!stepping(instance) || !vr || !value || !all_inputs(vr, nvr, TYPE))                    \
-            return FUNCTION##_checked(instance, vr, nvr, value);                                   \
-        for (size_t i = 0; i < nvr; ++i) instance->state.values[vr[i]] = CONVERT(value[i]);        \
+        if (!stepping(instance) || !value || nvr > COPIED_AT_ONCE ||                               \
+            !are_neighbours(vr, nvr, TYPE, 1))                                                     \
+            return FUNCTION##_scattered(instance, vr, nvr, value);                                 \
+        double *own = instance->state.values + vr[0];                                              \
+        COPY(nvr, own, value, CONVERT)                                                             \
         return fmi2OK;                                                                             \
     }
 
@@ -114,12 +147,22 @@ static int all_of_type(const fmi2ValueReference vr[], size_t n, VariableType typ
         return fmi2OK;                                                                             \
     }                                                                                              \
                                                                                                    \
+    static APART fmi2Status FUNCTION##_scattered(Instance *instance, const fmi2ValueReference vr[],\
+                                                 size_t nvr, VALUE value[]) {                      \
+        if (!stepping(instance) || !value || !are_of_kind(vr, nvr, TYPE, 0))                       \
+            return FUNCTION##_checked(instance, vr, nvr, value);                                   \
+        for (size_t i = 0; i < nvr; ++i) value[i] = (VALUE)instance->state.values[vr[i]];          \
+        return fmi2OK;                                                                             \
+    }                                                                                              \
+                                                                                                   \
     fmi2Status FUNCTION(fmi2Component c, const fmi2ValueReference vr[], size_t nvr,                \
                         VALUE value[]) {                                                           \
         Instance *instance = (Instance *)c;                                                        \
-        if (!stepping(instance) || !vr || !value || !all_of_type(vr, nvr, TYPE))                   \
-            return FUNCTION##_checked(instance, vr, nvr, value);                                   \
-        for (size_t i = 0; i < nvr; ++i) value[i] = (VALUE)instance->state.values[vr[i]];          \
+        if (!stepping(instance) || !value || nvr > COPIED_AT_ONCE ||                               \
+            !are_neighbours(vr, nvr, TYPE, 0))                                                     \
+            return FUNCTION##_scattered(instance, vr, nvr, value);                                 \
+        const double *own = instance->state.values + vr[0];                                        \
+        COPY(nvr, value, own, (VALUE))                                                             \
         return fmi2OK;                                                                             \
     }
 

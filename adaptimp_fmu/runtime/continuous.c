@@ -30,28 +30,26 @@ static const double *inputs_at(const State *s, double t, double *continued) {
     return continued;
 }
 
-static void slope(const State *s, double t, const double *x, const double *shared, double *k) {
+/* The rate of change of a state for which `shared` is prepared. */
+static INLINED void slope(const State *s, double t, const double *x, const double *shared, double *k) {
     double continued[AT_LEAST_ONE(MODEL_N_INPUTS)];
     model_derivative(t, x, inputs_at(s, t, continued), s->values, s->constants, s->modes, shared, k);
 }
 
-/* stage = x + step k, and the slope there. */
-static void stage_slope(const State *s, double t, double step, const double *before, double *k) {
-    double stage[AT_LEAST_ONE(MODEL_N_STATES)], shared[AT_LEAST_ONE(MODEL_N_SHARED)];
-    for (int i = 0; i < MODEL_N_STATES; ++i) stage[i] = s->states[i] + step * before[i];
-    model_prepare(stage, s->values, s->constants, shared);
-    slope(s, t, stage, shared, k);
-}
-
-static void runge_kutta_4(const State *s, double t, double dt, double *end) {
-    double k1[AT_LEAST_ONE(MODEL_N_STATES)], k2[AT_LEAST_ONE(MODEL_N_STATES)];
-    double k3[AT_LEAST_ONE(MODEL_N_STATES)], k4[AT_LEAST_ONE(MODEL_N_STATES)];
-    slope(s, t, s->states, s->shared, k1);
-    stage_slope(s, t + 0.5 * dt, 0.5 * dt, k1, k2);
-    stage_slope(s, t + 0.5 * dt, 0.5 * dt, k2, k3);
-    stage_slope(s, t + dt, dt, k3, k4);
+/* The stages are a loop, not three copies of it: what runs at every step should fit into the cache. */
+static INLINED void runge_kutta_4(const State *s, double t, double dt, double *end) {
+    static const double fractions[] = {0.5, 0.5, 1.0};
+    double k[4][AT_LEAST_ONE(MODEL_N_STATES)];
+    slope(s, t, s->states, s->shared, k[0]);
+    for (int stage = 0; stage < 3; ++stage) {
+        const double step = fractions[stage] * dt;
+        double x[AT_LEAST_ONE(MODEL_N_STATES)], shared[AT_LEAST_ONE(MODEL_N_SHARED)];
+        for (int i = 0; i < MODEL_N_STATES; ++i) x[i] = s->states[i] + step * k[stage][i];
+        model_prepare(x, s->values, s->constants, shared);
+        slope(s, t + step, x, shared, k[stage + 1]);
+    }
     for (int i = 0; i < MODEL_N_STATES; ++i)
-        end[i] = s->states[i] + dt * ((k1[i] + k4[i]) + 2.0 * (k2[i] + k3[i])) / 6.0;
+        end[i] = s->states[i] + dt * ((k[0][i] + k[3][i]) + 2.0 * (k[1][i] + k[2][i])) / 6.0;
 }
 
 #if MODEL_N_EVENTS
@@ -69,7 +67,7 @@ static void set_modes(State *s) {
 }
 
 /* An event other than `known` whose indicator disagrees with its mode at (t, x), or -1. */
-static int crossed_event(State *s, double t, const double *x, const double *shared, int known) {
+static INLINED int crossed_event(State *s, double t, const double *x, const double *shared, int known) {
     double z[MODEL_N_EVENTS];
     model_event_indicators(t, x, parameters(s), s->constants, shared, z);
     for (int i = 0; i < MODEL_N_EVENTS; ++i)
@@ -127,12 +125,12 @@ static int first_event(State *s, double t, double *step, double *end) {
 }
 #endif
 
-/* One sub-step; each event takes one of `events_left`. */
-static int substep(Instance *instance, double t, double dt, int64_t *events_left) {
-    State *s = &instance->state;
-    double end[AT_LEAST_ONE(MODEL_N_STATES)];
 #if MODEL_N_EVENTS
-    double rest = dt;
+/* A sub-step in which an event happens, from its beginning; each event takes one of `events_left`. */
+static RARE int substep_with_events(Instance *instance, double t, double dt, int64_t *events_left) {
+    State *s = &instance->state;
+    double end[AT_LEAST_ONE(MODEL_N_STATES)], rest = dt;
+    model_prepare(s->states, parameters(s), s->constants, s->shared);
     for (;;) {
         double step = rest;
         runge_kutta_4(s, t, rest, end);
@@ -151,14 +149,23 @@ static int substep(Instance *instance, double t, double dt, int64_t *events_left
             return 0;
         }
     }
+}
+#endif
+
+/* One sub-step. */
+static INLINED int substep(Instance *instance, double t, double dt, int64_t *events_left) {
+    State *s = &instance->state;
+    double end[AT_LEAST_ONE(MODEL_N_STATES)];
+    runge_kutta_4(s, t, dt, end);
+    model_prepare(end, parameters(s), s->constants, s->shared);
+#if MODEL_N_EVENTS
+    if (crossed_event(s, t + dt, end, s->shared, -1) >= 0)
+        return substep_with_events(instance, t, dt, events_left);
 #else
     (void)events_left;
-    runge_kutta_4(s, t, dt, end);
-    if (!states_valid(instance, end, t + dt)) return 0;
-    model_prepare(end, parameters(s), s->constants, s->shared);
-    memcpy(s->states, end, sizeof end);
-    return 1;
 #endif
+    for (int i = 0; i < MODEL_N_STATES; ++i) s->states[i] = end[i];
+    return states_valid(instance, s->states, t + dt);
 }
 
 static void initialize_states(State *s) {

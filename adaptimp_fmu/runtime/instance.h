@@ -18,11 +18,17 @@ typedef enum {
 
 enum { LOG_ERROR = 1 << 0, LOG_WARNING = 1 << 1, LOG_ALL = LOG_ERROR | LOG_WARNING };
 
-/* Marks what is not to be inlined into what runs at every step. */
+/* What is not to be inlined into what runs at every step, rare or not, and what is. */
 #if defined(__GNUC__) || defined(__clang__)
 #define RARE __attribute__((noinline, cold))
+#define APART __attribute__((noinline))
+#define INLINED inline __attribute__((always_inline))
+#define FALL_THROUGH __attribute__((fallthrough));
 #else
 #define RARE
+#define APART
+#define INLINED inline
+#define FALL_THROUGH
 #endif
 
 #define MAX_INPUT_ORDER 2                          /* of input derivatives that are used */
@@ -42,6 +48,7 @@ typedef struct {
 #endif
     double noise_active;
     double start_time, stop_time, time;
+    double latest_end;                             /* the stop time, or the largest number */
     int64_t tick;                                  /* ticks run since the start */
     double tick_fraction;                          /* position after the last tick, [0, 1) */
     int32_t phase;

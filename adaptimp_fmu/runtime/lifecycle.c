@@ -1,4 +1,5 @@
 /* From instantiation to termination, and which function may be called when. */
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -28,14 +29,17 @@ static const char *phase_name(int phase) {
     }
 }
 
+static RARE Instance *not_allowed(const Instance *instance, const char *function) {
+    fail(instance, "%s is not allowed in state \"%s\".", function,
+         phase_name(instance->state.phase));
+    return NULL;
+}
+
 /* The instance behind a component, or NULL after saying why the call is not allowed. */
 static Instance *allowed(fmi2Component component, int phases, const char *function) {
     Instance *instance = (Instance *)component;
     if (!instance) return NULL;
-    if (instance->state.phase & phases) return instance;
-    fail(instance, "%s is not allowed in state \"%s\".", function,
-         phase_name(instance->state.phase));
-    return NULL;
+    return instance->state.phase & phases ? instance : not_allowed(instance, function);
 }
 
 static void start_afresh(State *s) {
@@ -153,6 +157,7 @@ fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean toleranceDefined, fm
     s->start_time = s->time = startTime;
     s->stop_time_defined = stopTimeDefined != fmi2False;
     s->stop_time = stopTimeDefined ? stopTime : 0;
+    s->latest_end = stopTimeDefined ? stopTime : DBL_MAX;
     s->experiment_defined = 1;
     return fmi2OK;
 }

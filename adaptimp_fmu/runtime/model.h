@@ -34,9 +34,14 @@ typedef struct {
 static const char *const model_guid;
 static const ModelVariable model_variables[MODEL_N_VARIABLES];
 
-/* Type and role in one byte, for quick checks of value references. */
-#define MODEL_KIND(type, role) ((unsigned char)((type) << 2 | (role)))
-static const unsigned char model_kinds[MODEL_N_VARIABLES];
+/* From each variable on, how many neighbours have its type and role, itself included. */
+typedef struct {
+    uint32_t length;
+    unsigned char type, role;
+} ModelRun;
+
+static const ModelRun model_runs[MODEL_N_VARIABLES];
+static const uint32_t model_references[MODEL_N_VARIABLES]; /* 0, 1, 2, ... */
 
 /* One sentence per check; a check fails when its value is not > 0. */
 static const char *const model_static_checks[AT_LEAST_ONE(MODEL_N_STATIC_CHECKS)];

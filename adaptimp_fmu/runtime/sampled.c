@@ -73,7 +73,7 @@ static RARE void show_initial_outputs(State *s, double *checks) {
     compute_tick(s, outputs(s), next, checks);
 }
 
-static int run_tick(Instance *instance) {
+static INLINED int run_tick(Instance *instance) {
     State *s = &instance->state;
     double y[AT_LEAST_ONE(MODEL_N_OUTPUTS)], next[AT_LEAST_ONE(MODEL_N_STATES)];
     double checks[AT_LEAST_ONE(MODEL_N_CHECKS)];
@@ -99,7 +99,8 @@ static RARE int too_many_ticks(const Instance *instance, double h, double end) {
     return 0;
 }
 
-static int advance(Instance *instance, double t, double h) {
+/* A step of any size, from any position. */
+static RARE int advance_by(Instance *instance, double t, double h) {
     State *s = &instance->state;
     const double period = s->values[MODEL_PERIOD];
     double end = s->tick_fraction + h / period;
@@ -111,6 +112,13 @@ static int advance(Instance *instance, double t, double h) {
         if (!run_tick(instance)) return 0;
     s->tick_fraction = end - floor_of(end);
     return 1;
+}
+
+/* A step of one period from a tick on is that tick: the rule above without its divisions. */
+static int advance(Instance *instance, double t, double h) {
+    const State *s = &instance->state;
+    if (h == s->values[MODEL_PERIOD] && s->tick_fraction == 0) return run_tick(instance);
+    return advance_by(instance, t, h);
 }
 
 /* Between ticks outputs are held, and inputs do not reach them. */

@@ -4,37 +4,38 @@
 #include "instance.h"
 
 /* A host's clock is summed or rounded to a nanosecond: so much may its time differ from ours. */
+#define CLOCK_TOLERANCE 1e-9
 static double time_tolerance(double t, double h) {
     const double scale = fabs(t) > 1 ? fabs(t) : 1;
-    return 1e-6 * h + 1e-9 * scale;
+    return 1e-6 * h + CLOCK_TOLERANCE * scale;
 }
 
-static int ends_late(const State *s, double t, double h) {
-    return s->stop_time_defined && t + h > s->stop_time + time_tolerance(s->stop_time, h);
-}
-
-/* Says what is wrong with a step that is not valid. */
-static RARE int step_invalid(const Instance *instance, double t, double h) {
+/* Whether a step is valid, by the whole rule; says what is wrong if it is not. */
+static RARE int step_valid_within(const Instance *instance, double t, double h) {
     const State *s = &instance->state;
+    const int continues = fabs(t - s->time) <= time_tolerance(t, h);
+    const int ends_late = s->stop_time_defined && t + h > s->stop_time + time_tolerance(s->stop_time, h);
     if (!(h > 0 && isfinite(t + h)))
         fail(instance, "fmi2DoStep: the step from t = %.17g s of h = %.17g s is not a positive finite "
                        "step.",
              t, h);
-    else if (ends_late(s, t, h) && fabs(t - s->time) <= time_tolerance(t, h))
-        fail(instance, "fmi2DoStep: the step ends at %.17g s, after the stop time %.17g s.", t + h,
-             s->stop_time);
-    else
+    else if (!continues)
         fail(instance, "fmi2DoStep: the communication point %.17g s is not the end of the previous "
                        "step, %.17g s.",
              t, s->time);
+    else if (ends_late)
+        fail(instance, "fmi2DoStep: the step ends at %.17g s, after the stop time %.17g s.", t + h,
+             s->stop_time);
+    else
+        return 1;
     return 0;
 }
 
+/* Most steps begin within the smallest tolerance and end before the stop time. */
 static int step_valid(const Instance *instance, double t, double h) {
     const State *s = &instance->state;
-    const int valid = h > 0 && isfinite(t + h) && fabs(t - s->time) <= time_tolerance(t, h) &&
-                      !ends_late(s, t, h);
-    return valid ? 1 : step_invalid(instance, t, h);
+    if (h > 0 && fabs(t - s->time) <= CLOCK_TOLERANCE && t + h <= s->latest_end) return 1;
+    return step_valid_within(instance, t, h);
 }
 
 /* A step that is wrong for its time, size or inputs changes nothing; one that fails on the way, or

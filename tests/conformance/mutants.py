@@ -151,6 +151,7 @@ GROUPS = (
             "late clocks lose ticks": (" + 4 * DBL_EPSILON * fabs(t + h) / period)", " + 0 * DBL_EPSILON * t)"),
             "a tick at the start runs twice": ("- ceil_of(s->tick_fraction))", "- floor_of(s->tick_fraction))"),
             "the time of a tick is the step's": ("return s->start_time + (double)s->tick", "return s->time + 0.0"),
+            "any step of a period is a tick": (" && s->tick_fraction == 0)", ")"),
             "slow states are one tick early": ("if (s->tick % (int64_t)s", "if ((s->tick + 1) % (int64_t)s"),
             "a refused tick shows its outputs": (
                 "    if (!outputs_valid(instance, y, tick_time(s))) return 0;\n",
@@ -177,7 +178,8 @@ GROUPS = (
                 "s->input_rates[0][i] + (t - s->step_start) * s->input_rates[1][i]",
                 "s->input_rates[0][i] + 0 * t",
             ),
-            "a sub-step that diverges is left out": (
+            "a sub-step that diverges is left out": ("return states_valid(instance, s->states, t + dt);", "return 1;"),
+            "a sub-step that diverges in contact is left out": (
                 "if (!states_valid(instance, end, t + rest)) return 0;",
                 "if (!states_valid(instance, end, t + rest)) return 1;",
             ),
@@ -222,12 +224,15 @@ GROUPS = (
         "runtime/step.c",
         ("test_steps_and_experiment", "test_call_order", "test_numbers"),
         {
-            "any communication point": (
-                "isfinite(t + h) && fabs(t - s->time) <=",
-                "isfinite(t + h) && 0 * fabs(t - s->time) <=",
+            "any communication point": ("continues = fabs(t - s->time) <=", "continues = 0 * fabs(t - s->time) <="),
+            "any communication point, quickly": (
+                "h > 0 && fabs(t - s->time) <=",
+                "h > 0 && 0 * fabs(t - s->time) <=",
             ),
-            "clocks must be exact": ("return 1e-6 * h + 1e-9 * scale;", "return 1e-16 * h * scale;"),
+            "clocks must be exact": ("return 1e-6 * h + CLOCK_TOLERANCE * scale;", "return 1e-16 * h * scale;"),
             "steps past the stop time": ("t + h > s->stop_time", "t > s->stop_time"),
+            "steps past the stop time, quickly": ("t + h <= s->latest_end", "t <= s->latest_end"),
+            "steps back": ("if (h > 0 && fabs", "if (fabs"),
             "inputs that are not finite": ("if (!inputs_valid(instance) || !cal", "if (!cal"),
             "a failed step leaves no error state": ("        instance->state.phase = FAILED;\n", ""),
             "no text as pending status": ('*value = "";', "*value = NULL;"),
@@ -236,12 +241,19 @@ GROUPS = (
     Group(
         ORDER,
         "runtime/access.c",
-        ("test_numbers", "test_settable", "test_call_order", "test_description"),
+        ("test_access", "test_numbers", "test_settable", "test_call_order", "test_description"),
         {
             "values below the minimum": ("value >= variable->min && ", ""),
             "values above the maximum": (" && value <= variable->max)", ")"),
-            "outputs can be set": ("MODEL_KIND(type, ROLE_INPUT);", "MODEL_KIND(type, ROLE_OUTPUT);"),
-            "a Real as Integer": ("model_kinds[vr[i]] >> 2 == (int)type", "model_kinds[vr[i]] >> 2 <= (int)type"),
+            "outputs can be set": ("run->role == ROLE_INPUT", "run->role >= ROLE_INPUT"),
+            "a Real as Integer": ("return run->type == type &&", "return run->type <= type &&"),
+            "two variables are always neighbours": ("return vr[n - 1] == vr[0] + n - 1;", "return 1;"),
+            "neighbours are those between two": (
+                "memcmp(vr, model_references + vr[0], n * sizeof *vr) == 0",
+                "vr[n - 1] == vr[0] + n - 1",
+            ),
+            "a run may end one later": ("n > run->length)", "n > run->length + 1)"),
+            "what is copied at once may be more": ("#define COPIED_AT_ONCE 24", "#define COPIED_AT_ONCE 30"),
         },
     ),
     Group(
@@ -277,9 +289,11 @@ GROUPS = (
         ("test_numbers",),
         {
             "the first input is not looked at": (
-                "carried = 0, bits;\n    for (size_t i = 0;",
-                "carried = 0, bits;\n    for (size_t i = 1;",
+                "sums[4] = {0};\n    size_t i = 0;",
+                "sums[4] = {0};\n    size_t i = 1;",
             ),
+            "the last input is not looked at": ("for (; i < n; ++i) sums", "for (; i + 1 < n; ++i) sums"),
+            "huge numbers are not finite": ("? 1 : each_finite(values, n)", "? 1 : 0"),
             "a check that is NaN passes": ("if (!(checks[i] > 0))", "if (checks[i] <= 0)"),
         },
     ),

@@ -43,8 +43,9 @@ NOT_COPIED = shutil.ignore_patterns("__pycache__", "platforms", "sanitizers", "m
 MODULES = tuple(
     f"test_{subject}"
     for subject in (
-        *("description", "instantiation_and_logging", "call_order", "steps_and_experiment", "numbers", "settable"),
-        *("derivatives", "state", "reference_data", "documentation", "archive", "ticks", "rebuild"),
+        *("description", "instantiation_and_logging", "call_order", "steps_and_experiment", "numbers"),
+        *("access", "settable", "derivatives", "state", "reference_data"),
+        *("documentation", "archive", "ticks", "rebuild"),
     )
 )
 # What names other units, or needs them all; and the processors, which these faults do not concern.

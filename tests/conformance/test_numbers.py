@@ -79,6 +79,14 @@ def test_11_a_refused_array_sets_nothing(load: Load, create: Create) -> None:
     assert_refused(instance, status, before, "m[1]")
 
 
+def test_11_huge_numbers_are_finite(load: Load, create: Create) -> None:
+    """Also where their sum is not."""
+    sensor = create(load("ForceSensor"), start={"range": 100.0}).initialize()
+    assert sensor.set({"F_ext[1]": 1.5e308, "F_ext[2]": 1.7e308}) == OK
+    assert sensor.step(H) == OK
+    np.testing.assert_array_equal(sensor.get("F_hat[1]", "F_hat[2]"), 100.0)
+
+
 def test_11_a_demand_without_a_value_is_not_met(tmp_path: Path, create: Create) -> None:
     """The root of a negative number is not positive: it is no number."""
     model = SampledModel("Root", "Demands a root")
@@ -91,11 +99,16 @@ def test_11_a_demand_without_a_value_is_not_met(tmp_path: Path, create: Create) 
     assert "u has no root" in instance.last
 
 
-def test_11_divergence_is_reported_and_not_shown(load: Load, create: Create) -> None:
-    plant = create(load("Plant")).initialize()
+@pytest.mark.parametrize("wall_offset", [1.45, -1.6])
+def test_11_divergence_is_reported_and_not_shown(load: Load, create: Create, wall_offset: float) -> None:
+    """Free and in contact, where a wall is expected behind the tip's start."""
+    plant = create(load("Plant"), start={"wall_offset": wall_offset}).initialize()
+    assert (plant.get("penetration")[0] > 0) == (wall_offset < 0)
+    before = plant.outputs()
     assert plant.set({"tau[1]": 1e300}) == OK
     assert plant.step(H) == ERROR
     assert plant.last.startswith("State q[1] is nan")
+    np.testing.assert_array_equal(plant.outputs(), before)
     controller = create(load("CraigAdaptiveImpedance")).initialize()
     shown = controller.outputs()
     assert controller.set({"x_v[1]": 1e308}) == OK

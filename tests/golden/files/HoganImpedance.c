@@ -123,52 +123,58 @@ static const ModelVariable model_variables[MODEL_N_VARIABLES] = {
      0.0, -INFINITY, INFINITY },
 };
 
-static const unsigned char model_kinds[MODEL_N_VARIABLES] = {
-    MODEL_KIND(TYPE_REAL, ROLE_FIXED_PARAMETER),
-    MODEL_KIND(TYPE_REAL, ROLE_TUNABLE_PARAMETER),
-    MODEL_KIND(TYPE_REAL, ROLE_TUNABLE_PARAMETER),
-    MODEL_KIND(TYPE_REAL, ROLE_TUNABLE_PARAMETER),
-    MODEL_KIND(TYPE_REAL, ROLE_TUNABLE_PARAMETER),
-    MODEL_KIND(TYPE_REAL, ROLE_TUNABLE_PARAMETER),
-    MODEL_KIND(TYPE_REAL, ROLE_TUNABLE_PARAMETER),
-    MODEL_KIND(TYPE_REAL, ROLE_FIXED_PARAMETER),
-    MODEL_KIND(TYPE_REAL, ROLE_FIXED_PARAMETER),
-    MODEL_KIND(TYPE_REAL, ROLE_FIXED_PARAMETER),
-    MODEL_KIND(TYPE_REAL, ROLE_FIXED_PARAMETER),
-    MODEL_KIND(TYPE_REAL, ROLE_FIXED_PARAMETER),
-    MODEL_KIND(TYPE_REAL, ROLE_FIXED_PARAMETER),
-    MODEL_KIND(TYPE_REAL, ROLE_FIXED_PARAMETER),
-    MODEL_KIND(TYPE_REAL, ROLE_FIXED_PARAMETER),
-    MODEL_KIND(TYPE_REAL, ROLE_FIXED_PARAMETER),
-    MODEL_KIND(TYPE_REAL, ROLE_FIXED_PARAMETER),
-    MODEL_KIND(TYPE_REAL, ROLE_INPUT),
-    MODEL_KIND(TYPE_REAL, ROLE_INPUT),
-    MODEL_KIND(TYPE_REAL, ROLE_INPUT),
-    MODEL_KIND(TYPE_REAL, ROLE_INPUT),
-    MODEL_KIND(TYPE_REAL, ROLE_INPUT),
-    MODEL_KIND(TYPE_REAL, ROLE_INPUT),
-    MODEL_KIND(TYPE_REAL, ROLE_INPUT),
-    MODEL_KIND(TYPE_REAL, ROLE_INPUT),
-    MODEL_KIND(TYPE_REAL, ROLE_INPUT),
-    MODEL_KIND(TYPE_REAL, ROLE_INPUT),
-    MODEL_KIND(TYPE_REAL, ROLE_INPUT),
-    MODEL_KIND(TYPE_REAL, ROLE_INPUT),
-    MODEL_KIND(TYPE_REAL, ROLE_INPUT),
-    MODEL_KIND(TYPE_REAL, ROLE_INPUT),
-    MODEL_KIND(TYPE_REAL, ROLE_OUTPUT),
-    MODEL_KIND(TYPE_REAL, ROLE_OUTPUT),
-    MODEL_KIND(TYPE_REAL, ROLE_OUTPUT),
-    MODEL_KIND(TYPE_REAL, ROLE_OUTPUT),
-    MODEL_KIND(TYPE_REAL, ROLE_OUTPUT),
-    MODEL_KIND(TYPE_REAL, ROLE_OUTPUT),
-    MODEL_KIND(TYPE_REAL, ROLE_OUTPUT),
-    MODEL_KIND(TYPE_REAL, ROLE_OUTPUT),
-    MODEL_KIND(TYPE_REAL, ROLE_OUTPUT),
-    MODEL_KIND(TYPE_REAL, ROLE_OUTPUT),
-    MODEL_KIND(TYPE_REAL, ROLE_OUTPUT),
-    MODEL_KIND(TYPE_REAL, ROLE_OUTPUT),
-    MODEL_KIND(TYPE_REAL, ROLE_OUTPUT),
-    MODEL_KIND(TYPE_REAL, ROLE_OUTPUT),
+static const uint32_t model_references[MODEL_N_VARIABLES] = {
+    0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15,
+    16, 17, 18, 19, 20, 21, 22, 23, 24, 25, 26, 27, 28, 29, 30, 31,
+    32, 33, 34, 35, 36, 37, 38, 39, 40, 41, 42, 43, 44,
+};
+
+static const ModelRun model_runs[MODEL_N_VARIABLES] = {
+    {1, TYPE_REAL, ROLE_FIXED_PARAMETER},
+    {6, TYPE_REAL, ROLE_TUNABLE_PARAMETER},
+    {5, TYPE_REAL, ROLE_TUNABLE_PARAMETER},
+    {4, TYPE_REAL, ROLE_TUNABLE_PARAMETER},
+    {3, TYPE_REAL, ROLE_TUNABLE_PARAMETER},
+    {2, TYPE_REAL, ROLE_TUNABLE_PARAMETER},
+    {1, TYPE_REAL, ROLE_TUNABLE_PARAMETER},
+    {10, TYPE_REAL, ROLE_FIXED_PARAMETER},
+    {9, TYPE_REAL, ROLE_FIXED_PARAMETER},
+    {8, TYPE_REAL, ROLE_FIXED_PARAMETER},
+    {7, TYPE_REAL, ROLE_FIXED_PARAMETER},
+    {6, TYPE_REAL, ROLE_FIXED_PARAMETER},
+    {5, TYPE_REAL, ROLE_FIXED_PARAMETER},
+    {4, TYPE_REAL, ROLE_FIXED_PARAMETER},
+    {3, TYPE_REAL, ROLE_FIXED_PARAMETER},
+    {2, TYPE_REAL, ROLE_FIXED_PARAMETER},
+    {1, TYPE_REAL, ROLE_FIXED_PARAMETER},
+    {14, TYPE_REAL, ROLE_INPUT},
+    {13, TYPE_REAL, ROLE_INPUT},
+    {12, TYPE_REAL, ROLE_INPUT},
+    {11, TYPE_REAL, ROLE_INPUT},
+    {10, TYPE_REAL, ROLE_INPUT},
+    {9, TYPE_REAL, ROLE_INPUT},
+    {8, TYPE_REAL, ROLE_INPUT},
+    {7, TYPE_REAL, ROLE_INPUT},
+    {6, TYPE_REAL, ROLE_INPUT},
+    {5, TYPE_REAL, ROLE_INPUT},
+    {4, TYPE_REAL, ROLE_INPUT},
+    {3, TYPE_REAL, ROLE_INPUT},
+    {2, TYPE_REAL, ROLE_INPUT},
+    {1, TYPE_REAL, ROLE_INPUT},
+    {14, TYPE_REAL, ROLE_OUTPUT},
+    {13, TYPE_REAL, ROLE_OUTPUT},
+    {12, TYPE_REAL, ROLE_OUTPUT},
+    {11, TYPE_REAL, ROLE_OUTPUT},
+    {10, TYPE_REAL, ROLE_OUTPUT},
+    {9, TYPE_REAL, ROLE_OUTPUT},
+    {8, TYPE_REAL, ROLE_OUTPUT},
+    {7, TYPE_REAL, ROLE_OUTPUT},
+    {6, TYPE_REAL, ROLE_OUTPUT},
+    {5, TYPE_REAL, ROLE_OUTPUT},
+    {4, TYPE_REAL, ROLE_OUTPUT},
+    {3, TYPE_REAL, ROLE_OUTPUT},
+    {2, TYPE_REAL, ROLE_OUTPUT},
+    {1, TYPE_REAL, ROLE_OUTPUT},
 };
 
 static const char *const model_static_checks[] = {
@@ -186,25 +192,25 @@ static const char *const model_states[] = {
     "dx_t[2]",
 };
 
-static void model_calibrate(const double *p, double *constants, double *checks, double *active) {
+static void model_calibrate(const double *p, double *restrict constants, double *restrict checks, double *restrict active) {
     const double *arguments[] = {p};
     double *results[] = {constants, checks, active};
     calibrate(arguments, results, 0, 0, 0);
 }
 
-static void model_initial(double t, const double *u, const double *p, const double *c, double *states) {
+static void model_initial(double t, const double *u, const double *p, const double *c, double *restrict states) {
     const double *arguments[] = {&t, u, p, c};
     double *results[] = {states};
     initial(arguments, results, 0, 0, 0);
 }
 
-static void model_tick(double t, const double *x, const double *u, const double *p, const double *c, const double *w, double *y, double *next, double *checks) {
+static void model_tick(double t, const double *x, const double *u, const double *p, const double *c, const double *w, double *restrict y, double *restrict next, double *restrict checks) {
     const double *arguments[] = {&t, x, u, w, p, c};
     double *results[] = {y, next, checks};
     tick(arguments, results, 0, 0, 0);
 }
 
-static void model_initial_sensitivity(double t, const double *u, const double *p, const double *r, const double *v, const double *q, double *dy) {
+static void model_initial_sensitivity(double t, const double *u, const double *p, const double *r, const double *v, const double *q, double *restrict dy) {
     const double *arguments[] = {&t, u, p, r, v, q};
     double *results[] = {dy};
     initial_sensitivity(arguments, results, 0, 0, 0);

@@ -109,45 +109,51 @@ static const ModelVariable model_variables[MODEL_N_VARIABLES] = {
      0.0, -INFINITY, INFINITY },
 };
 
-static const unsigned char model_kinds[MODEL_N_VARIABLES] = {
-    MODEL_KIND(TYPE_REAL, ROLE_FIXED_PARAMETER),
-    MODEL_KIND(TYPE_REAL, ROLE_FIXED_PARAMETER),
-    MODEL_KIND(TYPE_REAL, ROLE_FIXED_PARAMETER),
-    MODEL_KIND(TYPE_REAL, ROLE_FIXED_PARAMETER),
-    MODEL_KIND(TYPE_REAL, ROLE_FIXED_PARAMETER),
-    MODEL_KIND(TYPE_REAL, ROLE_FIXED_PARAMETER),
-    MODEL_KIND(TYPE_REAL, ROLE_FIXED_PARAMETER),
-    MODEL_KIND(TYPE_REAL, ROLE_FIXED_PARAMETER),
-    MODEL_KIND(TYPE_REAL, ROLE_FIXED_PARAMETER),
-    MODEL_KIND(TYPE_REAL, ROLE_FIXED_PARAMETER),
-    MODEL_KIND(TYPE_REAL, ROLE_FIXED_PARAMETER),
-    MODEL_KIND(TYPE_REAL, ROLE_FIXED_PARAMETER),
-    MODEL_KIND(TYPE_REAL, ROLE_FIXED_PARAMETER),
-    MODEL_KIND(TYPE_REAL, ROLE_FIXED_PARAMETER),
-    MODEL_KIND(TYPE_REAL, ROLE_FIXED_PARAMETER),
-    MODEL_KIND(TYPE_REAL, ROLE_FIXED_PARAMETER),
-    MODEL_KIND(TYPE_REAL, ROLE_FIXED_PARAMETER),
-    MODEL_KIND(TYPE_REAL, ROLE_FIXED_PARAMETER),
-    MODEL_KIND(TYPE_REAL, ROLE_FIXED_PARAMETER),
-    MODEL_KIND(TYPE_REAL, ROLE_FIXED_PARAMETER),
-    MODEL_KIND(TYPE_REAL, ROLE_FIXED_PARAMETER),
-    MODEL_KIND(TYPE_REAL, ROLE_FIXED_PARAMETER),
-    MODEL_KIND(TYPE_REAL, ROLE_INPUT),
-    MODEL_KIND(TYPE_REAL, ROLE_INPUT),
-    MODEL_KIND(TYPE_REAL, ROLE_OUTPUT),
-    MODEL_KIND(TYPE_REAL, ROLE_OUTPUT),
-    MODEL_KIND(TYPE_REAL, ROLE_OUTPUT),
-    MODEL_KIND(TYPE_REAL, ROLE_OUTPUT),
-    MODEL_KIND(TYPE_REAL, ROLE_OUTPUT),
-    MODEL_KIND(TYPE_REAL, ROLE_OUTPUT),
-    MODEL_KIND(TYPE_REAL, ROLE_OUTPUT),
-    MODEL_KIND(TYPE_REAL, ROLE_OUTPUT),
-    MODEL_KIND(TYPE_REAL, ROLE_OUTPUT),
-    MODEL_KIND(TYPE_REAL, ROLE_OUTPUT),
-    MODEL_KIND(TYPE_REAL, ROLE_OUTPUT),
-    MODEL_KIND(TYPE_REAL, ROLE_OUTPUT),
-    MODEL_KIND(TYPE_REAL, ROLE_OUTPUT),
-    MODEL_KIND(TYPE_REAL, ROLE_OUTPUT),
+static const uint32_t model_references[MODEL_N_VARIABLES] = {
+    0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15,
+    16, 17, 18, 19, 20, 21, 22, 23, 24, 25, 26, 27, 28, 29, 30, 31,
+    32, 33, 34, 35, 36, 37,
+};
+
+static const ModelRun model_runs[MODEL_N_VARIABLES] = {
+    {22, TYPE_REAL, ROLE_FIXED_PARAMETER},
+    {21, TYPE_REAL, ROLE_FIXED_PARAMETER},
+    {20, TYPE_REAL, ROLE_FIXED_PARAMETER},
+    {19, TYPE_REAL, ROLE_FIXED_PARAMETER},
+    {18, TYPE_REAL, ROLE_FIXED_PARAMETER},
+    {17, TYPE_REAL, ROLE_FIXED_PARAMETER},
+    {16, TYPE_REAL, ROLE_FIXED_PARAMETER},
+    {15, TYPE_REAL, ROLE_FIXED_PARAMETER},
+    {14, TYPE_REAL, ROLE_FIXED_PARAMETER},
+    {13, TYPE_REAL, ROLE_FIXED_PARAMETER},
+    {12, TYPE_REAL, ROLE_FIXED_PARAMETER},
+    {11, TYPE_REAL, ROLE_FIXED_PARAMETER},
+    {10, TYPE_REAL, ROLE_FIXED_PARAMETER},
+    {9, TYPE_REAL, ROLE_FIXED_PARAMETER},
+    {8, TYPE_REAL, ROLE_FIXED_PARAMETER},
+    {7, TYPE_REAL, ROLE_FIXED_PARAMETER},
+    {6, TYPE_REAL, ROLE_FIXED_PARAMETER},
+    {5, TYPE_REAL, ROLE_FIXED_PARAMETER},
+    {4, TYPE_REAL, ROLE_FIXED_PARAMETER},
+    {3, TYPE_REAL, ROLE_FIXED_PARAMETER},
+    {2, TYPE_REAL, ROLE_FIXED_PARAMETER},
+    {1, TYPE_REAL, ROLE_FIXED_PARAMETER},
+    {2, TYPE_REAL, ROLE_INPUT},
+    {1, TYPE_REAL, ROLE_INPUT},
+    {14, TYPE_REAL, ROLE_OUTPUT},
+    {13, TYPE_REAL, ROLE_OUTPUT},
+    {12, TYPE_REAL, ROLE_OUTPUT},
+    {11, TYPE_REAL, ROLE_OUTPUT},
+    {10, TYPE_REAL, ROLE_OUTPUT},
+    {9, TYPE_REAL, ROLE_OUTPUT},
+    {8, TYPE_REAL, ROLE_OUTPUT},
+    {7, TYPE_REAL, ROLE_OUTPUT},
+    {6, TYPE_REAL, ROLE_OUTPUT},
+    {5, TYPE_REAL, ROLE_OUTPUT},
+    {4, TYPE_REAL, ROLE_OUTPUT},
+    {3, TYPE_REAL, ROLE_OUTPUT},
+    {2, TYPE_REAL, ROLE_OUTPUT},
+    {1, TYPE_REAL, ROLE_OUTPUT},
 };
 
 static const char *const model_static_checks[] = {
@@ -165,55 +171,55 @@ static const char *const model_states[] = {
     "dq[2]",
 };
 
-static void model_calibrate(const double *p, double *constants, double *checks, double *active) {
+static void model_calibrate(const double *p, double *restrict constants, double *restrict checks, double *restrict active) {
     const double *arguments[] = {p};
     double *results[] = {constants, checks, active};
     calibrate(arguments, results, 0, 0, 0);
 }
 
-static void model_prepare(const double *x, const double *p, const double *c, double *shared) {
+static void model_prepare(const double *x, const double *p, const double *c, double *restrict shared) {
     const double *arguments[] = {x, p, c};
     double *results[] = {shared};
     prepare(arguments, results, 0, 0, 0);
 }
 
-static void model_initial(double t, const double *u, const double *p, const double *c, double *states) {
+static void model_initial(double t, const double *u, const double *p, const double *c, double *restrict states) {
     const double *arguments[] = {&t, u, p, c};
     double *results[] = {states};
     initial(arguments, results, 0, 0, 0);
 }
 
-static void model_derivative(double t, const double *x, const double *u, const double *p, const double *c, const double *m, const double *s, double *dx) {
+static void model_derivative(double t, const double *x, const double *u, const double *p, const double *c, const double *m, const double *s, double *restrict dx) {
     const double *arguments[] = {&t, x, u, m, p, c, s};
     double *results[] = {dx};
     derivative(arguments, results, 0, 0, 0);
 }
 
-static void model_output(double t, const double *x, const double *u, const double *p, const double *c, const double *m, const double *s, double *y, double *checks) {
+static void model_output(double t, const double *x, const double *u, const double *p, const double *c, const double *m, const double *s, double *restrict y, double *restrict checks) {
     const double *arguments[] = {&t, x, u, m, p, c, s};
     double *results[] = {y, checks};
     output(arguments, results, 0, 0, 0);
 }
 
-static void model_event_indicators(double t, const double *x, const double *p, const double *c, const double *s, double *z) {
+static void model_event_indicators(double t, const double *x, const double *p, const double *c, const double *s, double *restrict z) {
     const double *arguments[] = {&t, x, p, c, s};
     double *results[] = {z};
     event_indicators(arguments, results, 0, 0, 0);
 }
 
-static void model_initial_sensitivity(double t, const double *u, const double *p, const double *r, const double *v, const double *q, double *dy) {
+static void model_initial_sensitivity(double t, const double *u, const double *p, const double *r, const double *v, const double *q, double *restrict dy) {
     const double *arguments[] = {&t, u, p, r, v, q};
     double *results[] = {dy};
     initial_sensitivity(arguments, results, 0, 0, 0);
 }
 
-static void model_output_rate(double t, const double *x, const double *u, const double *p, const double *m, const double *v, double *dy) {
+static void model_output_rate(double t, const double *x, const double *u, const double *p, const double *m, const double *v, double *restrict dy) {
     const double *arguments[] = {&t, x, u, p, m, v};
     double *results[] = {dy};
     output_rate(arguments, results, 0, 0, 0);
 }
 
-static void model_output_sensitivity(double t, const double *x, const double *u, const double *p, const double *m, const double *v, double *dy) {
+static void model_output_sensitivity(double t, const double *x, const double *u, const double *p, const double *m, const double *v, double *restrict dy) {
     const double *arguments[] = {&t, x, u, p, m, v};
     double *results[] = {dy};
     output_sensitivity(arguments, results, 0, 0, 0);
