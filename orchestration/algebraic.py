@@ -11,7 +11,7 @@ import numpy as np
 
 from orchestration.assembly import Assembly
 from orchestration.errors import InitializationError
-from orchestration.loop import END_REAL, FIRST_REAL
+from orchestration.tables import END_REAL, FIRST_REAL
 
 MAX_ITERATIONS, MAX_HALVINGS = 50, 20
 TOLERANCE = 1e-12  # of u - y(u), over 1 + |y|: some hundred roundings

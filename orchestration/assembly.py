@@ -5,21 +5,21 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from orchestration import loop
+from orchestration import tables
 from orchestration.errors import SystemDescriptionError
 from orchestration.fmu import BOOLEAN, INTEGER, REAL, STRING, Instance
-from orchestration.loop import Plan
 from orchestration.system import Component, Connection, System
+from orchestration.tables import Plan
 
 Path = tuple[str, str]  # component, variable
 
 _CALLS = {
-    ("input", REAL): (loop.SET_REAL, "fmi2SetReal"),
-    ("input", INTEGER): (loop.SET_INTEGER, "fmi2SetInteger"),
-    ("input", BOOLEAN): (loop.SET_BOOLEAN, "fmi2SetBoolean"),
-    ("output", REAL): (loop.GET_REAL, "fmi2GetReal"),
-    ("output", INTEGER): (loop.GET_INTEGER, "fmi2GetInteger"),
-    ("output", BOOLEAN): (loop.GET_BOOLEAN, "fmi2GetBoolean"),
+    ("input", REAL): (tables.SET_REAL, "fmi2SetReal"),
+    ("input", INTEGER): (tables.SET_INTEGER, "fmi2SetInteger"),
+    ("input", BOOLEAN): (tables.SET_BOOLEAN, "fmi2SetBoolean"),
+    ("output", REAL): (tables.GET_REAL, "fmi2GetReal"),
+    ("output", INTEGER): (tables.GET_INTEGER, "fmi2GetInteger"),
+    ("output", BOOLEAN): (tables.GET_BOOLEAN, "fmi2GetBoolean"),
 }
 
 
@@ -49,8 +49,7 @@ class Assembly:
 
     def record(self, row: np.ndarray) -> None:
         """Copy the recorded outputs, as they are now, into a row of shape (n_columns,)."""
-        loop.record(self.plan.recorded_reals, self.plan.reals, row[None, :], np.uint64(0))
-        loop.record(self.plan.recorded_discretes, self.plan.discretes, row[None, :], np.uint64(0))
+        tables.record(self.plan, row[None, :], np.uint64(0))
 
 
 Key = tuple[str, str, str]  # causality, component, variable
@@ -104,15 +103,15 @@ def assemble(
     reals, discretes = np.zeros(len(buffers.reals)), np.zeros(len(buffers.discretes), np.int32)
     table, references = _table(instances, calls, reals, discretes)
     columns = {path: column for column, path in enumerate(recorded)}
-    real_links, real_connections = _links(system, buffers.reals, sources, table, loop.FIRST_REAL)
-    discrete_links, discrete_connections = _links(system, buffers.discretes, sources, table, loop.FIRST_DISCRETE)
+    real_links, real_connections = _links(system, buffers.reals, sources, table, tables.FIRST_REAL)
+    discrete_links, discrete_connections = _links(system, buffers.discretes, sources, table, tables.FIRST_DISCRETE)
     plan = Plan(
         table,
         real_links,
         discrete_links,
         reals,
         discretes,
-        _recorded(columns, buffers.reals),
+        _runs(_recorded(columns, buffers.reals)),
         _recorded(columns, buffers.discretes),
     )
     return Assembly(
@@ -144,20 +143,20 @@ def _table(
     instances: Sequence[Instance], calls: Sequence[_Call], reals: np.ndarray, discretes: np.ndarray
 ) -> tuple[np.ndarray, list[np.ndarray]]:
     """The table without ranges of links, and the arrays of value references it points to."""
-    table = np.zeros((len(instances), loop.N_COLUMNS), np.int64)
+    table = np.zeros((len(instances), tables.N_COLUMNS), np.int64)
     for row, instance in zip(table, instances, strict=True):
-        row[loop.COMPONENT] = instance.component
-        row[loop.DO_STEP] = instance.address("fmi2DoStep")
+        row[tables.COMPONENT] = instance.component
+        row[tables.DO_STEP] = instance.address("fmi2DoStep")
     kept = []
     for call in calls:
         column, function = _CALLS[call.causality, call.kind]
         references = np.array([call.component.variable(n).reference for n in call.names], np.uint32)
         buffer = reals if call.kind == REAL else discretes
         group = table[call.row, column : column + 4]
-        group[loop.FUNCTION] = instances[call.row].address(function)
-        group[loop.REFERENCES] = references.ctypes.data
-        group[loop.COUNT] = len(call.names)
-        group[loop.VALUES] = buffer.ctypes.data + call.first * buffer.itemsize
+        group[tables.FUNCTION] = instances[call.row].address(function)
+        group[tables.REFERENCES] = references.ctypes.data
+        group[tables.COUNT] = len(call.names)
+        group[tables.VALUES] = buffer.ctypes.data + call.first * buffer.itemsize
         kept.append(references)
     return table, kept
 
@@ -227,3 +226,14 @@ def _recorded(columns: dict[Path, int], places: dict[Key, int]) -> np.ndarray:
         if causality == "output" and (name, variable) in columns
     ]
     return np.array(pairs, np.uint64).reshape(-1, 2)
+
+
+def _runs(pairs: np.ndarray) -> np.ndarray:
+    """(index, column, number) of the runs in which both go up by one."""
+    runs: list[list[int]] = []
+    for place, column in pairs.tolist():
+        if runs and place == runs[-1][0] + runs[-1][2] and column == runs[-1][1] + runs[-1][2]:
+            runs[-1][2] += 1
+        else:
+            runs.append([place, column, 1])
+    return np.array(runs, np.uint64).reshape(-1, 3)

@@ -8,8 +8,10 @@ arguments, never constants, so that numba's cache stays valid.
 import ctypes
 from typing import Any
 
+import numpy as np
 from llvmlite import ir
 from numba import types
+from numba.core import cgutils
 from numba.extending import intrinsic, overload
 
 _TRANSFER = ctypes.CFUNCTYPE(ctypes.c_int32, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_size_t, ctypes.c_void_p)
@@ -79,6 +81,11 @@ def call_direction(function: int, component: int, unknowns: int, n: int, known: 
         The fmi2Status.
     """
     return _DIRECTION(int(function))(int(component), int(unknowns), int(n), int(known), 1, int(seed), int(values))
+
+
+def copy_run(source: np.ndarray, first: int, rows: np.ndarray, row: int, column: int, n: int) -> None:
+    """Copy n doubles from `first` on into a row from `column` on; both arrays are contiguous."""
+    rows[row, int(column) : int(column + n)] = source[int(first) : int(first + n)]
 
 
 @intrinsic
@@ -152,6 +159,23 @@ def _direction(
     return signature, generate
 
 
+@intrinsic
+def _copy_run(typing: Any, source: Any, first: Any, rows: Any, row: Any, column: Any, n: Any) -> Any:
+    signature = types.void(source, first, rows, row, column, n)
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        source, first, rows, row, column, n = arguments
+        source = context.make_array(signature.args[0])(context, builder, source)
+        rows = context.make_array(signature.args[2])(context, builder, rows)
+        width = builder.extract_value(rows.shape, 1)
+        place = builder.add(builder.mul(row, width), column)
+        target = builder.gep(rows.data, [place])
+        cgutils.raw_memcpy(builder, target, builder.gep(source.data, [first]), n, 8)
+        return context.get_dummy_value()
+
+    return signature, generate
+
+
 # numba compares the signatures of overload and implementation, annotations included: both have none.
 @overload(call_transfer)
 def _compile_transfer(function, component, references, n, values):
@@ -180,3 +204,8 @@ def _compile_direction(function, component, unknowns, n, known, seed, values):
     return lambda function, component, unknowns, n, known, seed, values: _direction(
         function, component, unknowns, n, known, seed, values
     )
+
+
+@overload(copy_run)
+def _compile_copy_run(source, first, rows, row, column, n):
+    return lambda source, first, rows, row, column, n: _copy_run(source, first, rows, row, column, n)

@@ -31,8 +31,8 @@ from orchestration.coupling import (
     Work,
 )
 from orchestration.fmu import WORST_ACCEPTED
-from orchestration.loop import COMPONENT, COUNT, GET_REAL, REFERENCES, VALUES, Plan
 from orchestration.sweeps import AGAIN, ALL, DIRECTION, FINE, Failure, copy, polynomial, sweep, turn
+from orchestration.tables import COMPONENT, COUNT, GET_REAL, REFERENCES, VALUES, Plan
 
 NOT_CONVERGED, SINGULAR = 100, 101
 SLOW = 0.2  # an iteration that leaves more of the residual asks for a new Jacobian

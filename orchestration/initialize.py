@@ -11,7 +11,8 @@ from orchestration.archive import unpacked
 from orchestration.assembly import Assembly
 from orchestration.errors import InitializationError
 from orchestration.fmu import BOOLEAN, INTEGER, REAL, WORST_ACCEPTED, Instance, needed_to_run
-from orchestration.loop import (
+from orchestration.system import Component, System
+from orchestration.tables import (
     CALL_NAMES,
     END_DISCRETE,
     END_REAL,
@@ -21,7 +22,6 @@ from orchestration.loop import (
     get_outputs,
     set_inputs,
 )
-from orchestration.system import Component, System
 
 _C_TYPES = {REAL: ctypes.c_double, INTEGER: ctypes.c_int32, BOOLEAN: ctypes.c_int32}
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from orchestration import coupling as c
-from orchestration import loop
+from orchestration import tables
 from orchestration.algorithm import DIRECTIONAL, NEWTON, SEQUENTIAL, Algorithm, Correction, StepControl
 from orchestration.assembly import Assembly
 from orchestration.errors import SystemDescriptionError
@@ -175,7 +175,7 @@ def _links(
     links[:, (c.SOURCE, c.TARGET)] = plan.real_links
     n_rates = 0
     for i, target in enumerate(system.components):
-        rows = np.arange(plan.table[i, loop.FIRST_REAL], plan.table[i, loop.END_REAL])
+        rows = np.arange(plan.table[i, tables.FIRST_REAL], plan.table[i, tables.END_REAL])
         smooth = []
         for j in rows:
             source = system.component(assembly.real_connections[j].source)

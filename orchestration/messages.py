@@ -6,7 +6,7 @@ from orchestration.assembly import Assembly
 from orchestration.coupling import SOURCE
 from orchestration.fmu import Instance
 from orchestration.layout import Layout
-from orchestration.loop import CALL_NAMES
+from orchestration.tables import CALL_NAMES
 
 
 def failure_message(

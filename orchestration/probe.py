@@ -15,7 +15,8 @@ from orchestration.calls import call_do_step, call_rates, call_state, call_trans
 from orchestration.errors import SimulationError, SystemDescriptionError
 from orchestration.fmu import INTERPOLATES, REAL, SAVES_STATE, WORST_ACCEPTED, Instance
 from orchestration.initialize import initialize, opened
-from orchestration.loop import (
+from orchestration.system import Component, System
+from orchestration.tables import (
     CALL_NAMES,
     DO_STEP,
     END_DISCRETE,
@@ -26,7 +27,6 @@ from orchestration.loop import (
     get_outputs,
     set_inputs,
 )
-from orchestration.system import Component, System
 
 
 class Probe:

@@ -9,7 +9,7 @@
         simulation.run()                              # another second half
         result = simulation.result()
 
-Algorithms that extrapolate, correct or control nothing take the short loop of `orchestration.loop`;
+Algorithms that extrapolate, correct or control nothing take the short loop of `orchestration.tables`;
 the others that of `orchestration.stepping`. Both are called for about a tenth of a second at a time, so
 that interrupts and progress get through.
 """
@@ -40,6 +40,7 @@ from orchestration.grid import Grid
 from orchestration.initialize import initialize, opened, set_values
 from orchestration.layout import Experiment, Layout, check_capabilities, check_crossings, layout
 from orchestration.messages import failure_message
+from orchestration.operations import CALL, SUBJECT, operations_of_step
 from orchestration.options import Options
 from orchestration.recorder import Recorder, Sink, not_finite
 from orchestration.result import Result
@@ -104,6 +105,7 @@ class Simulation:
             fetched = self.options.crossings.outputs
             self._assembly: Assembly = assemble(self.system, self._instances, self.options.record, fetched)
             initialize(self.system, self._instances, self._assembly, float(self.grid.times[0]))
+            self._operations = operations_of_step(self._assembly.plan, sequential=self.algorithm.exchange == SEQUENTIAL)
             self._layout = self._lay_out()
             stack.callback(lambda: self._layout.free(self._instances))
             stack.callback(self._free_snapshots)
@@ -313,9 +315,8 @@ class Simulation:
         room = self._recorder.room()[1]
         most = max(1, _CHUNK_VALUES // max(1, room.shape[1])) * every
         end = min(last, done + min(self._chunk, most), (done // every + len(room)) * every + every - 1)
-        kind = loop.GAUSS_SEIDEL if self.algorithm.exchange == SEQUENTIAL else loop.JACOBI
         grid = (self.grid.times, self.grid.lengths)
-        k, i, call, status = loop.run(self._assembly.plan, kind, grid, (done, end), room, every)
+        k, j, status = loop.run(self._operations, self._assembly.plan, grid, (done, end), room, every)
         times, _ = self._recorder.room()
         n = k // every - done // every
         times[:n] = self.grid.times[(done // every + 1) * every : k + 1 : every]
@@ -323,7 +324,8 @@ class Simulation:
         integers[places.INTERVAL] = integers[places.STEPS_MADE] = k
         self._layout.work.numbers[places.TIME] = self.grid.times[k]
         if k < end:
-            self._fail((i, call, status))
+            subject, call = self._operations[j, (SUBJECT, CALL)].tolist()
+            self._fail((subject, call, status))
 
     def _run_general(self, last: int) -> None:
         """A chunk of the loop for all algorithms."""

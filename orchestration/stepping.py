@@ -32,8 +32,8 @@ from orchestration.coupling import (
     Work,
 )
 from orchestration.fmu import WORST_ACCEPTED
-from orchestration.loop import Plan, record
 from orchestration.sweeps import FINE, Failure, copy, remember, restore, save
+from orchestration.tables import Plan, record
 
 TOO_SMALL = 102
 DISCARD = 2
@@ -237,7 +237,6 @@ def run(
         work.integers[STEPS_MADE] += 1
         if event or work.integers[STEPS_MADE] % every == 0:
             row_times[count] = work.numbers[TIME]
-            record(plan.recorded_reals, plan.reals, values, np.uint64(count))
-            record(plan.recorded_discretes, plan.discretes, values, np.uint64(count))
+            record(plan, values, np.uint64(count))
             count += 1
     return count, (REACHED, 0, 0)

@@ -35,7 +35,7 @@ from orchestration.coupling import (
     Work,
 )
 from orchestration.fmu import WORST_ACCEPTED
-from orchestration.loop import (
+from orchestration.tables import (
     CALL_NAMES,
     COMPONENT,
     DO_STEP,

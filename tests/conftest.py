@@ -11,7 +11,7 @@ from fmus.catalog import UNITS
 from tests.driver import Driver
 
 ORCHESTRATION = Path(__file__).parents[1] / "orchestration"
-COMPILED = ("calls", "loop", "coupling", "sweeps", "correction", "stepping")
+COMPILED = ("calls", "tables", "operations", "loop", "coupling", "sweeps", "correction", "stepping")
 
 
 def pytest_configure() -> None:

@@ -10,6 +10,7 @@ from fmus.catalog import UNITS
 from orchestration import loop
 from orchestration.assembly import assemble
 from orchestration.initialize import initialize, opened
+from orchestration.operations import operations_of_step
 from orchestration.paper.claim import Finding, Question
 from orchestration.paper.evidence import DIVISORS, Evidence
 from orchestration.paper.measure import Summary
@@ -61,9 +62,10 @@ def _times(evidence: Evidence, identifiers: tuple[str, ...]) -> dict[str, float]
             with opened(system) as instances:
                 assembly = assemble(system, instances, ())
                 initialize(system, instances, assembly, 0.0)
+                chain = operations_of_step(assembly.plan, sequential=True)
                 rows = np.empty((TIMED_STEPS + 1, 0))
                 started = time.perf_counter()
-                loop.run(assembly.plan, loop.GAUSS_SEIDEL, grid, (0, TIMED_STEPS), rows[1:], 1)
+                loop.run(chain, assembly.plan, grid, (0, TIMED_STEPS), rows[1:], 1)
                 times[identifier].append((time.perf_counter() - started) / TIMED_STEPS * 1e9)
     return {identifier: float(np.median(values)) for identifier, values in times.items()}
 

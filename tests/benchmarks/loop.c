@@ -1,7 +1,8 @@
-/* The Gauss-Seidel loop as a C program would have it, on the tables of the compiled loop
- * (orchestration/loop.py): same calls, same order, same records. */
+/* The loop of the fixed-step algorithms as a C program would have it, on the operations of the compiled
+ * loop (orchestration/operations.py): same calls, same order, same records. */
 #include <stddef.h>
 #include <stdint.h>
+#include <string.h>
 
 typedef int32_t (*Transfer)(void *instance, const uint32_t *references, size_t n, void *values);
 typedef int32_t (*DoStep)(void *instance, double t, double h, int32_t no_rollback);
@@ -24,17 +25,44 @@ typedef struct {
 
 _Static_assert(sizeof(Component) == 30 * sizeof(int64_t), "a row of the table has 30 columns");
 
+enum { TRANSFER, STEP, COPY_REALS, COPY_DISCRETES };
+
+typedef struct {
+    int64_t kind;
+    union {
+        Transfer transfer;
+        DoStep do_step;
+    } function;
+    void *instance;
+    union {
+        const uint32_t *references;
+        int64_t from;
+    } first;
+    int64_t count;
+    union {
+        void *values;
+        int64_t to;
+    } place;
+    int64_t subject, call;
+} Operation;
+
+_Static_assert(sizeof(Operation) == 8 * sizeof(int64_t), "a row of the operations has 8 columns");
+
 typedef struct {
     int64_t from, to;
 } Pair;
 
 typedef struct {
-    const Component *components;
-    int64_t n_components;
-    const Pair *real_links, *discrete_links;
+    int64_t from, to, n;
+} Run;
+
+typedef struct {
+    const Operation *operations;
+    int64_t n_operations;
     double *reals;
     int32_t *discretes;
-    const Pair *recorded_reals, *recorded_discretes;
+    const Run *recorded_reals;
+    const Pair *recorded_discretes;
     int64_t n_recorded_reals, n_recorded_discretes, n_columns;
 } Plan;
 
@@ -50,18 +78,28 @@ static int32_t transfer(const Component *c, Kind first, Kind last) {
     return 0;
 }
 
-static void copy_links(const Plan *plan, const Component *c) {
-    double *reals = plan->reals;
-    int32_t *discretes = plan->discretes;
-    for (int64_t j = c->first_real; j < c->end_real; ++j)
-        reals[plan->real_links[j].to] = reals[plan->real_links[j].from];
-    for (int64_t j = c->first_discrete; j < c->end_discrete; ++j)
-        discretes[plan->discrete_links[j].to] = discretes[plan->discrete_links[j].from];
+static void copy(const Plan *plan, const Operation *o) {
+    for (int64_t i = 0; i < o->count; ++i) {
+        if (o->kind == COPY_REALS)
+            plan->reals[o->place.to + i] = plan->reals[o->first.from + i];
+        else
+            plan->discretes[o->place.to + i] = plan->discretes[o->first.from + i];
+    }
+}
+
+static int32_t operate(const Plan *plan, const Operation *o, double t, double h) {
+    if (o->kind == TRANSFER)
+        return o->function.transfer(o->instance, o->first.references, (size_t)o->count, o->place.values);
+    if (o->kind == STEP) return o->function.do_step(o->instance, t, h, 1);
+    copy(plan, o);
+    return 0;
 }
 
 static void record(const Plan *plan, double *row) {
-    for (int64_t j = 0; j < plan->n_recorded_reals; ++j)
-        row[plan->recorded_reals[j].to] = plan->reals[plan->recorded_reals[j].from];
+    for (int64_t j = 0; j < plan->n_recorded_reals; ++j) {
+        const Run *run = &plan->recorded_reals[j];
+        memcpy(row + run->to, plan->reals + run->from, (size_t)run->n * sizeof *row);
+    }
     for (int64_t j = 0; j < plan->n_recorded_discretes; ++j)
         row[plan->recorded_discretes[j].to] = plan->discretes[plan->recorded_discretes[j].from];
 }
@@ -73,13 +111,9 @@ EXPORT int32_t fmi_run(const Plan *plan, const double *times, double h, int64_t 
     int64_t until_record = every - first % every;
     for (int64_t k = first; k < last; ++k) {
         const double t = times[k];
-        for (int64_t i = 0; i < plan->n_components; ++i) {
-            const Component *c = &plan->components[i];
-            int32_t status;
-            copy_links(plan, c);
-            if ((status = transfer(c, SET_REAL, SET_BOOLEAN)) > 1) return status;
-            if ((status = c->do_step(c->instance, t, h, 1)) > 1) return status;
-            if ((status = transfer(c, GET_REAL, GET_BOOLEAN)) > 1) return status;
+        for (int64_t j = 0; j < plan->n_operations; ++j) {
+            const int32_t status = operate(plan, &plan->operations[j], t, h);
+            if (status > 1) return status;
         }
         if (--until_record == 0) {
             record(plan, rows);
@@ -90,11 +124,11 @@ EXPORT int32_t fmi_run(const Plan *plan, const double *times, double h, int64_t 
     return 0;
 }
 
-/* What a step does besides its calls, n times: the links into all components, the records. */
+/* What a step does besides its calls, n times: the copies between buffers, the records. */
 EXPORT void fmi_copies(const Plan *plan, int64_t n, double *rows, int32_t links, int32_t records) {
     for (int64_t k = 0; k < n; ++k) {
-        for (int64_t i = 0; links && i < plan->n_components; ++i)
-            copy_links(plan, &plan->components[i]);
+        for (int64_t j = 0; links && j < plan->n_operations; ++j)
+            if (plan->operations[j].kind > STEP) copy(plan, &plan->operations[j]);
         if (records) record(plan, rows + k * plan->n_columns);
     }
 }

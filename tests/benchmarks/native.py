@@ -18,7 +18,7 @@ import numpy as np
 
 from adaptimp_fmu.errors import ToolchainError
 from adaptimp_fmu.toolchain import FLAGS, host_platform
-from orchestration.loop import Plan
+from orchestration.tables import Plan
 
 HERE = Path(__file__).parent
 COMPONENTS = ("trajectory", "sensor", "controller", "actuator", "plant")  # the order in bare.c
@@ -35,10 +35,8 @@ class _PlanStruct(ctypes.Structure):
     """``Plan`` of loop.c."""
 
     _fields_ = (
-        ("components", _POINTER),
-        ("n_components", _I64),
-        ("real_links", _POINTER),
-        ("discrete_links", _POINTER),
+        ("operations", _POINTER),
+        ("n_operations", _I64),
         ("reals", _POINTER),
         ("discretes", _POINTER),
         ("recorded_reals", _POINTER),
@@ -100,22 +98,23 @@ class BareUnits:
 
 
 class CLoop:
-    """The Gauss-Seidel loop in C, on the tables of a plan.
+    """The loop of the fixed-step algorithms in C.
 
     Parameters
     ----------
     plan
         Addresses and buffers; must outlive this object.
+    operations
+        Those of a step; must outlive it, too.
     n_columns
         Width of a row of records.
     """
 
-    def __init__(self, plan: Plan, n_columns: int) -> None:
+    def __init__(self, plan: Plan, operations: np.ndarray, n_columns: int) -> None:
         self._library = _loop_library()
         self._arrays = plan
         self._plan = _PlanStruct(
-            *(_address(plan.table), plan.table.shape[0]),
-            *(_address(plan.real_links), _address(plan.discrete_links)),
+            *(_address(operations), len(operations)),
             *(_address(plan.reals), _address(plan.discretes)),
             *(_address(plan.recorded_reals), _address(plan.recorded_discretes)),
             *(len(plan.recorded_reals), len(plan.recorded_discretes), n_columns),

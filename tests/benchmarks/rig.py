@@ -14,10 +14,11 @@ from typing import Any, Self
 
 import numpy as np
 
-from orchestration import loop
+from orchestration import loop, tables
 from orchestration.assembly import Assembly, assemble
 from orchestration.fmu import BOOLEAN, INTEGER, REAL, SAVES_STATE, Instance
 from orchestration.initialize import initialize, opened
+from orchestration.operations import operations_of_step
 from orchestration.system import Component, System
 from tests.benchmarks.native import CLoop
 from tests.benchmarks.report import Measure
@@ -96,12 +97,12 @@ class Rig:
 
         def run(first: int, last: int) -> None:
             status = self.c.run((self.times, self.step), (first, last), self._room(first, every), every)
-            require(status <= loop.WORST_ACCEPTED, f"The C loop ended with status {status}.")
+            require(status <= tables.WORST_ACCEPTED, f"The C loop ended with status {status}.")
 
         return self.pieces(n, run)
 
     def time_ours(self, n: int, every: int = 1) -> np.ndarray:
-        """Measure `orchestration.loop.run`, recording one of `every` steps.
+        """Measure `loop.run`, recording one of `every` steps.
 
         Raises
         ------
@@ -112,7 +113,7 @@ class Rig:
         plan, grid = self.assembly.plan, (self.times, np.array([self.step]))
 
         def run(first: int, last: int) -> None:
-            k, *failure = loop.run(plan, loop.GAUSS_SEIDEL, grid, (first, last), self._room(first, every), every)
+            k, *failure = loop.run(self.operations, plan, grid, (first, last), self._room(first, every), every)
             require(k == last, f"The compiled loop ended at step {k}: {failure}.")
 
         return self.pieces(n, run)
@@ -178,7 +179,8 @@ class Rig:
             self.assembly = assemble(self.system, self.instances, self._record)
             initialize(self.system, self.instances, self.assembly, 0.0)
             self._buffers = (self.assembly.plan.reals.copy(), self.assembly.plan.discretes.copy())
-            self.c = CLoop(self.assembly.plan, len(self.assembly.columns))
+            self.operations = operations_of_step(self.assembly.plan, sequential=True)
+            self.c = CLoop(self.assembly.plan, self.operations, len(self.assembly.columns))
             self._saved = [_save(instance) for instance in self.instances] if self._saves else []
             for instance, state in zip(self.instances, self._saved, strict=False):
                 stack.callback(instance.call, "fmi2FreeFMUstate", ctypes.byref(state))

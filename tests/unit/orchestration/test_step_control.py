@@ -11,9 +11,9 @@ import pytest
 
 from orchestration import SimulationError, System, simulate
 from orchestration.algorithm import Algorithm, StepControl, Tolerance
-from orchestration.loop import DO_STEP
 from orchestration.master import prepare
 from orchestration.simulation import Simulation
+from orchestration.tables import DO_STEP
 from tests.reference.problems import PROBLEMS
 from tests.unit.orchestration.runs import ADAPTIVE, SAMPLE_TIME, paper
 from tests.unit.orchestration.units import FIRST, H, mixed
