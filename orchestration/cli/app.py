@@ -20,6 +20,10 @@ app = typer.Typer(
 
 @app.command()
 def build(
+    files: Annotated[
+        list[Path] | None,
+        typer.Argument(metavar="FILE.py", help="Python files that declare models.", show_default="every unit"),
+    ] = None,
     out: Annotated[Path, typer.Option(help="Folder for the .fmu files.")] = Path("build/fmus"),
     platform: Annotated[
         list[str] | None,
@@ -29,10 +33,10 @@ def build(
         ),
     ] = None,
 ) -> None:
-    """Build the FMUs; what is built already is taken from the cache."""
+    """Build the FMUs, or those of your own models; what is built already is taken from the cache."""
     from orchestration.cli.commands import build_fmus
 
-    build_fmus(out, platform or [])
+    build_fmus(files or [], out, platform or [])
 
 
 @app.command()

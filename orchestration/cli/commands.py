@@ -21,20 +21,22 @@ console = Console(markup=False, highlight=False)  # names such as x[i] are no ma
 errors = Console(stderr=True, markup=False, highlight=False)
 
 
-def build_fmus(out: Path, platforms: Sequence[str]) -> None:
-    """Build every unit into a folder."""
+def build_fmus(files: Sequence[Path], out: Path, platforms: Sequence[str]) -> None:
+    """Build the models of Python files into a folder, or every unit if there are no files."""
     from adaptimp_fmu import PLATFORMS
     from fmus.catalog import UNITS
-    from orchestration.paper.provide import built
+    from orchestration.cli.models import models_of
+    from orchestration.paper.provide import built_model
 
     for name in platforms:
         if name not in PLATFORMS and name != "all":
             msg = f"There is no platform {name}; there are {', '.join(PLATFORMS)} and all."
             raise SystemDescriptionError(msg)
     chosen = list(PLATFORMS.values()) if "all" in platforms else [PLATFORMS[n] for n in platforms]
+    models = models_of(files) if files else [declare() for declare in UNITS.values()]
     require_folder(out)
-    for identifier in UNITS:
-        path = built(identifier, out, chosen)
+    for model in models:
+        path = built_model(model, out, chosen)
         typer.echo(f"{path}  {path.stat().st_size / 1024:.0f} kB")
 
 
