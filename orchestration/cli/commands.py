@@ -2,7 +2,7 @@
 
 import re
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import typer
@@ -84,3 +84,16 @@ def export_scenario(name: str, out: Path) -> None:
     system = chosen.system(fmus(chosen.units.values()))
     system.write(out)
     typer.echo(f"wrote {out}: {len(system.components)} components, {len(system.connections)} connections")
+
+
+def setting_of(option: str) -> Callable[[str], tuple[str, str]]:
+    """What splits the texts of an option NAME=VALUE."""
+
+    def split(text: str) -> tuple[str, str]:
+        match = _SETTING.fullmatch(text)
+        if match is None:
+            msg = f"{option} {text}: NAME=VALUE is needed."
+            raise SystemDescriptionError(msg)
+        return match[1], match[2]
+
+    return split
