@@ -98,6 +98,9 @@ def run(
         bool, typer.Option("--verdict/--no-verdict", help="Warn before the run if the algorithm is unstable.")
     ] = True,
     strict: Annotated[bool, typer.Option("--strict", help="Unconnected inputs are an error.")] = False,
+    assumptions: Annotated[
+        bool, typer.Option("--assumptions", help="Print which values are assumed, and why, instead of running.")
+    ] = False,
     allow_stale_inputs: Annotated[
         bool,
         typer.Option("--allow-stale-inputs", help="Let a step hold several ticks, on the inputs of its start."),
@@ -124,6 +127,7 @@ def run(
             out=out,
             record=record.split(",") if record else None,
             strict=strict,
+            assumptions=assumptions,
             allow_stale_inputs=allow_stale_inputs,
         )
     )

@@ -83,7 +83,8 @@ def export_scenario(name: str, out: Path) -> None:
     require_folder(out.parent)
     system = chosen.system(fmus(chosen.units.values()))
     system.write(out)
-    typer.echo(f"wrote {out}: {len(system.components)} components, {len(system.connections)} connections")
+    counts = f"{len(system.components)} components, {len(system.connections)} connections"
+    typer.echo(f"wrote {out}: {counts}, {len(system.assumptions)} assumed values with their reasons")
 
 
 def setting_of(option: str) -> Callable[[str], tuple[str, str]]:

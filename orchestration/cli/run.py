@@ -14,6 +14,7 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Column, Table
 
 from orchestration.algorithm import Algorithm, Tolerance, find_algorithm
+from orchestration.cli.assumptions import print_assumptions
 from orchestration.cli.commands import console, errors, require_folder, setting_of
 from orchestration.errors import OrchestrationError, RunInterrupted, SimulationError, SystemDescriptionError
 from orchestration.layout import Crossings
@@ -84,6 +85,7 @@ class RunRequest:
     every: int
     verdict: bool
     strict: bool
+    assumptions: bool
     allow_stale_inputs: bool
 
 
@@ -93,6 +95,9 @@ def run_system(request: RunRequest) -> None:
     system, algorithm = _system(request), request.algorithm.algorithm()
     for notice in system.notices:
         typer.echo(f"Notice: {notice}", err=True)
+    if request.assumptions:
+        print_assumptions(system)
+        return
     if request.order is not None:
         system = system.ordered(request.order)
     step = system.step if request.step is None else request.step
