@@ -1,8 +1,9 @@
 """Follows a page of Markdown as its reader would: writes its files, types its commands, keeps what they print.
 
-A fence of ``sh`` is typed into one shell for the whole page. A fence of ``text`` is what the commands before it print. Any other fence is a
-file, named at the end of the line before it: **`name`**. There is one difference to a reader's machine:
-``uv run COMMAND`` is ``COMMAND`` with the scripts of this Python first, so nothing is installed.
+A fence of ``sh`` is typed into one shell for the whole page. A fence of ``text`` is what the commands
+before it print. Any other fence is a file, named at the end of the line before it: **`name`**. There is
+one difference to a reader's machine: ``uv run COMMAND`` is ``COMMAND`` with the scripts of this Python
+first, so nothing is installed.
 """
 
 import re
