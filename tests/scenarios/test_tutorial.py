@@ -8,13 +8,17 @@ import numpy as np
 import pytest
 
 from adaptimp_fmu import host_platform
-from orchestration import Result
+from adaptimp_fmu.testing import open_fmu
+from orchestration import Crossings, Options, OrchestrationError, Result, prepare, simulate
 from orchestration.check.roles import ROLES
+from orchestration.paper.provide import fmus
+from orchestration.paper.scenarios import SCENARIOS
 from tests.scenarios.tutorial import Printed, blocks, follow
 
 ROOT = Path(__file__).parents[2]
 PAGE = ROOT / "docs" / "write-your-own-controller.md"
 SHOWN = [block.line for block in blocks(PAGE) if block.kind == "text"]
+NAMES = {"tau_cmd": "Torque", "q": "Angle", "dq": "Rate", "x_v": "Target", "dx_v": "TargetRate"}
 on_linux = pytest.mark.skipif(host_platform().name != "linux64", reason="the page's commands name the folder linux64")
 
 
@@ -41,6 +45,36 @@ def test_both_controllers_do_the_same(followed: tuple[Path, dict[int, Printed]])
         np.testing.assert_allclose(c.vector(name), python.vector(name), rtol=0, atol=tolerance)
     shipped = Result.read(followed[0] / "shipped.parquet")
     assert np.abs(shipped.vector("plant.x") - python.vector("plant.x")).max() > 1e-3
+
+
+@on_linux
+def test_both_laws_agree_wherever_the_arm_is(followed: tuple[Path, dict[int, Printed]]) -> None:
+    """With weight, which the loop does not have; sums of ten products of up to 1e4 N.m round to 1e-11 N.m."""
+    random = np.random.default_rng(1)
+    rows = {name: random.uniform(-2, 2, (50, 2)) for name in ("q", "dq", "x_v", "dx_v")}
+    with (
+        open_fmu(followed[0] / "CartesianImpedance.fmu", gravity=9.81, l=[1.0, 0.7], m=[2.0, 1.5]) as python,
+        open_fmu(followed[0] / "CartesianC.fmu", Gravity=9.81, Length=[1.0, 0.7], Mass=[2.0, 1.5]) as c,
+    ):
+        expected = python.drive(1e-4, rows)["tau_cmd"]
+        found = c.drive(1e-4, {NAMES[name]: values for name, values in rows.items()})["Torque"]
+    assert np.abs(expected).max() > 1e3
+    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-10)
+
+
+@on_linux
+def test_what_is_lost_without_saving_state(followed: tuple[Path, dict[int, Printed]]) -> None:
+    """Adaptive steps, located crossings and snapshots, as the page says; the one in Python has them."""
+    fig5 = SCENARIOS["fig5"].system(fmus(SCENARIOS["fig5"].units.values()))
+    c = fig5.replace("controller", followed[0] / "CartesianC.fmu", NAMES)
+    crossings = Options(crossings=Crossings(["plant.gap"]))
+    for options, algorithm in ((Options(), "adaptive"), (crossings, "gauss-seidel")):
+        with pytest.raises(OrchestrationError, match=r"controller: .*canGetAndSetFMUstate"):
+            simulate(c, 1e-3, algorithm=algorithm, options=options)
+    with prepare(c, 1e-3) as run, pytest.raises(OrchestrationError, match="canGetAndSetFMUstate"):
+        run.save()
+    with prepare(fig5.replace("controller", followed[0] / "CartesianImpedance.fmu"), 1e-3) as run:
+        run.save()
 
 
 def test_nothing_on_the_page_is_left_out() -> None:
