@@ -4,6 +4,8 @@ A fence of ``sh`` is typed into one shell for the whole page. A fence of ``text`
 before it print. Any other fence is a file, named at the end of the line before it: **`name`**. There is
 one difference to a reader's machine: ``uv run COMMAND`` is ``COMMAND`` with the scripts of this Python
 first, so nothing is installed.
+
+    uv run python -m tests.scenarios.tutorial PAGE FOLDER    prints all there is to show, for who edits the page
 """
 
 import re
