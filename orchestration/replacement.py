@@ -21,12 +21,14 @@ def replaced(system: System, name: str, fmu: Path, mapping: Mapping[str, str]) -
     new = Component(name, description, start)
     components = tuple(new if c.name == name else c for c in system.components)
     inputs = {variable.name for variable in description.of_causality("input")}
-    connections = []
+    connections, lost = [], []
     for connection in system.connections:
         if connection.target == name and connection.input not in inputs:
-            notices.append(f"Connection {connection} dropped: {model} has no such input.")
+            lost.append(connection.input)
             continue
         connections.append(_rescaled(connection, system, old, new))
+    if lost:
+        notices.append(f"{name}: connections dropped, {model} has no input {', '.join(lost)}.")
     had = {variable.name for variable in old.description.of_causality("input")}
     for variable in description.of_causality("input"):
         sources = sources_of(components, new, variable.name) if variable.name not in had else []
@@ -80,11 +82,11 @@ def _scalars(name: str, known: Sequence[str]) -> list[str]:
 
 def _start(old: Component, new: Component, mapping: Mapping[str, str]) -> tuple[dict[str, float], list[str]]:
     """Start values in the new units, and notices of what was dropped, or kept as a mere number."""
-    start, notices, model = {}, [], new.description.model_name
+    start, notices, lost, model = {}, [], [], new.description.model_name
     for name, value in old.start.items():
         variable = new.description.variables.get(name)
         if variable is None or variable.causality not in SETTABLE:
-            notices.append(f"{new.name}: start value of {name} dropped, {model} has no such variable.")
+            lost.append(name)
             continue
         before = old.variable(name)
         scale = unit_scale(old, before, new, variable)
@@ -96,6 +98,8 @@ def _start(old: Component, new: Component, mapping: Mapping[str, str]) -> tuple[
             # The gains of two adaptation laws are of different dimensions; a swap shall not switch one off.
             notices.append(f"{new.name}: start value of {name} = {value:g} kept, but {units}; set it anew.")
         start[name] = value if scale is None else scale(value)
+    if lost:
+        notices.insert(0, f"{new.name}: start values dropped, {model} has no {', '.join(lost)}.")
     return start, notices
 
 

@@ -60,11 +60,12 @@ def read_ssp(path: Path) -> System:
     }
     options = _experiment(root, path)
     options["notices"] = (*options.get("notices", ()), *reading.notices, *notices)
-    options["assumptions"] = {
+    assumptions = {
         item.get("variable") or "": item.get("text") or ""
         for item in _items(root.find(ssd("System")), ASSUMPTIONS_ANNOTATION)
     }
-    return System(root.get("name"), components, connections, **options).set(values)
+    system = System(root.get("name"), components, connections, **options).set(values)
+    return replace(system, assumptions=assumptions)
 
 
 @dataclass

@@ -2,7 +2,7 @@
 
 import re
 import zipfile
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -46,7 +46,7 @@ def write_ssp(system: System, path: Path) -> Path:
         entries = {"SystemStructure.ssd": _structure(system, fmus, sets)}
         for component in system.components:
             if component.start:
-                entries[f"resources/{sets[component.name]}"] = _parameter_set(component)
+                entries[f"resources/{sets[component.name]}"] = _parameter_set(component, system.assumptions)
     except ValueError as error:  # lxml: a character that XML does not have
         msg = f"{system.name!r}: a name or an assumption cannot be written: {error}"
         raise SystemDescriptionError(msg) from error
@@ -209,7 +209,8 @@ def _annotate(element: Any, kind: str, name: str, items: list[dict[str, str]]) -
             etree.SubElement(listing, "item", item)
 
 
-def _parameter_set(component: Component) -> bytes:
+def _parameter_set(component: Component, assumptions: Mapping[str, str]) -> bytes:
+    """Start values; an assumed one says so in its description, where other tools show it."""
     root = etree.Element(
         f"{{{SSV}}}ParameterSet",
         {"version": "1.0", "name": PARAMETER_SET},
@@ -225,6 +226,9 @@ def _parameter_set(component: Component) -> bytes:
     for variable in component.description.variables.values():
         if variable.name in component.start:
             parameter = etree.SubElement(listing, f"{{{SSV}}}Parameter", name=variable.fmu_name)
+            assumed = assumptions.get(f"{component.name}.{variable.name}")
+            if assumed:
+                parameter.set("description", assumed)
             text = write[variable.type](component.start[variable.name])
             typed = etree.SubElement(parameter, f"{{{SSV}}}{variable.type}", value=text)
             _set_unit(typed, component, variable, units)

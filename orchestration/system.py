@@ -133,7 +133,7 @@ class System:
         raise SystemDescriptionError(msg)
 
     def set(self, values: Mapping[str, float | bool | str]) -> "System":
-        """Give start values, by ``component.variable``.
+        """Give start values, by ``component.variable``; another value than the assumed one is not assumed.
 
         Raises
         ------
@@ -146,7 +146,10 @@ class System:
             require_settable(component, variable)
             changed.setdefault(component.name, {})[variable.name] = number(path, variable, value)
         components = tuple(replace(c, start={**c.start, **changed.get(c.name, {})}) for c in self.components)
-        return replace(self, components=components)
+        before = {f"{c.name}.{name}": value for c in self.components for name, value in c.start.items()}
+        given = {f"{c}.{name}": value for c, of_component in changed.items() for name, value in of_component.items()}
+        kept = {path: text for path, text in self.assumptions.items() if given.get(path) in (None, before.get(path))}
+        return replace(self, components=components, assumptions=kept)
 
     def replace(self, name: str, fmu: str | Path, mapping: Mapping[str, str] | None = None) -> "System":
         """Put another FMU in the place of a component.

@@ -6,7 +6,7 @@
 Rules have numbers: 1 to 8 are about files, 9 to 16 about calls. Whatever the file holds, there is a report.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from orchestration.check import archive_rules, binary_rules, description_rules, dynamic, roles, structure_rules
@@ -42,6 +42,7 @@ def check(
     path: Path,
     role: str | None = None,
     *,
+    mapping: Mapping[str, str] | None = None,
     loop: Callable[[int], Loop | None] | None = None,
     timeout: float = dynamic.TIMEOUT,
 ) -> Report:
@@ -51,6 +52,8 @@ def check(
     ----------
     role
         Whose interface it must have; guessed from its outputs if None.
+    mapping
+        The FMU's names by those of the interface, as for `System.replace`.
     loop
         The loop to try a controller in, by the number of joints; none if None.
     timeout
@@ -61,7 +64,7 @@ def check(
     ArchiveError
         If there is no such file.
     SystemDescriptionError
-        If there is no such role.
+        If there is no such role, or a mapped name is unknown.
     """
     if role is not None and role not in roles.ROLES:
         msg = f"There is no role {role}; there are {', '.join(roles.ROLES)}."
@@ -75,7 +78,7 @@ def check(
         package = archive_rules.open_package(path)
     except archive_rules.UnreadableError as ended:
         return Report(path, role, (ended.finding,), ("Nothing further could be examined.",))
-    document = package.document
+    document = package.document.renamed(mapping or {})
     role = role or roles.guess(document)
     findings = [finding for rule in STATIC for finding in capped(rule(package))]
     if role is not None:
@@ -92,7 +95,7 @@ def check(
         if given is None:
             facts.append("The closed loop was not tried" + (": there are errors." if failed else "."))
         else:
-            more, measured = try_loop(path, given)
+            more, measured = try_loop(path, given, mapping)
             findings += more
             facts += measured
     return _report(path, role, findings, facts)

@@ -6,7 +6,7 @@ The loop itself, a system with a controller known to work, is given: this packag
 import pickle
 import tempfile
 import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -53,10 +53,12 @@ class Ride:
     torques: tuple[float, ...]
 
 
-def try_loop(path: Path, loop: Loop, timeout: float = TIMEOUT) -> tuple[list[Finding], list[str]]:
+def try_loop(
+    path: Path, loop: Loop, mapping: Mapping[str, str] | None = None, timeout: float = TIMEOUT
+) -> tuple[list[Finding], list[str]]:
     """Run the loop with its own controller and with another one, in a process of its own."""
     try:
-        candidate = loop.system.replace("controller", path)
+        candidate = loop.system.replace("controller", path, mapping)
     except OrchestrationError as refused:
         return [error(LOOP, f"The controller does not fit into the loop: {refused}")], []
     with tempfile.TemporaryDirectory(prefix="adaptimp-check-") as name:

@@ -4,10 +4,11 @@ Only a document that is valid against the schema is read so: attributes have the
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
+from orchestration.errors import SystemDescriptionError
 from orchestration.fmu import INTEGER, REAL
 
 BASE_UNITS = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
@@ -138,6 +139,26 @@ class Document:
     def unknowns(self, listing: str) -> tuple[Unknown, ...]:
         """Rows of Outputs, Derivatives or InitialUnknowns."""
         return tuple(map(_unknown, self.root.findall(f"ModelStructure/{listing}/Unknown")))
+
+    def renamed(self, mapping: Mapping[str, str]) -> "Document":
+        """The same description with our names; `mapping` has its names by ours, of scalars or whole arrays.
+
+        Raises
+        ------
+        SystemDescriptionError
+            If it has no variable of such a name.
+        """
+        names: dict[str, str] = {}
+        for our, their in mapping.items():
+            found = [v.name for v in self.variables if v.name == their or v.name.startswith(f"{their}[")]
+            if not found:
+                known = ", ".join(v.name for v in self.variables)
+                msg = f"Mapping {our}={their}: {self.identifier} has no variable {their}; it has {known}."
+                raise SystemDescriptionError(msg)
+            names |= {name: our + name[len(their) :] for name in found}
+        copy = Document(self.root)
+        copy.variables = tuple(replace(v, name=names.get(v.name, v.name)) for v in self.variables)
+        return copy
 
     def of_causality(self, causality: str) -> list[Declared]:
         """Variables of a causality, in their order."""

@@ -20,6 +20,10 @@ app = typer.Typer(
 
 @app.command()
 def build(
+    files: Annotated[
+        list[Path] | None,
+        typer.Argument(metavar="FILE.py", help="Python files that declare models.", show_default="every unit"),
+    ] = None,
     out: Annotated[Path, typer.Option(help="Folder for the .fmu files.")] = Path("build/fmus"),
     platform: Annotated[
         list[str] | None,
@@ -29,10 +33,10 @@ def build(
         ),
     ] = None,
 ) -> None:
-    """Build the FMUs; what is built already is taken from the cache."""
+    """Build the FMUs, or those of your own models; what is built already is taken from the cache."""
     from orchestration.cli.commands import build_fmus
 
-    build_fmus(out, platform or [])
+    build_fmus(files or [], out, platform or [])
 
 
 @app.command()
@@ -94,6 +98,9 @@ def run(
         bool, typer.Option("--verdict/--no-verdict", help="Warn before the run if the algorithm is unstable.")
     ] = True,
     strict: Annotated[bool, typer.Option("--strict", help="Unconnected inputs are an error.")] = False,
+    assumptions: Annotated[
+        bool, typer.Option("--assumptions", help="Print which values are assumed, and why, instead of running.")
+    ] = False,
     allow_stale_inputs: Annotated[
         bool,
         typer.Option("--allow-stale-inputs", help="Let a step hold several ticks, on the inputs of its start."),
@@ -120,6 +127,7 @@ def run(
             out=out,
             record=record.split(",") if record else None,
             strict=strict,
+            assumptions=assumptions,
             allow_stale_inputs=allow_stale_inputs,
         )
     )
@@ -143,12 +151,16 @@ def check(
         str | None,
         typer.Option(help="controller, plant, sensor, actuator or trajectory; guessed from the outputs by default."),
     ] = None,
+    map_: Annotated[
+        list[str] | None,
+        typer.Option("--map", metavar="OURS=THEIRS", help="Its name of a variable of ours; may be repeated."),
+    ] = None,
     json: Annotated[bool, typer.Option("--json", help="Print the report as JSON.")] = False,
 ) -> None:
     """Examine an FMU: description, contract, interface, and for a controller a closed loop."""
     from orchestration.cli.check import run_check
 
-    raise typer.Exit(run_check(fmu, role, json))
+    raise typer.Exit(run_check(fmu, role, json, map_ or ()))
 
 
 def main() -> None:

@@ -2,7 +2,7 @@
 
 import re
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import typer
@@ -21,20 +21,22 @@ console = Console(markup=False, highlight=False)  # names such as x[i] are no ma
 errors = Console(stderr=True, markup=False, highlight=False)
 
 
-def build_fmus(out: Path, platforms: Sequence[str]) -> None:
-    """Build every unit into a folder."""
+def build_fmus(files: Sequence[Path], out: Path, platforms: Sequence[str]) -> None:
+    """Build the models of Python files into a folder, or every unit if there are no files."""
     from adaptimp_fmu import PLATFORMS
     from fmus.catalog import UNITS
-    from orchestration.paper.provide import built
+    from orchestration.cli.models import models_of
+    from orchestration.paper.provide import built_model
 
     for name in platforms:
         if name not in PLATFORMS and name != "all":
             msg = f"There is no platform {name}; there are {', '.join(PLATFORMS)} and all."
             raise SystemDescriptionError(msg)
     chosen = list(PLATFORMS.values()) if "all" in platforms else [PLATFORMS[n] for n in platforms]
+    models = models_of(files) if files else [declare() for declare in UNITS.values()]
     require_folder(out)
-    for identifier in UNITS:
-        path = built(identifier, out, chosen)
+    for model in models:
+        path = built_model(model, out, chosen)
         typer.echo(f"{path}  {path.stat().st_size / 1024:.0f} kB")
 
 
@@ -81,4 +83,18 @@ def export_scenario(name: str, out: Path) -> None:
     require_folder(out.parent)
     system = chosen.system(fmus(chosen.units.values()))
     system.write(out)
-    typer.echo(f"wrote {out}: {len(system.components)} components, {len(system.connections)} connections")
+    counts = f"{len(system.components)} components, {len(system.connections)} connections"
+    typer.echo(f"wrote {out}: {counts}, {len(system.assumptions)} assumed values with their reasons")
+
+
+def setting_of(option: str) -> Callable[[str], tuple[str, str]]:
+    """What splits the texts of an option NAME=VALUE."""
+
+    def split(text: str) -> tuple[str, str]:
+        match = _SETTING.fullmatch(text)
+        if match is None:
+            msg = f"{option} {text}: NAME=VALUE is needed."
+            raise SystemDescriptionError(msg)
+        return match[1], match[2]
+
+    return split

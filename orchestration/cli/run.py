@@ -3,7 +3,7 @@
 import re
 import time
 import warnings
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -14,7 +14,8 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Column, Table
 
 from orchestration.algorithm import Algorithm, Tolerance, find_algorithm
-from orchestration.cli.commands import console, errors, require_folder
+from orchestration.cli.assumptions import print_assumptions
+from orchestration.cli.commands import console, errors, require_folder, setting_of
 from orchestration.errors import OrchestrationError, RunInterrupted, SimulationError, SystemDescriptionError
 from orchestration.layout import Crossings
 from orchestration.master import Options, prepare
@@ -57,7 +58,7 @@ class AlgorithmRequest:
             msg = f"Algorithm {self.name} has no tolerance; iterative, newton and adaptive have."
             raise SystemDescriptionError(msg)
         absolute = {
-            unit: _number("--absolute", text, float) for unit, text in map(_setting_of("--absolute"), self.absolute)
+            unit: _number("--absolute", text, float) for unit, text in map(setting_of("--absolute"), self.absolute)
         }
         tolerance = Tolerance(given.tolerance.relative if self.tolerance is None else self.tolerance, absolute)
         changed = replace(given, tolerance=tolerance)
@@ -84,6 +85,7 @@ class RunRequest:
     every: int
     verdict: bool
     strict: bool
+    assumptions: bool
     allow_stale_inputs: bool
 
 
@@ -93,6 +95,9 @@ def run_system(request: RunRequest) -> None:
     system, algorithm = _system(request), request.algorithm.algorithm()
     for notice in system.notices:
         typer.echo(f"Notice: {notice}", err=True)
+    if request.assumptions:
+        print_assumptions(system)
+        return
     if request.order is not None:
         system = system.ordered(request.order)
     step = system.step if request.step is None else request.step
@@ -133,7 +138,7 @@ def run_system(request: RunRequest) -> None:
 
 
 def _options(request: RunRequest, report: Report) -> Options:
-    ratios = {name: _number("--ratio", text, int) for name, text in map(_setting_of("--ratio"), request.ratios)}
+    ratios = {name: _number("--ratio", text, int) for name, text in map(setting_of("--ratio"), request.ratios)}
     return Options(
         record=request.record,
         every=request.every,
@@ -177,7 +182,7 @@ def _system(request: RunRequest) -> System:
         chosen = scenario(request.system)
         system = chosen.system(fmus(chosen.units.values()))
     if request.controller is not None:
-        mapping = dict(map(_setting_of("--map"), request.mapping))
+        mapping = dict(map(setting_of("--map"), request.mapping))
         system = system.replace("controller", request.controller, mapping)
     elif request.mapping:
         msg = "--map says what --controller calls our variables; give one."
@@ -194,19 +199,6 @@ def _setting(text: str) -> tuple[str, str]:
         msg = f"--set {text}: COMPONENT.VARIABLE=VALUE is needed, such as controller.K[1]=4000."
         raise SystemDescriptionError(msg)
     return match[1], match[2]
-
-
-def _setting_of(option: str) -> Callable[[str], tuple[str, str]]:
-    """What splits the texts of an option NAME=VALUE."""
-
-    def split(text: str) -> tuple[str, str]:
-        match = _SETTING.fullmatch(text)
-        if match is None:
-            msg = f"{option} {text}: NAME=VALUE is needed."
-            raise SystemDescriptionError(msg)
-        return match[1], match[2]
-
-    return split
 
 
 def _number(option: str, text: str, kind: type[T]) -> T:

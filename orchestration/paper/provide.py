@@ -8,7 +8,7 @@ from orchestration.errors import OrchestrationError, SystemDescriptionError
 from orchestration.paper.scenarios import SCENARIOS, Scenario
 
 if TYPE_CHECKING:
-    from adaptimp_fmu import Platform
+    from adaptimp_fmu import Model, Platform
 
 
 def scenario(name: str) -> Scenario:
@@ -30,19 +30,25 @@ def fmus(identifiers: Iterable[str]) -> Mapping[str, Path]:
     return {identifier: built(identifier) for identifier in dict.fromkeys(identifiers)}
 
 
-def built(identifier: str, folder: Path | None = None, platforms: "Iterable[Platform] | None" = None) -> Path:
-    """One unit's FMU; arguments as those of `adaptimp_fmu.build`.
+def built(identifier: str) -> Path:
+    """One unit's FMU for this machine, from the cache or built now; raises as `built_model`."""
+    from fmus.catalog import UNITS
+
+    return built_model(UNITS[identifier]())
+
+
+def built_model(model: "Model", folder: Path | None = None, platforms: "Iterable[Platform] | None" = None) -> Path:
+    """A model's FMU; arguments as those of `adaptimp_fmu.build`.
 
     Raises
     ------
     OrchestrationError
-        If the compiler or the cache fails.
+        If the model is incomplete, or the compiler or the cache fails.
     """
-    from adaptimp_fmu import ToolchainError, build
-    from fmus.catalog import UNITS
+    from adaptimp_fmu import DefinitionError, ToolchainError, build
 
     try:
-        return build(UNITS[identifier](), folder, platforms)
-    except (ToolchainError, OSError) as error:
-        msg = f"{identifier}.fmu cannot be built: {error}"
+        return build(model, folder, platforms)
+    except (DefinitionError, ToolchainError, OSError) as error:
+        msg = f"{model.name}.fmu cannot be built: {error}"
         raise OrchestrationError(msg) from error

@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from orchestration.cli.check import run_check
+from tests.faults.cli import Command
 from tests.unit.orchestration.checked import edited, swap
 
 Captured = pytest.CaptureFixture[str]
@@ -25,6 +26,15 @@ def test_a_good_controller_drives_the_papers_loop(fmu_folder: Path, capsys: Capt
     assert report["findings"] == []
     assert report["role"] == "controller"
     assert report["facts"][-1].startswith("Closed loop of 0.2 s: max |x - x_v| = ")
+
+
+def test_names_are_mapped(fmu_folder: Path, tmp_path: Path, adaptimp: Command) -> None:
+    path = edited(fmu_folder / "HoganImpedance.fmu", tmp_path, lambda xml: xml.replace('name="tau_cmd[', 'name="T['))
+    outcome = adaptimp("check", path, "--map", "tau_cmd=T")
+    assert outcome.code == 0
+    assert outcome.out.splitlines()[-1] == "HoganImpedance.fmu, controller: no findings"
+    wrong = adaptimp("check", path, "--map", "tau_cmd")
+    assert (wrong.code, wrong.sentence) == (2, "--map tau_cmd: NAME=VALUE is needed.")
 
 
 def test_a_wrong_unit(fmu_folder: Path, tmp_path: Path, capsys: Captured) -> None:

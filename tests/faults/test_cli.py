@@ -77,8 +77,9 @@ def test_dropped_connections_are_told(adaptimp: Command, fmu_folder: Path, tmp_p
     model.output("tau_cmd", zero, unit="N.m", description="Commanded torque")
     limp = adaptimp("run", "fig2", "--controller", build(model, tmp_path), "--stop", "0.01")
     assert limp.code == 0
-    assert "Notice: Connection plant.q[1] -> controller.q[1] dropped: Limp has no such input.\n" in limp.err
-    assert "Notice: controller: start value of K[1] dropped, Limp has no such variable.\n" in limp.err
+    values, connections = limp.err.splitlines()
+    assert values.startswith("Notice: controller: start values dropped, Limp has no M[1], M[2], ")
+    assert connections.startswith("Notice: controller: connections dropped, Limp has no input q[1], q[2], dq[1], ")
 
 
 @pytest.mark.parametrize("arguments", [(), *((name,) for name in COMMANDS)])

@@ -1,6 +1,7 @@
 """The role's interface: what a controller, plant, sensor, actuator or trajectory must show."""
 
 import re
+from collections.abc import Mapping
 from pathlib import Path
 
 import pytest
@@ -9,6 +10,7 @@ from orchestration.check import Report, Severity, check
 from orchestration.check.closed_loop import Loop, Ride, judge
 from orchestration.check.findings import LOOP, ROLE
 from orchestration.check.roles import ROLES, UNITS
+from orchestration.errors import SystemDescriptionError
 from orchestration.system import System
 from tests.unit.orchestration.checked import Edit, assert_found, edited, swap
 
@@ -134,9 +136,14 @@ def test_no_role_is_guessed_without_its_output(fmu_folder: Path, tmp_path: Path)
     assert_found(check(path, "controller"), ROLE, ERROR, r"The output tau_cmd\[1\], tau_cmd\[2\] in N.m")
 
 
-def looped(path: Path, system: System, limits: tuple[float, float] = (500.0, 300.0)) -> Report:
+def looped(
+    path: Path,
+    system: System,
+    limits: tuple[float, float] = (500.0, 300.0),
+    mapping: Mapping[str, str] | None = None,
+) -> Report:
     """A report with the closed loop."""
-    return check(path, loop=lambda joints: Loop(system, limits) if joints == 2 else None)
+    return check(path, mapping=mapping, loop=lambda joints: Loop(system, limits) if joints == 2 else None)
 
 
 def test_a_controller_in_the_loop(fmu_folder: Path, fig2: System) -> None:
@@ -146,6 +153,43 @@ def test_a_controller_in_the_loop(fmu_folder: Path, fig2: System) -> None:
     assert found is not None
     assert found[1] == found[2], "it is the loop's own controller"
     assert 0 < float(found[1]) < 1e-4
+
+
+def test_a_controller_with_names_of_its_own(fmu_folder: Path, fig2: System, tmp_path: Path) -> None:
+    """Whole arrays, a single element and a scalar are mapped; the report is that of our names."""
+
+    def foreign(xml: str) -> str:
+        for our, their in (("tau_cmd[", "Torque["), ("K[", "Stiffness["), ("q[2]", "Elbow"), ("gravity", "g")):
+            xml = xml.replace(f'name="{our}', f'name="{their}')
+        return xml
+
+    path = edited(fmu_folder / "HoganImpedance.fmu", tmp_path, foreign)
+    mapping = {"tau_cmd": "Torque", "K": "Stiffness", "q[2]": "Elbow", "gravity": "g"}
+    report, ours = looped(path, fig2, mapping=mapping), looped(fmu_folder / "HoganImpedance.fmu", fig2)
+    assert (report.role, report.findings) == ("controller", ())
+    assert report.facts == ours.facts
+    less = {name: mapping[name] for name in ("tau_cmd", "K")}
+    assert_found(looped(path, fig2, mapping=less), ROLE, ERROR, r"but q\[2\] of the controller's q is missing")
+
+
+@pytest.mark.parametrize(
+    ("mapping", "sentence"),
+    [
+        (
+            {"tau_cmd": "Torque"},
+            r"^Mapping tau_cmd=Torque: HoganImpedance has no variable Torque; it has sample_time",
+        ),
+        ({"tau_cmd": "tau"}, r"^Mapping tau_cmd=tau: HoganImpedance has no variable tau;"),
+    ],
+)
+def test_a_mapping_of_what_is_not_there(fmu_folder: Path, mapping: dict[str, str], sentence: str) -> None:
+    with pytest.raises(SystemDescriptionError, match=sentence):
+        check(fmu_folder / "HoganImpedance.fmu", mapping=mapping)
+
+
+def test_a_mapping_of_what_the_loop_does_not_have(fmu_folder: Path, fig2: System) -> None:
+    report = looped(fmu_folder / "HoganImpedance.fmu", fig2, mapping={"stiffness": "K"})
+    assert_found(report, LOOP, ERROR, r"does not fit into the loop: Mapping stiffness=K: controller has no variable st")
 
 
 def test_a_controller_that_fails_in_the_loop(fmu_folder: Path, fig2: System) -> None:

@@ -4,12 +4,14 @@ For small systems of any names, values, connections, scales, sentences and units
 """
 
 import tempfile
+import zipfile
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from lxml import etree
 
 from orchestration import Component, Connection, System, SystemDescriptionError
 from orchestration.fmu import read_description
@@ -81,6 +83,23 @@ def test_assumptions_are_annotations_of_the_system(signals: System, tmp_path: Pa
     assert System.read(package).assumptions == assumed.assumptions
     with pytest.raises(SystemDescriptionError, match="relay has no variable z; it has "):
         replace(signals, assumptions={"relay.z": "is not there"})
+
+
+def test_an_assumption_stands_beside_its_value(signals: System, tmp_path: Path) -> None:
+    """In the attribute that the standard has for people, where other tools show it."""
+    assumed = replace(signals, assumptions={"relay.offset": "assumed: <any>"})
+    with zipfile.ZipFile(assumed.write(tmp_path / "assumed.ssp")) as archive:
+        values = etree.fromstring(archive.read("resources/relay.ssv"))
+    described = {p.get("name"): p.get("description") for p in values.iterfind(".//{*}Parameter")}
+    assert described == {"offset": "assumed: <any>", "n": None, "even": None}
+
+
+def test_a_value_that_is_given_is_not_assumed(signals: System) -> None:
+    texts = {"relay.offset": "any", "relay.n": "any", "plant.x_start": "the unit's own"}
+    assumed = replace(signals, assumptions=texts)
+    assert assumed.set({"relay.offset": 0.1, "switch.flag": True}).assumptions == texts
+    assert assumed.set({"relay.offset": 0.2}).assumptions == {n: texts[n] for n in ("relay.n", "plant.x_start")}
+    assert assumed.set({"plant.x_start": 2.0}).assumptions == {n: texts[n] for n in ("relay.offset", "relay.n")}
 
 
 def test_what_xml_cannot_hold_is_refused(signals: System, tmp_path: Path) -> None:

@@ -1,0 +1,35 @@
+"""What the option --assumptions of run prints: values that the paper leaves open, and why they are so."""
+
+import typer
+from rich.table import Column, Table
+
+from orchestration.cli.commands import console
+from orchestration.fmu import BOOLEAN
+from orchestration.system import System
+
+
+def print_assumptions(system: System) -> None:
+    """Print assumed values, those of one reason together."""
+    reasons: dict[str, list[str]] = {}
+    for path in sorted(system.assumptions):
+        reasons.setdefault(system.assumptions[path], []).append(f"{path} = {_value(system, path)}")
+    if not reasons:
+        typer.echo(f"{system.name}: nothing is marked as assumed.")
+        return
+    widest = max(len(value) for values in reasons.values() for value in values)
+    table = Table(Column("value", min_width=widest), "why", show_edge=False, show_lines=True)
+    for reason, values in reasons.items():
+        table.add_row("\n".join(values), reason.removeprefix("assumed: "))
+    console.print(table)
+    typer.echo(f"{system.name}: {len(system.assumptions)} assumed values")
+
+
+def _value(system: System, path: str) -> str:
+    """The start value with its unit."""
+    component, variable = system.resolve(path)
+    value = component.start.get(variable.name, variable.start)
+    if value is None:
+        return "unknown"
+    if variable.type == BOOLEAN:
+        return "true" if value else "false"
+    return f"{value:g} {variable.unit}".rstrip()

@@ -1,0 +1,90 @@
+"""Models in a Python file of the user's own, for the command build.
+
+The file declares models at its top level; whatever it names there is built:
+
+    model = SampledModel("Mine", "What it does")
+    model.output("tau_cmd", ...)
+"""
+
+import inspect
+import runpy
+import sys
+import traceback
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from orchestration.errors import SystemDescriptionError
+
+if TYPE_CHECKING:
+    from adaptimp_fmu import Model
+
+
+def models_of(files: Sequence[Path]) -> "list[Model]":
+    """Models that Python files name at their top level, in their order.
+
+    A model without documentation gets that of its file, the docstring.
+
+    Raises
+    ------
+    SystemDescriptionError
+        If there is no such file, one fails or names no model, or two models have one name.
+    """
+    found: dict[str, tuple[Path, Model]] = {}
+    for path in files:
+        for model in _models(path):
+            other, known = found.setdefault(model.name, (path, model))
+            if known is not model:
+                msg = f"Two models are called {model.name}, in {other} and in {path}; rename one."
+                raise SystemDescriptionError(msg)
+    return [model for _, model in found.values()]
+
+
+def _models(path: Path) -> "list[Model]":
+    from adaptimp_fmu import Model
+
+    if path.suffix != ".py" or not path.is_file():
+        msg = f"{path}: there is no such Python file; build takes files that declare models, or none for every unit."
+        raise SystemDescriptionError(msg)
+    names = _run(path)
+    models = [value for value in names.values() if isinstance(value, Model)]
+    if not models:
+        msg = f"{path} names no model at its top level; declare one, such as model = SampledModel(...)."
+        raise SystemDescriptionError(msg)
+    docstring = names.get("__doc__")
+    for model in models:
+        if not model.documentation and isinstance(docstring, str):
+            model.documentation = {path.stem: inspect.cleandoc(docstring)}
+    return models
+
+
+def _run(path: Path) -> dict[str, object]:
+    """Names of a file once it has run; its failure is one sentence with the line."""
+    try:
+        with _beside(path):
+            return runpy.run_path(str(path))
+    except Exception as error:
+        file, line, said = path, _line(path, error), str(error)
+        if isinstance(error, SyntaxError):  # may be one of a file that this one imports
+            file, line, said = error.filename, error.lineno, error.msg
+        where = f"{file}" if line is None else f"{file}, line {line}"
+        msg = f"{where}: {type(error).__name__}: {said}"
+        raise SystemDescriptionError(msg) from error
+
+
+def _line(path: Path, error: Exception) -> int | None:
+    """The innermost line of the file that an error came through."""
+    lines = [frame.lineno for frame in traceback.extract_tb(error.__traceback__) if frame.filename == str(path)]
+    return lines[-1] if lines else None
+
+
+@contextmanager
+def _beside(path: Path) -> Iterator[None]:
+    """Let a file import what lies beside it, as Python does for a script."""
+    before = sys.path[:]
+    sys.path.insert(0, str(path.parent.resolve()))
+    try:
+        yield
+    finally:
+        sys.path[:] = before
