@@ -18,7 +18,7 @@ from tests.interop.matrix.tools import KEYS
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Measure, keep, render; returns the exit code."""
-    parser = argparse.ArgumentParser(prog="tests.interop.matrix", description="Our FMUs and packages in other tools.")
+    parser = argparse.ArgumentParser(description="Our FMUs and packages in other tools.")
     parser.add_argument("--only", action="append", choices=KEYS, help="a tool; may be repeated")
     parser.add_argument(
         "--job", action="append", choices=(*UNITS, *FIGURES), help="a unit or a figure; may be repeated"

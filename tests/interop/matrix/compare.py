@@ -1,4 +1,4 @@
-"""How far a tool's record is from our rows, in one of six verdicts."""
+"""How far a tool's record is from our rows, in one of seven verdicts."""
 
 import math
 from dataclasses import dataclass
@@ -9,7 +9,8 @@ from tests.interop.matrix.protocol import Job, Record
 from tests.interop.matrix.runner import Answer
 
 AGREEMENT = 1e-9  # of a column's largest absolute value; what the reference data of fmus/reference ask of importers
-PASSES, BITWISE, CLOSE, ROUNDED, DIFFERS, FAILS = "passes", "bitwise", "close", "rounded", "differs", "fails"
+PASSES, BITWISE, CLOSE, ROUNDED = "passes", "bitwise", "close", "rounded"
+STEPS_AGREE, DIFFERS, FAILS = "steps agree", "differs", "fails"
 
 
 @dataclass(frozen=True)
@@ -20,7 +21,8 @@ class Verdict:
     ----------
     kind
         `PASSES`: a check found nothing; `BITWISE`; `CLOSE`: within `AGREEMENT`; `ROUNDED`: equal to all the
-        digits that the tool writes; `DIFFERS`; `FAILS`.
+        digits that the tool writes; `STEPS_AGREE`: within `AGREEMENT` but for the row before the first step;
+        `DIFFERS`; `FAILS`.
     distance
         Largest difference over its column's largest absolute value, rounded up to one digit.
     detail
@@ -67,7 +69,10 @@ def _judged(job: Job, record: Record, expected: np.ndarray) -> Verdict:
         return Verdict(ROUNDED, largest, steps=job.n_steps)
     if largest <= AGREEMENT:
         return Verdict(CLOSE, largest, steps=job.n_steps)
-    return Verdict(DIFFERS, largest, _where(record, expected, distances), job.n_steps)
+    where, rest = _where(record, expected, distances), rounded_up(float(distances[1:].max()))
+    if record.first == 0 and rest <= AGREEMENT:
+        return Verdict(STEPS_AGREE, rest, f"before the first step {where}", job.n_steps)
+    return Verdict(DIFFERS, largest, where, job.n_steps)
 
 
 def relative(values: np.ndarray, expected: np.ndarray) -> np.ndarray:
@@ -88,11 +93,7 @@ def rounded_up(distance: float) -> float:
 
 
 def _where(record: Record, expected: np.ndarray, distances: np.ndarray) -> str:
-    """The largest difference; and what is left when the first row is not counted."""
+    """The largest difference."""
     k, j = np.unravel_index(np.argmax(distances), distances.shape)
-    row = int(k) + record.first
-    text = f"{record.columns[j]} at step {row}: {record.values[k, j]:.6g}, ours {expected[k, j]:.6g}"
-    rest = rounded_up(float(distances[1:].max()))
-    if rest <= AGREEMENT:
-        text += ", a row before the first step; then " + ("bitwise" if rest == 0 else f"within {rest:.0e}")
-    return text
+    values = f"{record.values[k, j]:.6g}, ours {expected[k, j]:.6g}"
+    return f"{record.columns[j]} at step {int(k) + record.first} is {values}"

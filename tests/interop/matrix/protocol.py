@@ -176,3 +176,12 @@ def ordered(job: Job, series: Mapping[str, Any], first: int = 0) -> Record:
     """A record of the series by column that a tool has, in the job's order."""
     columns = tuple(name for name in job.columns if name in series)
     return Record(np.column_stack([np.asarray(series[name], dtype=float) for name in columns]), columns, first)
+
+
+def require_constant_parameters(job: Job) -> None:
+    """Refuse a job that drives parameters, for tools that set them before the start only."""
+    for path, values in job.stimulus.items():
+        part, name = job.split(path)
+        if part.causalities[name] == "parameter" and len(set(values)) > 1:
+            msg = f"{name} changes over time; the tool sets parameters before the start only"
+            raise ToolError(msg)

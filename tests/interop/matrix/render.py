@@ -7,7 +7,7 @@ from pathlib import Path
 from jinja2 import Environment, StrictUndefined
 
 from fmus.catalog import UNITS
-from tests.interop.matrix.compare import BITWISE, CLOSE, DIFFERS, FAILS, PASSES, ROUNDED, Verdict
+from tests.interop.matrix.compare import BITWISE, CLOSE, DIFFERS, FAILS, PASSES, ROUNDED, STEPS_AGREE, Verdict
 from tests.interop.matrix.jobs import FIGURES
 from tests.interop.matrix.outcomes import Outcomes
 from tests.interop.matrix.protocol import SYSTEM, UNIT, Tool
@@ -38,7 +38,10 @@ def cell(verdict: Verdict | None) -> str:
     """A verdict in a table."""
     if verdict is None:
         return "not run"
-    return f"to {verdict.distance:.0e}" if verdict.kind == CLOSE else _WORDS[verdict.kind]
+    if verdict.kind in (CLOSE, STEPS_AGREE):
+        how = f"to {verdict.distance:.0e}" if verdict.distance else _WORDS[BITWISE]
+        return how if verdict.kind == CLOSE else f"{how} from step 1"
+    return _WORDS[verdict.kind]
 
 
 def _table(head: str, tools: Sequence[Tool], jobs: Sequence[str], outcomes: Outcomes) -> str:

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from tests.interop.matrix.protocol import Job, Record, Tool
+from tests.interop.matrix.protocol import UNIT, Job, Record, Tool
 from tests.interop.matrix.worker import FAILED, VERSION
 
 ROOT = Path(__file__).parents[3]
@@ -48,7 +48,7 @@ def ask(tool: Tool, job: Job, timeout: float = TIMEOUT) -> Answer:
         version = "".join(re.findall(f"^{VERSION}(.+)$", done.stdout, re.MULTILINE)[:1])
         if done.returncode == 0 and (folder / "out.npz").exists():
             return Answer(Record.read(folder / "out.npz"), version=version)
-        return Answer(None, _failure(done, folder, job), version)
+        return Answer(None, _failure(done, job), version)
 
 
 def _python(tool: Tool) -> list[str]:
@@ -60,13 +60,12 @@ def _python(tool: Tool) -> list[str]:
     return ["uv", "run", "--quiet", "--no-project", "--python", python, *wanted, "python"]
 
 
-def _failure(done: subprocess.CompletedProcess[str], folder: Path, job: Job) -> str:
-    """Why, in one line without the places of files."""
+def _failure(done: subprocess.CompletedProcess[str], job: Job) -> str:
+    """Why, in one line without the folders of files and, so that units can be told together, without their name."""
     if done.returncode < 0:
         return f"the process ends with {signal.Signals(-done.returncode).name}"
     lines = [line for line in done.stderr.splitlines() if line.strip()]
     said = [line.removeprefix(FAILED) for line in lines if line.startswith(FAILED)]
     message = said[-1] if said else (lines[-1] if lines else f"exit code {done.returncode}")
-    for path in (str(folder), *(part.fmu for part in job.parts), job.ssp):
-        message = message.replace(path, Path(path).name if path != str(folder) else "...")
-    return message
+    message = re.sub(r"(\.\.\.)?/\S*/", "", message)  # files without their folders
+    return message.replace(job.name, "X") if job.kind == UNIT else message

@@ -21,13 +21,34 @@ def main(key: str, job: str, out: str) -> int:
     tool = module(key)
     sys.stdout.write(f"{VERSION}{importlib.metadata.version(tool.TOOL.distribution)}\n")
     sys.stdout.flush()
+    said = _listen()
     try:
         tool.run(Job.read(Path(job))).write(Path(out))
     except Exception as error:  # whatever a tool raises is its answer
         traceback.print_exc()
-        sys.stderr.write(f"\n{FAILED}{type(error).__name__}: {' '.join(str(error).split())}\n")
+        text = f"{type(error).__name__}: {error}" + (f' The unit\'s last message: "{said[-1]}"' if said else "")
+        sys.stderr.write(f"\n{FAILED}{' '.join(text.split())}\n")
         return 1
     return 0
+
+
+def _listen() -> list[str]:
+    """Hear what units log, in tools that call them through fmpy; else a failed call has no reason."""
+    said: list[str] = []
+    try:
+        from fmpy.fmi2 import FMU2Slave, fmi2CallbackFunctions, fmi2CallbackLoggerTYPE
+    except ImportError:
+        return said
+    instantiate = FMU2Slave.instantiate
+
+    def instantiate_listening(self, visible=False, callbacks=None, loggingOn=False) -> None:  # noqa: ARG001
+        own = fmi2CallbackFunctions()
+        own.logger = fmi2CallbackLoggerTYPE(lambda _e, _n, _s, _c, message: said.append(message.decode()))
+        self.heard_by_the_matrix = own
+        instantiate(self, visible, own, True)
+
+    FMU2Slave.instantiate = instantiate_listening
+    return said
 
 
 if __name__ == "__main__":

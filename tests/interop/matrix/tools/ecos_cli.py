@@ -37,7 +37,8 @@ def _program(folder: Path) -> Path:
     """A copy that may be executed: the wheel's own may not."""
     import ecospy
 
-    program = shutil.copy(Path(ecospy.__file__).parent / "binaries" / "ecos", folder / "ecos")
+    program = folder / "ecos"
+    shutil.copy(Path(ecospy.__file__).parent / "binaries" / "ecos", program)
     program.chmod(0o755)
     return program
 

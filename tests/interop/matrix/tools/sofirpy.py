@@ -7,7 +7,7 @@ TOOL = Tool(
     "sofirpy",
     "sofirpy",
     (UNIT, SYSTEM),
-    "a Python model of its kind whose outputs are connected to the unit; it does not set tunable parameters of an FMU",
+    "a Python model of its kind whose outputs are connected to the unit's inputs and tunable parameters",
     requirements=("sofirpy==1.0.2", "numpy"),
 )
 
@@ -25,7 +25,7 @@ def run(job: Job) -> Record:
     for part, name in map(job.split, job.columns):
         logged.setdefault(part.name, []).append(name)
     result = sofirpy.simulate(
-        stop_time=job.n_steps * job.step,
+        stop_time=(job.n_steps + 0.5) * job.step,  # it truncates the number of rows
         step_size=job.step,
         fmu_paths={part.name: part.fmu for part in job.parts},
         model_classes={"source": _source(job)} if job.stimulus else None,
