@@ -71,7 +71,7 @@ def _judged(job: Job, record: Record, expected: np.ndarray) -> Verdict:
         return Verdict(CLOSE, largest, steps=job.n_steps)
     where, rest = _where(record, expected, distances), rounded_up(float(distances[1:].max()))
     if record.first == 0 and rest <= AGREEMENT:
-        return Verdict(STEPS_AGREE, rest, f"before the first step {where}", job.n_steps)
+        return Verdict(STEPS_AGREE, rest, f"{where}; that is before the first step", job.n_steps)
     return Verdict(DIFFERS, largest, where, job.n_steps)
 
 

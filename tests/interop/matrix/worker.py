@@ -9,7 +9,7 @@ import sys
 import traceback
 from pathlib import Path
 
-from tests.interop.matrix.protocol import Job
+from tests.interop.matrix.protocol import Job, ToolError
 from tests.interop.matrix.tools import module
 
 FAILED = "FAILED: "
@@ -26,7 +26,8 @@ def main(key: str, job: str, out: str) -> int:
         tool.run(Job.read(Path(job))).write(Path(out))
     except Exception as error:  # whatever a tool raises is its answer
         traceback.print_exc()
-        text = f"{type(error).__name__}: {error}" + (f' The unit\'s last message: "{said[-1]}"' if said else "")
+        text = str(error) if isinstance(error, ToolError) else f"{type(error).__name__}: {error}"
+        text += f' The unit\'s last message: "{said[-1]}"' if said else ""
         sys.stderr.write(f"\n{FAILED}{' '.join(text.split())}\n")
         return 1
     return 0

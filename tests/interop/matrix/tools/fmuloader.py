@@ -8,7 +8,14 @@ import numpy as np
 
 from tests.interop.matrix.protocol import UNIT, Job, Record, Tool
 
-TOOL = Tool("fmuloader", "fmuloader", "fmuloader", (UNIT,), "`set_real`, `set_boolean` before each step")
+TOOL = Tool(
+    "fmuloader",
+    "fmuloader",
+    "fmuloader",
+    (UNIT,),
+    "`set_real`, `set_boolean` before each step",
+    requirements=("fmuloader==0.1.2rc0", "numpy"),
+)
 
 
 def run(job: Job) -> Record:
