@@ -7,7 +7,17 @@ from pathlib import Path
 from jinja2 import Environment, StrictUndefined
 
 from fmus.catalog import UNITS
-from tests.interop.matrix.compare import BITWISE, CLOSE, DIFFERS, FAILS, PASSES, ROUNDED, STEPS_AGREE, Verdict
+from tests.interop.matrix.compare import (
+    AGREEMENT,
+    BITWISE,
+    CLOSE,
+    DIFFERS,
+    FAILS,
+    PASSES,
+    ROUNDED,
+    STEPS_AGREE,
+    Verdict,
+)
 from tests.interop.matrix.jobs import FIGURES
 from tests.interop.matrix.outcomes import Outcomes
 from tests.interop.matrix.protocol import SYSTEM, UNIT, Tool
@@ -31,6 +41,8 @@ def render(outcomes: Outcomes) -> str:
         partial=_partial(tools, outcomes),
         tools=tools,
         versions=outcomes.versions,
+        agreement=AGREEMENT,
+        unit_steps=_unit_steps(outcomes),
     )
 
 
@@ -38,9 +50,11 @@ def cell(verdict: Verdict | None) -> str:
     """A verdict in a table."""
     if verdict is None:
         return "not run"
-    if verdict.kind in (CLOSE, STEPS_AGREE):
-        how = f"to {verdict.distance:.0e}" if verdict.distance else _WORDS[BITWISE]
-        return how if verdict.kind == CLOSE else f"{how} from step 1"
+    how = f"to {verdict.distance:.0e}"
+    if verdict.kind == CLOSE:
+        return how if verdict.distance else "equal"
+    if verdict.kind == STEPS_AGREE:
+        return f"{how if verdict.distance else _WORDS[BITWISE]} from step 1"
     return _WORDS[verdict.kind]
 
 
@@ -75,6 +89,14 @@ def _partial(tools: Sequence[Tool], outcomes: Outcomes) -> list[str]:
         if short:
             lines.append(f"{tool.title} ran the first {tool.longest} steps of {', '.join(short)}")
     return lines
+
+
+def _unit_steps(outcomes: Outcomes) -> str:
+    """How many steps the units take."""
+    steps = sorted(
+        {verdict.steps for row in outcomes.verdicts.values() for job, verdict in row.items() if job in UNITS}
+    )
+    return f"{min(filter(None, steps), default=0)} to {max(steps, default=0)} steps"
 
 
 def _listed(jobs: Sequence[str]) -> str:
