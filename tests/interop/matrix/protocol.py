@@ -32,7 +32,7 @@ class Tool:
     kinds
         What it runs: `UNIT`, `SYSTEM`, or both.
     inputs
-        One sentence: how the inputs of a unit alone go in.
+        How the inputs of a unit alone go in; empty for tools that run no unit.
     algorithm
         Ours that its systems are compared with, `JACOBI` or `GAUSS_SEIDEL`.
     clock

@@ -40,6 +40,7 @@ def render(outcomes: Outcomes) -> str:
         findings=[line for tool in tools for line in _findings(tool, outcomes)],
         partial=_partial(tools, outcomes),
         tools=tools,
+        tasks={tool.key: _task(tool) for tool in tools},
         versions=outcomes.versions,
         agreement=AGREEMENT,
         unit_steps=_unit_steps(outcomes),
@@ -89,6 +90,13 @@ def _partial(tools: Sequence[Tool], outcomes: Outcomes) -> list[str]:
         if short:
             lines.append(f"{tool.title} ran the first {tool.longest} steps of {', '.join(short)}")
     return lines
+
+
+def _task(tool: Tool) -> str:
+    """What a tool does here."""
+    kinds = " and ".join({UNIT: "units", SYSTEM: "figures"}[kind] for kind in tool.kinds)
+    own = "; in an environment of its own" if tool.requirements else ""
+    return ("checks " if UNIT in tool.kinds and not tool.inputs else "runs ") + kinds + own
 
 
 def _unit_steps(outcomes: Outcomes) -> str:

@@ -2,7 +2,7 @@
 
 from tests.interop.matrix.protocol import CHECKED, UNIT, Job, Record, Tool, ToolError
 
-TOOL = Tool("fmpy_validate", "fmpy validate", "fmpy", (UNIT,), "it runs nothing")
+TOOL = Tool("fmpy_validate", "fmpy validate", "fmpy", (UNIT,))
 
 
 def run(job: Job) -> Record:

@@ -5,7 +5,7 @@ import sys
 
 from tests.interop.matrix.protocol import CHECKED, UNIT, Job, Record, Tool, ToolError
 
-TOOL = Tool("fmutool", "fmutool -check", "fmu-manipulation-toolbox", (UNIT,), "it runs nothing")
+TOOL = Tool("fmutool", "fmutool -check", "fmu-manipulation-toolbox", (UNIT,))
 
 
 def run(job: Job) -> Record:
