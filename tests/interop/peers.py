@@ -138,10 +138,7 @@ def run_libcosim(
             _step_singly(execution, step_ns, chosen, values, drive)
         else:
             _advance(execution, step_ns, n_steps)
-        for j, v in enumerate(chosen):
-            if v.type != "Boolean":
-                read = getattr(series, f"time_series_{v.type.lower()}_samples")
-                values[:, j] = read(_slave(execution, v), v.reference, 1, n_steps)[2]
+        _take_out(execution, series, chosen, values)
     return values
 
 
@@ -328,6 +325,14 @@ def _record(execution: Any, chosen: Sequence[_Variable], n_steps: int) -> Any:
             kind = CosimVariableType[v.type.upper()]
             series.start_time_series(_slave(execution, v), v.reference, kind)
     return series
+
+
+def _take_out(execution: Any, series: Any, chosen: Sequence[_Variable], values: np.ndarray) -> None:
+    """Fill the columns of Reals and Integers with the recorded series."""
+    for j, v in enumerate(chosen):
+        if v.type != "Boolean":
+            read = getattr(series, f"time_series_{v.type.lower()}_samples")
+            values[:, j] = read(_slave(execution, v), v.reference, 1, len(values))[2]
 
 
 def _step_singly(

@@ -78,9 +78,9 @@ def test_every_unit_and_figure_was_run_in_every_tool(kept: Outcomes) -> None:
     assert "not run" not in text
 
 
-def test_whole_figures_agree_in_the_engines_for_packages(kept: Outcomes) -> None:
+def test_whole_figures_agree(kept: Outcomes) -> None:
     """Bitwise; and the whole of each: 2 s."""
-    for key in ("ecospy", "libcosim"):
+    for key in ("ecospy", "libcosim", "sofirpy"):
         for figure, steps in zip(FIGURES, [20_000] * 3 + [100_000] * 3, strict=True):
             assert (kept.verdicts[key][figure].kind, kept.verdicts[key][figure].steps) == (BITWISE, steps)
 

@@ -1,13 +1,12 @@
 """The jobs: every unit of the catalog with its reference's inputs, every figure in full length."""
 
 import warnings
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
-from fmus.catalog import UNITS
 from orchestration import Options, System, UnconnectedInputWarning, simulate
 from orchestration.fmu import read_description
 from orchestration.paper.scenarios import SCENARIOS
@@ -110,8 +109,3 @@ def _initial_row(system: System) -> dict[str, float]:
         warnings.simplefilter("ignore", UnconnectedInputWarning)
         result = simulate(system, system.step, options=Options(allow_stale_inputs=True))
     return dict(zip(result.names, (float(x) for x in result.rows[0]), strict=True))
-
-
-def names() -> Sequence[str]:
-    """All jobs, units first."""
-    return (*UNITS, *FIGURES)
