@@ -7,7 +7,7 @@ every call and goes on with the values it gets, so a comparison must compare val
 
 import re
 import xml.etree.ElementTree as ET
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -24,6 +24,8 @@ xmlns:osp="http://opensimulationplatform.com/SSP/OSPAnnotations"><osp:Algorithm>
 <osp:FixedStepAlgorithm baseStepSize="{step!r}" numWorkerThreads="{workers}"/>
 </osp:Algorithm></ssc:Annotation></ssd:Annotations></ssd:DefaultExperiment>"""
 _ECOS_GETTERS = {"Real": "get_real", "Integer": "get_integer", "Boolean": "get_bool"}
+_PYTHON_TYPES = {"Real": float, "Integer": int, "Boolean": bool}
+Inputs = Mapping[str, Sequence[float]]
 
 
 class PeerError(RuntimeError):
@@ -54,7 +56,9 @@ def unavailable(engine: str) -> str | None:
     return None
 
 
-def run_ecospy(ssp: Path, step: float, n_steps: int, columns: Sequence[str]) -> np.ndarray:
+def run_ecospy(
+    ssp: Path, step: float, n_steps: int, columns: Sequence[str], inputs: Inputs | None = None
+) -> np.ndarray:
     """Simulate a package in ecos from t = 0.
 
     Parameters
@@ -67,6 +71,8 @@ def run_ecospy(ssp: Path, step: float, n_steps: int, columns: Sequence[str]) -> 
         Number of steps N.
     columns : sequence of str
         Variables such as ``"plant.q[1]"``: Real, Integer or Boolean.
+    inputs : mapping of str to sequence of float, optional
+        By variable, what is set before the step from t_k; initialization knows none of it.
 
     Returns
     -------
@@ -81,21 +87,30 @@ def run_ecospy(ssp: Path, step: float, n_steps: int, columns: Sequence[str]) -> 
     values = np.empty((n_steps + 1, len(columns)))
     with _unpacked(ssp) as folder, _ecos(folder, step) as simulation:
         readers = _ecos_readers(simulation, _select(folder, columns))
+        drive = _ecos_driver(simulation, folder, inputs or {})
         for k in range(n_steps + 1):
+            if k > 0:
+                drive(k - 1)
             simulation.step(1 if k > 0 else 0)
             values[k] = [read(name) for read, name in readers]
     return values
 
 
 def run_libcosim(
-    ssp: Path, step_ns: int, n_steps: int, columns: Sequence[str], *, workers: int | None = 0
+    ssp: Path,
+    step_ns: int,
+    n_steps: int,
+    columns: Sequence[str],
+    inputs: Inputs | None = None,
+    *,
+    workers: int | None = 0,
 ) -> np.ndarray:
     """Simulate a package in libcosim from t = 0.
 
     Parameters
     ----------
-    ssp, n_steps, columns
-        As for `run_ecospy`. Boolean columns slow the run: they need an observer of everything.
+    ssp, n_steps, columns, inputs
+        As for `run_ecospy`. Boolean columns slow the run: they need an observer of everything; so do inputs.
     step_ns : int
         Communication step [ns].
     workers : int or None, default 0
@@ -118,14 +133,12 @@ def run_libcosim(
         chosen = _select(folder, columns)
         execution = _libcosim(folder, step_ns, workers)
         series = _record(execution, chosen, n_steps)
-        if any(v.type == "Boolean" for v in chosen):
-            _step_reading_booleans(execution, step_ns, chosen, values)
+        if inputs or any(v.type == "Boolean" for v in chosen):
+            drive = _libcosim_driver(execution, folder, inputs or {})
+            _step_singly(execution, step_ns, chosen, values, drive)
         else:
             _advance(execution, step_ns, n_steps)
-        for j, v in enumerate(chosen):
-            if v.type != "Boolean":
-                read = getattr(series, f"time_series_{v.type.lower()}_samples")
-                values[:, j] = read(_slave(execution, v), v.reference, 1, n_steps)[2]
+        _take_out(execution, series, chosen, values)
     return values
 
 
@@ -221,6 +234,40 @@ def _ecos_readers(simulation: Any, chosen: Sequence[_Variable]) -> list[tuple[An
     return [(getattr(simulation, _ECOS_GETTERS[v.type]), f"{v[0]}::{v[1]}") for v in chosen]
 
 
+def _ecos_driver(simulation: Any, folder: Path, inputs: Inputs) -> Callable[[int], None]:
+    """Make a function that sets the inputs of step k."""
+    setters = {"Real": simulation.set_real, "Integer": simulation.set_integer, "Boolean": simulation.set_bool}
+    chosen = _select(folder, list(inputs))
+
+    def drive(k: int) -> None:
+        for v, values in zip(chosen, inputs.values(), strict=True):
+            setters[v.type](f"{v.component}::{v.name}", _PYTHON_TYPES[v.type](values[k]))
+
+    return drive
+
+
+def _libcosim_driver(execution: Any, folder: Path, inputs: Inputs) -> Callable[[int], None]:
+    """Make a function that overrides the inputs from step k on."""
+    if not inputs:
+        return lambda _: None
+    from libcosimpy.CosimManipulator import CosimManipulator
+
+    override = CosimManipulator.create_override()
+    execution.add_manipulator(override)
+    setters = {
+        "Real": override.slave_real_values,
+        "Integer": override.slave_integer_values,
+        "Boolean": override.slave_boolean_values,
+    }
+    chosen = [(v, _slave(execution, v)) for v in _select(folder, list(inputs))]
+
+    def drive(k: int) -> None:
+        for (v, index), values in zip(chosen, inputs.values(), strict=True):
+            setters[v.type](index, [v.reference], [_PYTHON_TYPES[v.type](values[k])])
+
+    return drive
+
+
 def _libcosim(folder: Path, step_ns: int, workers: int | None) -> Any:
     """Load a package in libcosim; its first step will initialize it."""
     from libcosimpy._internal import get_last_error_message
@@ -280,14 +327,25 @@ def _record(execution: Any, chosen: Sequence[_Variable], n_steps: int) -> Any:
     return series
 
 
-def _step_reading_booleans(execution: Any, step_ns: int, chosen: Sequence[_Variable], values: np.ndarray) -> None:
-    """Take one step per row of `values` and fill its Boolean columns."""
+def _take_out(execution: Any, series: Any, chosen: Sequence[_Variable], values: np.ndarray) -> None:
+    """Fill the columns of Reals and Integers with the recorded series."""
+    for j, v in enumerate(chosen):
+        if v.type != "Boolean":
+            read = getattr(series, f"time_series_{v.type.lower()}_samples")
+            values[:, j] = read(_slave(execution, v), v.reference, 1, len(values))[2]
+
+
+def _step_singly(
+    execution: Any, step_ns: int, chosen: Sequence[_Variable], values: np.ndarray, drive: Callable[[int], None]
+) -> None:
+    """Take one driven step per row of `values` and fill its Boolean columns."""
     from libcosimpy.CosimObserver import CosimObserver
 
     last = CosimObserver.create_last_value()
     execution.add_observer(last)
     where = [(j, _slave(execution, v), v) for j, v in enumerate(chosen) if v.type == "Boolean"]
-    for row in values:
+    for k, row in enumerate(values):
+        drive(k)
         _advance(execution, step_ns, 1)
         for j, index, v in where:
             row[j] = last.last_boolean_values(index, [v.reference])[0]

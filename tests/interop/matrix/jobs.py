@@ -1,0 +1,111 @@
+"""The jobs: every unit of the catalog with its reference's inputs, every figure in full length."""
+
+import warnings
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from orchestration import Options, System, UnconnectedInputWarning, simulate
+from orchestration.fmu import read_description
+from orchestration.paper.scenarios import SCENARIOS
+from orchestration.system import Component
+from tests.conformance.replay import options, table
+from tests.driver import Driver
+from tests.interop.matrix.protocol import NANOSECONDS, SYSTEM, UNIT, Job, Part, Tool
+
+FIGURES = tuple(name for name in SCENARIOS if name.startswith("fig"))
+ALONE = "unit"  # the component of a unit's job
+
+
+def unit_job(unit: str, fmus: Mapping[str, Path], folder: Path) -> Job:
+    """A unit alone, driven by ``fmus/reference/UNIT/UNIT_in.csv``."""
+    inputs, step = table(unit, "in"), options(unit)["StepSize"]
+    driven = [name for name in inputs.dtype.names or () if name != "time"]
+    description = read_description(fmus[unit])
+    start = {name: float(inputs[name][0]) for name in driven}
+    system = System(unit, (Component(ALONE, description, start),), step=step, stop_time=(len(inputs) - 1) * step)
+    job = _job(system, UNIT, len(inputs) - 1, folder)
+    return replace(job, stimulus={f"{ALONE}.{name}": [float(x) for x in inputs[name]] for name in driven})
+
+
+def figure_job(figure: str, fmus: Mapping[str, Path], folder: Path, n_steps: int | None = None) -> Job:
+    """A figure of the paper, whole or its first steps."""
+    system = figure_system(figure, fmus)
+    return _job(system, SYSTEM, n_steps or round(system.stop_time / system.step), folder)
+
+
+def figure_system(figure: str, fmus: Mapping[str, Path]) -> System:
+    """The system of a figure."""
+    scenario = SCENARIOS[figure]
+    return scenario.system({identifier: fmus[identifier] for identifier in scenario.units.values()})
+
+
+def our_rows(job: Job, tool: Tool, fmus: Mapping[str, Path]) -> np.ndarray:
+    """What ours shows at all steps of a job, as the tool's algorithm and clock ask; shape (n_steps + 1, columns)."""
+    times = np.arange(job.n_steps + 1) * job.step
+    if tool.clock == NANOSECONDS:
+        times = np.arange(job.n_steps + 1) * round(job.step * 1e9) / 1e9
+    if job.kind == UNIT:
+        return _replayed(job, times, nanoseconds=tool.clock == NANOSECONDS)
+    system = figure_system(job.name, fmus)
+    if tool.clock == NANOSECONDS:
+        result = simulate(system, algorithm=tool.algorithm, times=times)
+    else:
+        result = simulate(system, job.n_steps * job.step, job.step, tool.algorithm)
+    return np.column_stack([result[name] for name in job.columns])
+
+
+def _replayed(job: Job, times: np.ndarray, *, nanoseconds: bool) -> np.ndarray:
+    """Rows of a unit driven by its stimulus, set before every step."""
+    part = job.parts[0]
+    driver = Driver(Path(part.fmu), logging=False)
+    names = [name.partition(".")[2] for name in job.columns]
+
+    def set_row(k: int) -> None:
+        split = [(job.split(path)[1], values[k]) for path, values in job.stimulus.items()]
+        driver.set({name: part.value(name, value) for name, value in split})
+
+    driver.slave.setupExperiment(startTime=0.0)
+    driver.slave.enterInitializationMode()
+    set_row(0)
+    driver.slave.exitInitializationMode()
+    rows = [driver.get(*names)]
+    for k in range(job.n_steps):
+        set_row(k)
+        driver.step(times[k], times[k + 1] - times[k] if nanoseconds else job.step)
+        rows.append(driver.get(*names))
+    driver.close()
+    return np.array(rows)
+
+
+def _job(system: System, kind: str, n_steps: int, folder: Path) -> Job:
+    first = _initial_row(system)
+    parts = []
+    for component in system.components:
+        variables = component.description.variables
+        driven = {c.input: first[f"{c.source}.{c.output}"] for c in system.connections if c.target == component.name}
+        alone = {v.name: v.start for v in component.description.of_causality("input")}
+        parts.append(
+            Part(
+                component.name,
+                str(component.description.path),
+                dict(component.start),
+                {**alone, **component.start, **driven},
+                {name: v.type for name, v in variables.items()},
+                {name: v.reference for name, v in variables.items()},
+                {name: v.causality for name, v in variables.items()},
+            )
+        )
+    connections = tuple((c.source, c.output, c.target, c.input) for c in system.connections)
+    ssp = system.write(folder / f"{system.name}.ssp")
+    return Job(system.name, kind, system.step, n_steps, str(ssp), tuple(parts), connections, tuple(first))
+
+
+def _initial_row(system: System) -> dict[str, float]:
+    """All outputs when initialization has settled, by ``component.variable``."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", UnconnectedInputWarning)
+        result = simulate(system, system.step, options=Options(allow_stale_inputs=True))
+    return dict(zip(result.names, (float(x) for x in result.rows[0]), strict=True))
