@@ -20,10 +20,9 @@ def replaced(system: System, name: str, fmu: Path, mapping: Mapping[str, str]) -
     start, notices = _start(old, Component(name, description), mapping)
     new = Component(name, description, start)
     components = tuple(new if c.name == name else c for c in system.components)
-    inputs = {variable.name for variable in description.of_causality("input")}
     connections = []
     for connection in system.connections:
-        if connection.target == name and connection.input not in inputs:
+        if connection.target == name and connection.input not in known:
             notices.append(f"Connection {connection} dropped: {model} has no such input.")
             continue
         connections.append(_rescaled(connection, system, old, new))

@@ -6,7 +6,7 @@
 Rules have numbers: 1 to 8 are about files, 9 to 16 about calls. Whatever the file holds, there is a report.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from orchestration.check import archive_rules, binary_rules, description_rules, dynamic, roles, structure_rules
@@ -42,6 +42,7 @@ def check(
     path: Path,
     role: str | None = None,
     *,
+    mapping: Mapping[str, str] | None = None,
     loop: Callable[[int], Loop | None] | None = None,
     timeout: float = dynamic.TIMEOUT,
 ) -> Report:
@@ -51,6 +52,8 @@ def check(
     ----------
     role
         Whose interface it must have; guessed from its outputs if None.
+    mapping
+        The FMU's names by ours, as for `orchestration.System.replace`.
     loop
         The loop to try a controller in, by the number of joints; none if None.
     timeout
@@ -75,9 +78,10 @@ def check(
         package = archive_rules.open_package(path)
     except archive_rules.UnreadableError as ended:
         return Report(path, role, (ended.finding,), ("Nothing further could be examined.",))
-    document = package.document
+    document = package.document.renamed(mapping or {})
     role = role or roles.guess(document)
     findings = [finding for rule in STATIC for finding in capped(rule(package))]
+    findings += capped(roles.mapping_finds(package.document, mapping or {}))
     if role is not None:
         findings += capped(roles.interface_is_kept(document, role))
     facts: list[str] = []
@@ -92,7 +96,7 @@ def check(
         if given is None:
             facts.append("The closed loop was not tried" + (": there are errors." if failed else "."))
         else:
-            more, measured = try_loop(path, given)
+            more, measured = try_loop(path, given, mapping or {})
             findings += more
             facts += measured
     return _report(path, role, findings, facts)

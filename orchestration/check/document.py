@@ -94,14 +94,21 @@ class Document:
     ----------
     root
         Element of lxml, valid against the schema.
+    mapping
+        What the FMU calls variables, or whole arrays, by our names; what is not in it keeps its name.
     """
 
-    def __init__(self, root: Any) -> None:
+    def __init__(self, root: Any, mapping: Mapping[str, str] | None = None) -> None:
         self.root = root
+        self._ours = {their: our for our, their in (mapping or {}).items()}
         self.guid: str = root.get("guid")
         self.structured = root.get("variableNamingConvention") == "structured"
         self.co_simulation = root.find("CoSimulation")
         self.identifier: str = "" if self.co_simulation is None else self.co_simulation.get("modelIdentifier")
+
+    def renamed(self, mapping: Mapping[str, str]) -> "Document":
+        """The same description with other names, by ours, for its variables."""
+        return Document(self.root, mapping) if mapping else self
 
     def flag(self, name: str) -> bool:
         """A capability of the co-simulation."""
@@ -143,6 +150,11 @@ class Document:
         """Variables of a causality, in their order."""
         return [variable for variable in self.variables if variable.causality == causality]
 
+    def _name(self, name: str) -> str:
+        """Our name for a variable, or for the array that it is an element of."""
+        base, bracket, element = name.partition("[")
+        return self._ours.get(name) or self._ours.get(base, base) + bracket + element
+
     def _variable(self, index: int, row: Any) -> Declared:
         typed = next(child for child in row if child.tag in _TYPES)
         simple = self.types.get(typed.get("declaredType"), {})
@@ -151,7 +163,7 @@ class Document:
         derivative = typed.get("derivative")
         return Declared(
             index=index,
-            name=row.get("name"),
+            name=self._name(row.get("name")),
             reference=int(row.get("valueReference")),
             type=INTEGER if typed.tag == "Enumeration" else typed.tag,
             causality=causality,

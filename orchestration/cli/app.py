@@ -143,12 +143,16 @@ def check(
         str | None,
         typer.Option(help="controller, plant, sensor, actuator or trajectory; guessed from the outputs by default."),
     ] = None,
+    map_: Annotated[
+        list[str] | None,
+        typer.Option("--map", metavar="OURS=THEIRS", help="Name in the FMU of one of ours; may be repeated."),
+    ] = None,
     json: Annotated[bool, typer.Option("--json", help="Print the report as JSON.")] = False,
 ) -> None:
     """Examine an FMU: description, contract, interface, and for a controller a closed loop."""
     from orchestration.cli.check import run_check
 
-    raise typer.Exit(run_check(fmu, role, json))
+    raise typer.Exit(run_check(fmu, role, json, tuple(map_ or ())))
 
 
 def main() -> None:

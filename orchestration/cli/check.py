@@ -4,6 +4,7 @@ Exit codes: 0 no errors, 1 errors were found, 2 the file cannot be examined.
 """
 
 import json as formats
+from collections.abc import Sequence
 from pathlib import Path
 
 import typer
@@ -12,6 +13,7 @@ from rich.text import Text
 
 from orchestration.check import Loop, Report, Severity, check
 from orchestration.cli.commands import console
+from orchestration.cli.run import setting_of
 from orchestration.errors import ArchiveError, SystemDescriptionError
 
 COLOURS = {Severity.ERROR: "red", Severity.WARNING: "yellow", Severity.NOTE: "dim"}
@@ -20,10 +22,17 @@ STEP = 1e-4  # s
 REDUNDANT_LIMIT = 1e4  # N.m, far above what three joints of the redundant arm need
 
 
-def run_check(path: Path, role: str | None = None, json: bool = False) -> int:
-    """Check an FMU and print the report, as a table or as JSON; returns the exit code."""
+def run_check(path: Path, role: str | None = None, json: bool = False, mapping: Sequence[str] = ()) -> int:
+    """Check an FMU and print the report, as a table or as JSON; returns the exit code.
+
+    Parameters
+    ----------
+    mapping
+        Texts OURS=THEIRS.
+    """
     try:
-        report = check(path, role, loop=paper_loop)
+        names = dict(map(setting_of("--map"), mapping))
+        report = check(path, role, mapping=names, loop=paper_loop)
     except (ArchiveError, SystemDescriptionError, OSError) as error:
         if json:
             typer.echo(formats.dumps({"file": str(path), "error": str(error)}, indent=2))

@@ -57,7 +57,7 @@ class AlgorithmRequest:
             msg = f"Algorithm {self.name} has no tolerance; iterative, newton and adaptive have."
             raise SystemDescriptionError(msg)
         absolute = {
-            unit: _number("--absolute", text, float) for unit, text in map(_setting_of("--absolute"), self.absolute)
+            unit: _number("--absolute", text, float) for unit, text in map(setting_of("--absolute"), self.absolute)
         }
         tolerance = Tolerance(given.tolerance.relative if self.tolerance is None else self.tolerance, absolute)
         changed = replace(given, tolerance=tolerance)
@@ -133,7 +133,7 @@ def run_system(request: RunRequest) -> None:
 
 
 def _options(request: RunRequest, report: Report) -> Options:
-    ratios = {name: _number("--ratio", text, int) for name, text in map(_setting_of("--ratio"), request.ratios)}
+    ratios = {name: _number("--ratio", text, int) for name, text in map(setting_of("--ratio"), request.ratios)}
     return Options(
         record=request.record,
         every=request.every,
@@ -177,7 +177,7 @@ def _system(request: RunRequest) -> System:
         chosen = scenario(request.system)
         system = chosen.system(fmus(chosen.units.values()))
     if request.controller is not None:
-        mapping = dict(map(_setting_of("--map"), request.mapping))
+        mapping = dict(map(setting_of("--map"), request.mapping))
         system = system.replace("controller", request.controller, mapping)
     elif request.mapping:
         msg = "--map says what --controller calls our variables; give one."
@@ -196,7 +196,7 @@ def _setting(text: str) -> tuple[str, str]:
     return match[1], match[2]
 
 
-def _setting_of(option: str) -> Callable[[str], tuple[str, str]]:
+def setting_of(option: str) -> Callable[[str], tuple[str, str]]:
     """What splits the texts of an option NAME=VALUE."""
 
     def split(text: str) -> tuple[str, str]:
