@@ -1,8 +1,8 @@
 """The hand-written controller with one mistake each, as its author could have made it.
 
-Each is an edit of its C source or of its description. What `check` says is exact: one finding that names the
-mistake. What a run of Fig. 5 says depends on the mistake: the swap is refused, the unit refuses to start, or a
-step fails; or nothing, where only the torques are wrong, or what a plain run never uses.
+Each is an edit of its C source or of its description. What `check` finds first is the mistake. What a run of
+Fig. 5 says depends: the swap is refused, the unit refuses to start, or a step fails; or nothing, where only the
+torques are wrong, or what a plain run never uses.
 """
 
 from dataclasses import dataclass
@@ -151,12 +151,22 @@ WRONG: dict[str, Wrong] = {
             "    memcpy(&unit->core.value[TORQUE], held, sizeof held);\n",
         ),
     ),
+    "a restored state forgets the time": Wrong(
+        (
+            "13",
+            ERROR,
+            r"Rollback: fmi2DoStep returns fmi2Error at t = \S+ s \(.The step begins at .*, but this unit is at",
+        ),
+        Outcome.SAME,
+        source=swap(
+            "    memcpy(&unit->core, state, sizeof(Core));\n",
+            "    memcpy(unit->core.value, ((Core *)state)->value, sizeof unit->core.value);\n",
+        ),
+    ),
     "a reset keeps the inputs": Wrong(
         ("13", ERROR, r"After fmi2Reset, Torque\[1\] is .* in row 0; in a fresh instance it is"),
         Outcome.SAME,
-        source=swap(
-            "    REQUIRE(ALIVE);\n    unit->core = FRESH;", "    REQUIRE(ALIVE);\n    unit->core.mode = INSTANTIATED;"
-        ),
+        source=swap("(ALIVE);\n    unit->core = FRESH;", "(ALIVE);\n    unit->core.mode = INSTANTIATED;"),
     ),
     "the sign of the torque": Wrong(
         (LOOP, ERROR, "The loop does not run: plant: fmi2DoStep returned fmi2Error at t = 0.0[0-9]+ s .*it diverges"),
