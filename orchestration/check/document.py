@@ -164,7 +164,7 @@ class Document:
         return Declared(
             index=index,
             name=self._name(row.get("name")),
-            reference=int(row.get("valueReference")),
+            reference=_integer(row.get("valueReference")),
             type=INTEGER if typed.tag == "Enumeration" else typed.tag,
             causality=causality,
             variability=variability,
@@ -175,7 +175,7 @@ class Document:
             unit=typed.get("unit", simple.get("unit", "")),
             display_unit=typed.get("displayUnit", simple.get("displayUnit", "")),
             declared_type=typed.get("declaredType", ""),
-            derivative=None if derivative is None else int(derivative),
+            derivative=None if derivative is None else _integer(derivative),
         )
 
 
@@ -189,18 +189,24 @@ def default_initial(causality: str, variability: str) -> str | None:
     return EXACT if causality == "parameter" or variability == "constant" else CALCULATED
 
 
+def _integer(text: str) -> int:
+    """An integer of the schema; Python refuses one of 5000 digits, be they leading zeros."""
+    sign = "-" if text.strip().startswith("-") else ""
+    return int(sign + (text.strip().lstrip("+-0") or "0"))
+
+
 def _unit(row: Any) -> Unit | None:
     base = row.find("BaseUnit")
     if base is None:
         return None
-    exponents = tuple((name, int(base.get(name))) for name in BASE_UNITS if int(base.get(name, "0")))
+    exponents = tuple((name, power) for name in BASE_UNITS if (power := _integer(base.get(name, "0"))))
     return Unit(exponents, float(base.get("factor", "1")), float(base.get("offset", "0")))
 
 
 def _unknown(row: Any) -> Unknown:
     dependencies, kinds = row.get("dependencies"), row.get("dependenciesKind")
     return Unknown(
-        int(row.get("index")),
-        None if dependencies is None else tuple(map(int, dependencies.split())),
+        _integer(row.get("index")),
+        None if dependencies is None else tuple(map(_integer, dependencies.split())),
         None if kinds is None else tuple(kinds.split()),
     )
