@@ -19,6 +19,9 @@ def replaced(system: System, name: str, fmu: Path, mapping: Mapping[str, str]) -
     known, model = description.variables, description.model_name
     start, notices = _start(old, Component(name, description), mapping)
     new = Component(name, description, start)
+    for connection in system.connections:
+        if connection.source == name:
+            new.variable(connection.output)  # a unit without what others live on is the first thing to say
     components = tuple(new if c.name == name else c for c in system.components)
     connections = []
     for connection in system.connections:
