@@ -22,6 +22,50 @@ TEXTS = (
     *("tau_cmd[1]", "tau_cmd[999999999]", "q[0]", "q[01]", "q[" + "1," * 5000 + "1]", "der(" * 200, "'\\'", "a.b[1].c"),
     *("../../etc/passwd", "%s%n%d", "\u202e\U0001f600", "a" * 70_000, "\u0000".replace("\u0000", "\ufffd"), "N.m"),
 )
+RICH = b"""<?xml version="1.0" encoding="UTF-8"?>
+<fmiModelDescription fmiVersion="2.0" modelName="Rich" guid="{rich}" variableNamingConvention="structured">
+  <CoSimulation modelIdentifier="Rich" canGetAndSetFMUstate="true" canSerializeFMUstate="true">
+    <SourceFiles><File name="rich.c"/></SourceFiles>
+  </CoSimulation>
+  <UnitDefinitions>
+    <Unit name="N.m"><BaseUnit kg="1" m="2" s="-2"/><DisplayUnit name="N.mm" factor="1000"/></Unit>
+    <Unit name="deg"><BaseUnit rad="1" factor="0.0175" offset="0"/></Unit>
+  </UnitDefinitions>
+  <TypeDefinitions>
+    <SimpleType name="Torque"><Real unit="N.m" displayUnit="N.mm" min="-9" max="9"/></SimpleType>
+    <SimpleType name="Mode">
+      <Enumeration><Item name="off" value="0"/><Item name="on" value="1"/></Enumeration>
+    </SimpleType>
+  </TypeDefinitions>
+  <LogCategories><Category name="logStatusError"/></LogCategories>
+  <DefaultExperiment startTime="0" stopTime="1" tolerance="1e-6" stepSize="0.1"/>
+  <ModelVariables>
+    <ScalarVariable name="q[1]" valueReference="0" causality="input"><Real start="0" unit="deg"/></ScalarVariable>
+    <ScalarVariable name="tau_cmd[1]" valueReference="1" causality="output" initial="calculated">
+      <Real declaredType="Torque"/>
+    </ScalarVariable>
+    <ScalarVariable name="mode" valueReference="2" causality="parameter" variability="tunable">
+      <Enumeration declaredType="Mode" start="1"/>
+    </ScalarVariable>
+    <ScalarVariable name="on" valueReference="3" causality="output" variability="discrete"><Boolean/></ScalarVariable>
+    <ScalarVariable name="n" valueReference="4" causality="local" variability="constant">
+      <Integer start="3"/>
+    </ScalarVariable>
+    <ScalarVariable name="sample_time" valueReference="5" causality="parameter" variability="fixed">
+      <Real start="0.1" min="0"/>
+    </ScalarVariable>
+    <ScalarVariable name="z" valueReference="6"><Real/></ScalarVariable>
+    <ScalarVariable name="der(z)" valueReference="7"><Real derivative="7"/></ScalarVariable>
+    <ScalarVariable name="file" valueReference="0" variability="discrete"><String/></ScalarVariable>
+  </ModelVariables>
+  <ModelStructure>
+    <Outputs><Unknown index="2" dependencies="1 3" dependenciesKind="dependent fixed"/><Unknown index="4"/></Outputs>
+    <Derivatives><Unknown index="8" dependencies="1"/></Derivatives>
+    <InitialUnknowns><Unknown index="2"/><Unknown index="4"/></InitialUnknowns>
+  </ModelStructure>
+</fmiModelDescription>
+"""
+"""A description with an element of nearly every kind: a change soon hits each."""
 DEPTH, COPIES = 3000, 3000
 Change = Callable[[random.Random, etree._Element], None]
 

@@ -17,10 +17,13 @@ from hypothesis import strategies as st
 
 from adaptimp_fmu.toolchain import host_platform
 from orchestration.check import Report, Severity, archive_rules, check, elf
+from orchestration.check.findings import ROLE
 from tests.unit.orchestration.checked import DESCRIPTION, MISBEHAVING, assert_found, repacked
+from tests.unit.orchestration.mutated import RICH, mutant
 
 HOST = host_platform()
 LIBRARY = f"binaries/{HOST.name}/Actuator{HOST.extension}"
+MUTANTS = 1000
 PLAIN = MISBEHAVING.replace("FAULT", "none")
 _VALUE = re.compile(r'(\w+)="([^"]*)"')
 HOSTILE = [
@@ -102,6 +105,20 @@ def test_descriptions_without_some_lines(data: st.DataObject) -> None:
     twice = data.draw(st.integers(1, len(lines) - 1))
     xml = "".join(line * (2 if i == twice else 1) for i, line in enumerate(lines) if i not in gone)
     examined(archived(xml))
+
+
+def test_mutants_of_a_rich_description() -> None:
+    """A quarter of them gets past the schema, and every rule about files finds something."""
+    seen = []
+    for seed in range(MUTANTS):
+        try:
+            report = examined(archived(mutant(random.Random(seed), RICH)))
+        except Exception as error:
+            error.add_note(f"seed {seed}")
+            raise
+        seen.append({f.rule for f in report.findings if f.severity != Severity.NOTE})
+    assert sum("1" not in rules for rules in seen) > MUTANTS / 4
+    assert set.union(*seen) >= {"1", "2", "3", "4", "5", "6", "7", ROLE}
 
 
 def test_cut_archives(actuator: bytes) -> None:
