@@ -21,7 +21,7 @@ from tests.unit.orchestration.checked import DESCRIPTION
 from tests.unit.orchestration.mutated import damaged, entries_of, mutant, packed
 from tests.unit.orchestration.test_check_robust import examined
 
-DESCRIPTIONS, ARCHIVES, WHOLE = 50, 20, 2  # examples of each kind for each file
+DESCRIPTIONS, ARCHIVES, WHOLE = 20, 15, 2  # examples of each kind for each file
 SLOW = "container"  # its runtime never returns from a step of NaN, which costs every example a timeout
 LONGEST = 60.0  # s: four dead workers of 2 s each, on a machine that does other things too
 

@@ -83,6 +83,12 @@ def joint_angle(old: str, new: str) -> Edit:
     return edit
 
 
+PUSHES_BACK = both(
+    swap("(damped + sprung + v[FORCE + i])", "(damped + sprung - v[FORCE + i])"),
+    swap("force[i] += v[FORCE + i]", "force[i] -= v[FORCE + i]"),
+)
+"""The sign of the measured force, of which `check` sees nothing: its loop ends before the wall."""
+
 WRONG: dict[str, Wrong] = {
     "a torque has another name": Wrong(
         (ROLE, ERROR, r"The output tau_cmd\[2\] in N.m of the controller is missing"),
