@@ -19,6 +19,8 @@ MAX_ENTRIES = 20_000
 MAX_BYTES = 2 * 1024**3  # unpacked
 MAX_RATIO = 1000  # of one entry; source code and tables reach 30, a zip bomb 1000
 RATIO_FREE_BYTES = 1024**2  # entries below may compress as they like
+# What reading a damaged archive raises, besides zipfile's own errors.
+UNREADABLE = (zipfile.BadZipFile, zlib.error, EOFError, OSError, ValueError, KeyError, RuntimeError)
 
 
 def screen(path: Path) -> None:
@@ -57,7 +59,7 @@ def unpack(path: Path, folder: Path, needed: Callable[[str], bool] = lambda name
         _screen(path, archive)
         try:
             archive.extractall(folder, [name for name in archive.namelist() if needed(name)])
-        except (zipfile.BadZipFile, zlib.error, EOFError, OSError) as error:
+        except UNREADABLE as error:
             msg = f"{path}: cannot be unpacked: {error}"
             raise ArchiveError(msg) from error
 

@@ -1,5 +1,6 @@
 """What a failure of the compiled loops means, as a sentence."""
 
+import math
 from collections.abc import Sequence
 
 from orchestration.assembly import Assembly
@@ -34,7 +35,15 @@ def failure_message(
             " loosen its tolerance, allow smaller steps, or look for a jump (crossings locate them)."
         )
     names = CALL_NAMES if call in CALL_NAMES else STEP_CALL_NAMES
-    return instances[subject].failure(names[call], status, where)
+    return instances[subject].failure(names[call], status, where) + _given(instances[subject].name, assembly)
+
+
+def _given(component: str, assembly: Assembly) -> str:
+    """A sentence that names the outputs that gave a component what is no number; empty if there are none."""
+    names = dict.fromkeys(f"{c.source}.{c.output}" for c in assembly.real_connections if c.target == component)
+    values = ((name, assembly.plan.reals[assembly.real_outputs[name]]) for name in names)
+    wrong = [f"{name} = {value:g}" for name, value in values if not math.isfinite(value)]
+    return f" It was given {', '.join(wrong)}." if wrong else ""
 
 
 def _not_converged(link: int, where: str, layout: Layout, assembly: Assembly) -> str:

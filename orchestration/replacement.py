@@ -19,11 +19,13 @@ def replaced(system: System, name: str, fmu: Path, mapping: Mapping[str, str]) -
     known, model = description.variables, description.model_name
     start, notices = _start(old, Component(name, description), mapping)
     new = Component(name, description, start)
+    for connection in system.connections:
+        if connection.source == name:
+            new.variable(connection.output)  # a unit without what others live on is the first thing to say
     components = tuple(new if c.name == name else c for c in system.components)
-    inputs = {variable.name for variable in description.of_causality("input")}
     connections, lost = [], []
     for connection in system.connections:
-        if connection.target == name and connection.input not in inputs:
+        if connection.target == name and connection.input not in known:
             lost.append(connection.input)
             continue
         connections.append(_rescaled(connection, system, old, new))

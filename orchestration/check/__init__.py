@@ -53,7 +53,7 @@ def check(
     role
         Whose interface it must have; guessed from its outputs if None.
     mapping
-        The FMU's names by those of the interface, as for `System.replace`.
+        The FMU's names by ours, as for `orchestration.System.replace`.
     loop
         The loop to try a controller in, by the number of joints; none if None.
     timeout
@@ -81,6 +81,7 @@ def check(
     document = package.document.renamed(mapping or {})
     role = role or roles.guess(document)
     findings = [finding for rule in STATIC for finding in capped(rule(package))]
+    findings += capped(roles.mapping_finds(package.document, mapping or {}))
     if role is not None:
         findings += capped(roles.interface_is_kept(document, role))
     facts: list[str] = []
@@ -95,7 +96,7 @@ def check(
         if given is None:
             facts.append("The closed loop was not tried" + (": there are errors." if failed else "."))
         else:
-            more, measured = try_loop(path, given, mapping)
+            more, measured = try_loop(path, given, mapping or {})
             findings += more
             facts += measured
     return _report(path, role, findings, facts)

@@ -4,24 +4,23 @@ import importlib.resources
 import posixpath
 import re
 import zipfile
-import zlib
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 from typing import Any
 
-from orchestration.archive import screen
+from orchestration.archive import UNREADABLE, screen
 from orchestration.check.document import Document
 from orchestration.check.findings import Finding, error, listed, note, shown, warning
 from orchestration.errors import ArchiveError
 
 DESCRIPTION = "modelDescription.xml"
 LARGEST = 32 * 1024**2  # bytes of a description; a hundred thousand variables have 25 MB
-LARGEST_SOURCE = 4 * 1024**2
+LARGEST_SOURCES = 8 * 1024**2  # bytes of all sources that are read; ours have 0.2 MB
 LONGEST_MESSAGE = 400
 _INCLUDE = re.compile(rb'^[ \t]*#[ \t]*include[ \t]*"([^"\n]{1,200})"', re.MULTILINE)
-_UNREADABLE = (zipfile.BadZipFile, zlib.error, EOFError, OSError, ValueError, KeyError, RuntimeError)
 
 
 class UnreadableError(Exception):
@@ -42,11 +41,18 @@ class Package:
 
     def read(self, name: str, most: int) -> bytes:
         """The first bytes of an entry; empty if it cannot be read."""
-        try:
-            with zipfile.ZipFile(self.path) as archive, archive.open(name) as file:
-                return file.read(most)
-        except _UNREADABLE:
-            return b""
+        return next((content for _, content in self.contents([name], most)), b"")
+
+    def contents(self, names: Sequence[str], most: int) -> Iterator[tuple[str, bytes]]:
+        """Entries that can be read, with their first bytes, until `most` bytes of all are read."""
+        with suppress(*UNREADABLE), zipfile.ZipFile(self.path) as archive:  # opened once: it may have 20,000 entries
+            for name in names:
+                with suppress(*UNREADABLE), archive.open(name) as file:
+                    content = file.read(most)
+                    most -= len(content)
+                    yield name, content
+                if most <= 0:
+                    return
 
 
 def open_package(path: Path) -> Package:
@@ -63,7 +69,7 @@ def open_package(path: Path) -> Package:
             names = frozenset(archive.namelist())
     except ArchiveError as failed:
         raise UnreadableError(error("7", shown(str(failed).replace(str(path), path.name), LONGEST_MESSAGE))) from failed
-    except _UNREADABLE as failed:
+    except UNREADABLE as failed:
         raise UnreadableError(error("7", f"The archive cannot be read: {shown(failed)}.")) from failed
     if DESCRIPTION not in names:
         raise UnreadableError(error("1", f"The archive has no {DESCRIPTION}; it has {listed(sorted(names))}."))
@@ -78,9 +84,10 @@ def sources_are_complete(package: Package) -> Iterator[Finding]:
         if f"sources/{file.get('name')}" not in names:
             message = f"The source file {shown(file.get('name'))} is declared, but not in the archive."
             yield error("7", message) if compiled_here else warning("7", message)
-    for name in sorted(name for name in names if name.startswith("sources/") and name.endswith((".c", ".h"))):
-        for found in _INCLUDE.findall(package.read(name, LARGEST_SOURCE)):
-            included = found.decode(errors="replace")
+    sources = sorted(name for name in names if name.startswith("sources/") and name.endswith((".c", ".h")))
+    for name, content in package.contents(sources, LARGEST_SOURCES):
+        for found in _INCLUDE.finditer(content):
+            included = found[1].decode(errors="replace")
             beside = posixpath.normpath(posixpath.join(posixpath.dirname(name), included))
             fmis = posixpath.basename(included).startswith("fmi2")
             if not fmis and beside not in names and f"sources/{included}" not in names:
@@ -99,7 +106,7 @@ def _description(path: Path) -> bytes:
     try:
         with zipfile.ZipFile(path) as archive, archive.open(DESCRIPTION) as file:
             content = file.read(most + 1)
-    except _UNREADABLE as failed:
+    except UNREADABLE as failed:
         raise UnreadableError(error("7", f"{DESCRIPTION} cannot be unpacked: {shown(failed)}.")) from failed
     if len(content) > most:
         raise UnreadableError(error("1", f"{DESCRIPTION} has more than {most} bytes."))

@@ -17,6 +17,7 @@ _ELF_FOLDERS = {
     "x86_64-linux": "x86_64",
     "aarch64-linux": "aarch64",
 }
+_PYTHON = ("Py", "_Py")  # how the functions of its C interface begin
 _SYSTEM = re.compile(r"(lib(c|m|dl|pthread|rt|gcc_s)|ld-linux[\w-]*)\.so(\.\d+)*")
 
 
@@ -60,6 +61,7 @@ def functions_are_exported(package: Package) -> Iterator[Finding]:
             yield error("8", f"{shown(name)} is no library: {failed}.")
         else:
             yield from _judge(name, machine, library)
+            yield from _interpreter(package, name, library)
 
 
 def host_folders() -> tuple[tuple[str, ...], str]:
@@ -77,6 +79,19 @@ def host_library(package: Package) -> str | None:
     folders, extension = host_folders()
     names = (f"binaries/{folder}/{package.document.identifier}{extension}" for folder in folders)
     return next((name for name in names if name in package.names), None)
+
+
+def _interpreter(package: Package, name: str, library: Library) -> Iterator[Finding]:
+    """A library that takes Python from its host does not load, or crashes, in one that has none."""
+    calls = sorted(symbol for symbol in library.undefined if symbol.startswith(_PYTHON))
+    if not calls or any(needed.startswith("libpython") for needed in library.needed):
+        return
+    declared = package.document.flag("needsExecutionTool")
+    said = f"{shown(name)} calls {shown(calls[0])} of a Python interpreter that the importing process must have"
+    if declared:
+        yield note("8", f"{said}.")
+    else:
+        yield warning("8", f"{said}, without declaring needsExecutionTool.")
 
 
 def _judge(name: str, machine: str, library: Library) -> Iterator[Finding]:

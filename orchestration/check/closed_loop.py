@@ -11,10 +11,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from orchestration.check.findings import LOOP, Finding, error, shown, warning
+from orchestration.check.findings import LOOP, Finding, error, note, shown, warning
 from orchestration.check.process import work
 from orchestration.errors import OrchestrationError
 from orchestration.system import System
+from orchestration.units import AS_IS, Linear
 
 DURATION = 0.2  # s, in which the tip of the paper's arm moves 0.6 m
 TIMEOUT = 120.0  # s; the first run of a machine compiles the loop
@@ -54,18 +55,25 @@ class Ride:
 
 
 def try_loop(
-    path: Path, loop: Loop, mapping: Mapping[str, str] | None = None, timeout: float = TIMEOUT
+    path: Path, loop: Loop, mapping: Mapping[str, str], timeout: float = TIMEOUT
 ) -> tuple[list[Finding], list[str]]:
     """Run the loop with its own controller and with another one, in a process of its own."""
+    bases = {name.partition("[")[0] for name in loop.system.component("controller").description.variables}
+    known = {our: their for our, their in mapping.items() if our.partition("[")[0] in bases}
+    ignored = [
+        note(LOOP, f"Mapping {our}={their}: the loop's own controller has no {our}; it is ignored.")
+        for our, their in mapping.items()
+        if our not in known
+    ]
     try:
-        candidate = loop.system.replace("controller", path, mapping)
+        candidate = loop.system.replace("controller", path, known)
     except OrchestrationError as refused:
-        return [error(LOOP, f"The controller does not fit into the loop: {refused}")], []
+        return [*ignored, error(LOOP, f"The controller does not fit into the loop: {refused}")], []
     with tempfile.TemporaryDirectory(prefix="adaptimp-check-") as name:
         folder = Path(name)
         (folder / "systems").write_bytes(pickle.dumps([loop.system, candidate]))
         ending = work({"task": "loop", "systems": str(folder / "systems")}, folder, timeout)
-    rides, findings = [], []
+    rides, findings = [], ignored
     for line in ending.lines:
         if "ride" in line:
             rides.append(Ride(float(line["ride"]["miss"]), tuple(line["ride"]["torques"])))
@@ -102,8 +110,14 @@ def run(plan: dict[str, Any], write: Callable[..., None]) -> None:
                 ((a - b) ** 2 + (c - d) ** 2) ** 0.5
                 for a, b, c, d in zip(tip[0], target[0], tip[1], target[1], strict=True)
             )
-            torques = [float(abs(result[f"controller.{name}"]).max()) for name in commands]
+            torques = [float(abs(_in_our_unit(system, name)(result[f"controller.{name}"])).max()) for name in commands]
             write(ride={"miss": float(miss), "torques": torques})
+
+
+def _in_our_unit(system: System, output: str) -> Linear:
+    """What a command goes through on the way to the actuator, whose unit is the limits'."""
+    ways = (c.scale for c in system.connections if (c.source, c.output) == ("controller", output))
+    return next(ways, AS_IS)
 
 
 def judge(ride: Ride, loop: Loop) -> list[Finding]:

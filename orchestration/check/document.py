@@ -4,11 +4,10 @@ Only a document that is valid against the schema is read so: attributes have the
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
-from orchestration.errors import SystemDescriptionError
 from orchestration.fmu import INTEGER, REAL
 
 BASE_UNITS = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
@@ -95,14 +94,21 @@ class Document:
     ----------
     root
         Element of lxml, valid against the schema.
+    mapping
+        What the FMU calls variables, or whole arrays, by our names; what is not in it keeps its name.
     """
 
-    def __init__(self, root: Any) -> None:
+    def __init__(self, root: Any, mapping: Mapping[str, str] | None = None) -> None:
         self.root = root
+        self._ours = {their: our for our, their in (mapping or {}).items()}
         self.guid: str = root.get("guid")
         self.structured = root.get("variableNamingConvention") == "structured"
         self.co_simulation = root.find("CoSimulation")
         self.identifier: str = "" if self.co_simulation is None else self.co_simulation.get("modelIdentifier")
+
+    def renamed(self, mapping: Mapping[str, str]) -> "Document":
+        """The same description with other names, by ours, for its variables."""
+        return Document(self.root, mapping) if mapping else self
 
     def flag(self, name: str) -> bool:
         """A capability of the co-simulation."""
@@ -140,29 +146,14 @@ class Document:
         """Rows of Outputs, Derivatives or InitialUnknowns."""
         return tuple(map(_unknown, self.root.findall(f"ModelStructure/{listing}/Unknown")))
 
-    def renamed(self, mapping: Mapping[str, str]) -> "Document":
-        """The same description with our names; `mapping` has its names by ours, of scalars or whole arrays.
-
-        Raises
-        ------
-        SystemDescriptionError
-            If it has no variable of such a name.
-        """
-        names: dict[str, str] = {}
-        for our, their in mapping.items():
-            found = [v.name for v in self.variables if v.name == their or v.name.startswith(f"{their}[")]
-            if not found:
-                known = ", ".join(v.name for v in self.variables)
-                msg = f"Mapping {our}={their}: {self.identifier} has no variable {their}; it has {known}."
-                raise SystemDescriptionError(msg)
-            names |= {name: our + name[len(their) :] for name in found}
-        copy = Document(self.root)
-        copy.variables = tuple(replace(v, name=names.get(v.name, v.name)) for v in self.variables)
-        return copy
-
     def of_causality(self, causality: str) -> list[Declared]:
         """Variables of a causality, in their order."""
         return [variable for variable in self.variables if variable.causality == causality]
+
+    def _name(self, name: str) -> str:
+        """Our name for a variable, or for the array that it is an element of."""
+        base, bracket, element = name.partition("[")
+        return self._ours.get(name) or self._ours.get(base, base) + bracket + element
 
     def _variable(self, index: int, row: Any) -> Declared:
         typed = next(child for child in row if child.tag in _TYPES)
@@ -172,8 +163,8 @@ class Document:
         derivative = typed.get("derivative")
         return Declared(
             index=index,
-            name=row.get("name"),
-            reference=int(row.get("valueReference")),
+            name=self._name(row.get("name")),
+            reference=_integer(row.get("valueReference")),
             type=INTEGER if typed.tag == "Enumeration" else typed.tag,
             causality=causality,
             variability=variability,
@@ -184,7 +175,7 @@ class Document:
             unit=typed.get("unit", simple.get("unit", "")),
             display_unit=typed.get("displayUnit", simple.get("displayUnit", "")),
             declared_type=typed.get("declaredType", ""),
-            derivative=None if derivative is None else int(derivative),
+            derivative=None if derivative is None else _integer(derivative),
         )
 
 
@@ -198,18 +189,24 @@ def default_initial(causality: str, variability: str) -> str | None:
     return EXACT if causality == "parameter" or variability == "constant" else CALCULATED
 
 
+def _integer(text: str) -> int:
+    """An integer of the schema; Python refuses one of 5000 digits, be they leading zeros."""
+    sign = "-" if text.strip().startswith("-") else ""
+    return int(sign + (text.strip().lstrip("+-0") or "0"))
+
+
 def _unit(row: Any) -> Unit | None:
     base = row.find("BaseUnit")
     if base is None:
         return None
-    exponents = tuple((name, int(base.get(name))) for name in BASE_UNITS if int(base.get(name, "0")))
+    exponents = tuple((name, power) for name in BASE_UNITS if (power := _integer(base.get(name, "0"))))
     return Unit(exponents, float(base.get("factor", "1")), float(base.get("offset", "0")))
 
 
 def _unknown(row: Any) -> Unknown:
     dependencies, kinds = row.get("dependencies"), row.get("dependenciesKind")
     return Unknown(
-        int(row.get("index")),
-        None if dependencies is None else tuple(map(int, dependencies.split())),
+        _integer(row.get("index")),
+        None if dependencies is None else tuple(map(_integer, dependencies.split())),
         None if kinds is None else tuple(kinds.split()),
     )

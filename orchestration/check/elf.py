@@ -12,6 +12,7 @@ MACHINES = {62: "x86_64", 183: "aarch64"}
 _LOAD, _DYNAMIC = 1, 2
 _NEEDED, _HASH, _STRTAB, _SYMTAB, _RPATH, _RUNPATH, _GNU_HASH = 1, 4, 5, 6, 15, 29, 0x6FFFFEF5
 _SYMBOL = struct.Struct("<IBBHQQ")
+_LONGEST = 4096  # bytes of a name; those of C++ templates have a few hundred
 _MOST = 200_000  # symbols, entries, headers: more are a damaged table
 
 
@@ -27,14 +28,15 @@ class Library:
     ----------
     machine
         Processor, such as ``x86_64``.
-    exported
-        Dynamic symbols that are defined and visible.
+    exported, undefined
+        Dynamic symbols that are defined and visible; those that others must define.
     needed, search_paths
         Libraries it loads, and its RPATH and RUNPATH.
     """
 
     machine: str
     exported: frozenset[str]
+    undefined: frozenset[str]
     needed: tuple[str, ...]
     search_paths: tuple[str, ...]
 
@@ -64,21 +66,24 @@ def _read(data: bytes) -> Library:
     strings = _offset(loads, tags[_STRTAB])
 
     def text(index: int) -> str:
-        end = data.find(b"\0", strings + index)
+        end = data.find(b"\0", strings + index, strings + index + _LONGEST)
         if end < 0:
-            msg = "a name has no end"
+            msg = "a name has no end, or is too long"
             raise ElfError(msg)
         return data[strings + index : end].decode(errors="replace")
 
-    exported = set()
+    exported, undefined = set(), set()
     table = _offset(loads, tags[_SYMTAB])
     for i in range(_count(data, loads, tags)):
         name, info, other, section, *_ = _SYMBOL.unpack_from(data, table + _SYMBOL.size * i)
         if name and section and info >> 4 and other & 3 in (0, 3):  # defined, not local, default or protected
             exported.add(text(name))
+        elif name and not section:
+            undefined.add(text(name))
     return Library(
         machine=MACHINES.get(machine, f"machine {machine}"),
         exported=frozenset(exported),
+        undefined=frozenset(undefined),
         needed=tuple(text(value) for tag, value in entries if tag == _NEEDED),
         search_paths=tuple(text(value) for tag, value in entries if tag in (_RPATH, _RUNPATH)),
     )
@@ -141,4 +146,7 @@ def _gnu_count(data: bytes, table: int) -> int:
     chain = start + 4 * buckets
     while not struct.unpack_from("<I", data, chain + 4 * (last - first))[0] & 1:
         last += 1
+        if last > _MOST:
+            msg = "its hash table has no end"
+            raise ElfError(msg)
     return last + 1

@@ -5,6 +5,7 @@ the checklist says otherwise but importers get along, a note if a user should me
 """
 
 import json
+from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
@@ -101,19 +102,22 @@ def note(rule: str, message: str) -> Finding:
 
 def capped(findings: Iterable[Finding]) -> list[Finding]:
     """At most `MOST_ALIKE` findings of one rule and severity, and the number of the others."""
-    found, kept = list(findings), []
-    for severity in Severity:
-        alike = [finding for finding in found if finding.severity == severity]
-        kept += alike[:MOST_ALIKE]
-        if len(alike) > MOST_ALIKE:
-            rest = f"There are {len(alike) - MOST_ALIKE} more findings like these."
-            kept.append(Finding(alike[0].rule, severity, rest))
-    return kept
+    kept: dict[Severity, list[Finding]] = {severity: [] for severity in Severity}
+    counts = Counter[Severity]()
+    for finding in findings:
+        counts[finding.severity] += 1
+        if counts[finding.severity] <= MOST_ALIKE:
+            kept[finding.severity].append(finding)
+    for severity, alike in kept.items():
+        if counts[severity] > MOST_ALIKE:
+            rest = f"There are {counts[severity] - MOST_ALIKE} more findings like these."
+            alike.append(Finding(alike[0].rule, severity, rest))
+    return [finding for alike in kept.values() for finding in alike]
 
 
 def shown(text: object, most: int = LONGEST_NAME) -> str:
     """A stranger's text in a message: printable, and short."""
-    printable = str(text).encode(errors="backslashreplace").decode()
+    printable = str(text)[: most + 1].encode(errors="backslashreplace").decode()
     printable = "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in printable)
     return printable if len(printable) <= most else f"{printable[: most - 3]}..."
 

@@ -107,6 +107,14 @@ def joints(document: Document, role: Role) -> int:
     return max(2, *(int(match[2]) for name in defining if (match := _VECTOR.fullmatch(name))), 0) if defining else 2
 
 
+def mapping_finds(document: Document, mapping: Mapping[str, str]) -> Iterator[Finding]:
+    """Every name that is given for one of ours is that of a variable or an array."""
+    names = {name for variable in document.variables for name in (variable.name, _base(variable.name))}
+    for our, their in mapping.items():
+        if their not in names:
+            yield error(ROLE, f"There is no variable {shown(their)}, which should be the {shown(our)}.")
+
+
 def interface_is_kept(document: Document, name: str) -> Iterator[Finding]:
     """Compare a unit with its role."""
     role = ROLES[name]
@@ -176,6 +184,8 @@ def _compare_units(variable: Declared, needed: str, document: Document, what: st
         both = f"{what} has the unit {name} ({found}); {needed or 'none'} ({wanted}) is needed"
         if variable.unit == needed and found.without_angle() == wanted.without_angle():
             yield warning(ROLE, f"{both}: they differ in rad alone.")
+        elif variable.unit != needed and found.exponents == wanted.exponents:
+            yield note(ROLE, f"{what} is in {name} ({found}), not {needed}; adaptimp converts it, others may not.")
         else:
             yield error(ROLE, f"{both}.")
 

@@ -7,8 +7,12 @@ import ctypes as ct
 import itertools
 import math
 import struct
+import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
+from functools import cache
+from importlib.util import find_spec
+from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 
@@ -77,7 +81,10 @@ class Binary:
 
     def create(self, messages: list[str], *, guid: str | None = None, name: str = "checked") -> int | None:
         """A new component, None if it is refused."""
-        callbacks = Callbacks(_logger(messages), *_memory())
+        environment = next(_environments)
+        _heard[environment] = messages
+        callbacks = Callbacks(_logger(), *_memory(), None, environment)
+        _format_messages(callbacks)
         self._alive.append(callbacks)
         return self.function("fmi2Instantiate")(
             name.encode(),
@@ -215,15 +222,38 @@ def _pointer(type_: str, value: float | str) -> Any:
     return ct.byref(ct.c_double(float(value)) if type_ == "Real" else ct.c_int(int(value)))
 
 
-def _logger(messages: list[str]) -> Any:
-    """A logger that keeps the last messages; the arguments of the format are not looked at."""
+_environments = itertools.count(1)
+_heard: dict[int, list[str]] = {}  # the last messages, by component environment
+
+
+@cache
+def _logger() -> Any:
+    """The logger of all instances, which keeps their last messages."""
 
     def log(environment: Any, name: Any, status: int, category: Any, message: Any) -> None:  # noqa: ARG001
         with suppress(Exception):
-            text = (message or b"").decode(errors="replace").replace("%%", "%").strip()
-            messages[:] = [*messages, text][-KEPT_MESSAGES:]
+            messages = _heard[environment or 0]
+            messages[:] = [*messages, (message or b"").decode(errors="replace").strip()][-KEPT_MESSAGES:]
 
     return Logger(log)
+
+
+def _format_messages(callbacks: Callbacks) -> None:
+    """Put fmpy's proxy before the logger: it formats the arguments of a message, which ctypes cannot see."""
+    if (library := _proxy()) is not None:
+        library.addLoggerProxy(ct.byref(callbacks))
+
+
+@cache
+def _proxy() -> Any:
+    """Fmpy's library for messages, without the time that importing fmpy takes; None if this machine has none."""
+    fmpy = find_spec("fmpy")
+    name = {"win32": "win64/logging.dll", "darwin": "darwin64/logging.dylib"}.get(sys.platform, "linux64/logging.so")
+    if fmpy is None or fmpy.origin is None:
+        return None
+    with suppress(OSError):
+        return ct.CDLL(str(Path(fmpy.origin).parent / "logging" / name))
+    return None
 
 
 def _memory() -> tuple[Any, Any]:

@@ -153,14 +153,14 @@ def check(
     ] = None,
     map_: Annotated[
         list[str] | None,
-        typer.Option("--map", metavar="OURS=THEIRS", help="Its name of a variable of ours; may be repeated."),
+        typer.Option("--map", metavar="OURS=THEIRS", help="Name in the FMU of one of ours; may be repeated."),
     ] = None,
     json: Annotated[bool, typer.Option("--json", help="Print the report as JSON.")] = False,
 ) -> None:
     """Examine an FMU: description, contract, interface, and for a controller a closed loop."""
     from orchestration.cli.check import run_check
 
-    raise typer.Exit(run_check(fmu, role, json, map_ or ()))
+    raise typer.Exit(run_check(fmu, role, json, tuple(map_ or ())))
 
 
 def main() -> None:

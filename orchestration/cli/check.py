@@ -22,9 +22,16 @@ REDUNDANT_LIMIT = 1e4  # N.m, far above what three joints of the redundant arm n
 
 
 def run_check(path: Path, role: str | None = None, json: bool = False, mapping: Sequence[str] = ()) -> int:
-    """Check an FMU and print the report, as a table or as JSON; returns the exit code."""
+    """Check an FMU and print the report, as a table or as JSON; returns the exit code.
+
+    Parameters
+    ----------
+    mapping
+        Texts OURS=THEIRS.
+    """
     try:
-        report = check(path, role, mapping=dict(map(setting_of("--map"), mapping)), loop=paper_loop)
+        names = dict(map(setting_of("--map"), mapping))
+        report = check(path, role, mapping=names, loop=paper_loop)
     except (ArchiveError, SystemDescriptionError, OSError) as error:
         if json:
             typer.echo(formats.dumps({"file": str(path), "error": str(error)}, indent=2))

@@ -49,6 +49,19 @@ def test_a_wrong_unit(fmu_folder: Path, tmp_path: Path, capsys: Captured) -> Non
     assert {"rule", "severity", "message"} == set(report["findings"][0])
 
 
+def test_a_controller_with_other_names(fmu_folder: Path, tmp_path: Path, capsys: Captured) -> None:
+    def edit(xml: str) -> str:
+        return xml.replace('"tau_cmd[', '"Torque[').replace('"q[', '"JointAngle[')
+
+    path = edited(fmu_folder / "HoganImpedance.fmu", tmp_path, edit)
+    assert run_check(path, None, True, ["tau_cmd=Torque", "q=JointAngle"]) == 0
+    report = json.loads(capsys.readouterr().out)
+    assert (report["role"], report["findings"]) == ("controller", [])
+    assert report["facts"][-1].startswith("Closed loop of 0.2 s")
+    assert run_check(path, None, False, ["tau_cmd"]) == 2
+    assert "--map tau_cmd: NAME=VALUE is needed" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize("as_json", [False, True])
 def test_what_cannot_be_examined(tmp_path: Path, fmu_folder: Path, capsys: Captured, as_json: bool) -> None:
     for path, role, said in (

@@ -1,1 +1,1 @@
-"""The FMUs and our Jacobi master against other tools: fmpy, ecos, libcosim."""
+"""The FMUs and our master against other tools, fmpy, ecos, libcosim, and with controllers that others make."""

@@ -6,6 +6,7 @@ import random
 import re
 import struct
 import tempfile
+import time
 import zipfile
 from contextlib import suppress
 from pathlib import Path
@@ -15,11 +16,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from adaptimp_fmu.toolchain import host_platform
-from orchestration.check import Report, Severity, check, elf
+from orchestration.check import Report, Severity, archive_rules, check, elf
+from orchestration.check.findings import ROLE
 from tests.unit.orchestration.checked import DESCRIPTION, MISBEHAVING, assert_found, repacked
+from tests.unit.orchestration.mutated import RICH, mutant
 
 HOST = host_platform()
 LIBRARY = f"binaries/{HOST.name}/Actuator{HOST.extension}"
+MUTANTS = 1000
 PLAIN = MISBEHAVING.replace("FAULT", "none")
 _VALUE = re.compile(r'(\w+)="([^"]*)"')
 HOSTILE = [
@@ -103,6 +107,20 @@ def test_descriptions_without_some_lines(data: st.DataObject) -> None:
     examined(archived(xml))
 
 
+def test_mutants_of_a_rich_description() -> None:
+    """A quarter of them gets past the schema, and every rule about files finds something."""
+    seen = []
+    for seed in range(MUTANTS):
+        try:
+            report = examined(archived(mutant(random.Random(seed), RICH)))
+        except Exception as error:
+            error.add_note(f"seed {seed}")
+            raise
+        seen.append({f.rule for f in report.findings if f.severity != Severity.NOTE})
+    assert sum("1" not in rules for rules in seen) > MUTANTS / 4
+    assert set.union(*seen) >= {"1", "2", "3", "4", "5", "6", "7", ROLE}
+
+
 def test_cut_archives(actuator: bytes) -> None:
     for n in range(0, len(actuator), len(actuator) // 40):
         assert examined(actuator[:n]).failed
@@ -170,6 +188,76 @@ CORPUS: dict[str, bytes] = {
         PLAIN.replace("</ModelStructure>", "</ModelStructure>" + "<!-- " + "-x" * 300_000 + " -->")
     ),
 }
+
+
+ZEROS = "0" * 5000  # legal before an integer of the schema; Python's int refuses so many digits
+LONG_NUMBERS: dict[str, tuple[str, str]] = {
+    "value reference": ('valueReference="0"', f'valueReference="{ZEROS}"'),
+    "index": ('<Unknown index="2"', f'<Unknown index="{ZEROS}2"'),
+    "dependency": ('dependencies="1"', f'dependencies="{ZEROS}1"'),
+    "derivative": ('<Real start="0"/>', f'<Real start="0" derivative="{ZEROS}1"/>'),
+    "exponent": (
+        "<DefaultExperiment",
+        f'<UnitDefinitions><Unit name="x"><BaseUnit m="-{ZEROS}1"/></Unit></UnitDefinitions><DefaultExperiment',
+    ),
+}
+
+
+@pytest.mark.parametrize("name", list(LONG_NUMBERS))
+def test_numbers_with_thousands_of_zeros(name: str) -> None:
+    old, new = LONG_NUMBERS[name]
+    changed = PLAIN.replace(old, new, 1)
+    assert changed != PLAIN
+    report = examined(archived(changed))
+    assert [f.rule for f in report.findings if f.severity == Severity.ERROR] == ["6"], "there is no binary, and no more"
+
+
+def test_the_zeros_are_not_lost() -> None:
+    changed = PLAIN.replace('<Unknown index="2" dependencies="1"/></Init', f'<Unknown index="{ZEROS}300"/></Init')
+    assert_found(examined(archived(changed)), "4", Severity.ERROR, "InitialUnknowns: the index 300 is no variable's")
+
+
+def test_thousands_of_sources_take_no_longer_than_their_bytes() -> None:
+    """The archive is opened once, not for each of them, which took 23 s; findings are counted, not kept."""
+    sources = {f"sources/{i}.c": b'#include "x.h"\n' * 50 for i in range(3000)}
+    started = time.monotonic()
+    report = examined(archived(PLAIN, **sources))
+    assert time.monotonic() - started < 10
+    assert_found(report, "7", Severity.WARNING, "There are 149992 more findings like these")
+
+
+def test_more_sources_than_anyone_writes_are_left_unread(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(archive_rules, "LARGEST_SOURCES", 100)
+    sources = {f"sources/{i}.c": b'#include "x.h"\n' * 4 for i in range(3)}
+    found = [f.message.partition(" ")[0] for f in examined(archived(PLAIN, **sources)).findings if f.rule == "7"]
+    assert found == ["sources/0.c", "sources/1.c"], "60 bytes and the 40 left; the third is not opened"
+
+
+def library(symbols: int, names: bytes) -> bytes:
+    """An ELF file with a table of symbols whose names begin at 1, 2, 3, ... in `names`."""
+    table, dynamic = 64 + 2 * 56, 64 + 2 * 56 + 24 * symbols
+    hash_table = dynamic + 4 * 16
+    strings = hash_table + 8
+    content = bytearray(strings) + b"\0" + names
+    content[:6] = b"\x7fELF\x02\x01"
+    struct.pack_into("<H", content, 18, 62)
+    struct.pack_into("<Q", content, 32, 64)
+    struct.pack_into("<HH", content, 54, 56, 2)
+    struct.pack_into("<IIQQQQ", content, 64, 1, 0, 0, 0, 0, len(content))
+    struct.pack_into("<IIQQQQ", content, 120, 2, 0, dynamic, 0, 0, 64)
+    for i in range(symbols):
+        struct.pack_into("<IBBHQQ", content, table + 24 * i, i, 0x12, 0, 1, 0, 0)
+    for i, entry in enumerate([(5, strings), (6, table), (4, hash_table), (0, 0)]):
+        struct.pack_into("<QQ", content, dynamic + 16 * i, *entry)
+    struct.pack_into("<II", content, hash_table, 1, symbols)
+    return bytes(content)
+
+
+def test_symbols_without_an_end_cost_no_memory() -> None:
+    """2000 names of 4 MB each would be 8 GB."""
+    assert elf.read(library(4, b"abc\0")).exported == {"abc", "bc", "c"}
+    with pytest.raises(elf.ElfError, match="no end, or is too long"):
+        elf.read(library(2000, b"a" * 4_000_000 + b"\0"))
 
 
 @pytest.mark.parametrize("name", list(CORPUS))

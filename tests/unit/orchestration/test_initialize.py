@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from orchestration import InitializationError, SimulationError, System, simulate
+from tests.unit.orchestration.checked import compiled, misbehaving
 from tests.unit.orchestration.units import FIRST, LAST_TICK, H, chain, system
 
 LENGTH = 12
@@ -107,6 +108,17 @@ def test_every_component_keeps_its_own_messages(small: dict[str, Path]) -> None:
         slow = {f"{name}.sample_time": H * (1 if name == f"unit{i}" else 2) for name in units}
         with pytest.raises(SimulationError, match=rf'unit{i}: .*its last message: "k must stay small'):
             simulate(system(small, units).set(slow), 60 * H)
+
+
+def test_a_component_that_refuses_what_another_gave_it_names_both(small: dict[str, Path], tmp_path: Path) -> None:
+    """Ours never show a NaN; a stranger's appears at 2 s, and is refused at the end of the step to it."""
+    stranger = misbehaving(compiled(tmp_path, "nan"), tmp_path / "Misbehaving.fmu", "nan")
+    units = {"source": "Source", "stranger": "Misbehaving", "relay": "Relay"}
+    lines = "source.u -> stranger.u\nstranger.y -> relay.u\nsource.n -> relay.n\nsource.even -> relay.even"
+    given = system({**small, "Misbehaving": stranger}, units, lines)
+    expected = r"relay: fmi2DoStep returned fmi2Error at t = 1\.875 s \(step 15\); .* It was given stranger\.y = nan\."
+    with pytest.raises(SimulationError, match=expected):
+        simulate(given, 4.0)
 
 
 def test_failed_step_has_time_step_and_the_rows_before(small: dict[str, Path]) -> None:

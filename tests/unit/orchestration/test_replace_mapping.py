@@ -114,6 +114,7 @@ def test_a_further_input_is_connected_by_the_name_it_is_mapped_to(strange: dict[
         ),
         ({"tau_cmd": "Torque", "x": "Torque"}, r"Mapping x=Torque: Torque\[1\] is already mapped to tau_cmd\[1\]"),
         ({"tau_cmd": "Position"}, r"tau_cmd\[1\] has causality input, not output"),
+        ({"tau_cmd": "Torque", "x[1]": "Gain"}, r"a\.y -> controller\.x\[1\].*: x\[1\] has causality parameter, not"),
         ({"offset": "sample_time", "tau_cmd": "Torque"}, r"controller\.offset = 0\.5: units m and s differ; map it"),
         (
             {"tau_cmd": "Torque", "sample_time": "Gain"},
