@@ -29,7 +29,7 @@ STYLE: dict[str, Any] = {
     "lines.linewidth": 1.2,
     "savefig.dpi": 150,
     # Fixed: a computed layout draws every figure twice.
-    "figure.subplot.left": 0.07,
+    "figure.subplot.left": 0.08,
     "figure.subplot.right": 0.985,
     "figure.subplot.bottom": 0.065,
     "figure.subplot.top": 0.925,
