@@ -17,7 +17,7 @@ DARWIN = {"darwin64": macho.X86_64, "aarch64-darwin": macho.ARM64}
 # zig's linker lists the addresses of the library's own header, which others never look up.
 DARWIN_HEADER = {"__mh_dylib_header", "___dso_handle"}
 MATHEMATICS = {"floor", "cos", "exp", "log", "pow", "sin", "sincos", "tanh", "__sincos_stret"}
-MEMORY = {"calloc", "free", "malloc", "memcmp", "memcpy", "memmove", "memset", "bzero", "__bzero"}
+MEMORY = {"bcmp", "calloc", "free", "malloc", "memcmp", "memcpy", "memmove", "memset", "bzero", "__bzero"}
 TEXT = {"strcmp", "strcpy", "strlen", "strncmp", "strncpy", "strspn", "vsnprintf"}
 # The C runtime of Windows 10 by its parts: of those that exist no files, network, processes or environment. The
 # last is for what MinGW's start-up prints when it fails.
