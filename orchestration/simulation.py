@@ -324,8 +324,8 @@ class Simulation:
         integers[places.INTERVAL] = integers[places.STEPS_MADE] = k
         self._layout.work.numbers[places.TIME] = self.grid.times[k]
         if k < end:
-            subject, call = self._operations[j, (SUBJECT, CALL)].tolist()
-            self._fail((subject, call, status))
+            failed = self._operations[int(j)].tolist()
+            self._fail((failed[SUBJECT], failed[CALL], status))
 
     def _run_general(self, last: int) -> None:
         """A chunk of the loop for all algorithms."""

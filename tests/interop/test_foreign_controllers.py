@@ -84,10 +84,10 @@ def assert_same_loop(result: Result, expected: Result, torque_unit: float = 1.0)
 
 def dropped(system: System) -> set[str]:
     """Variables of the controller that the new one has no use for, from the notices."""
-    patterns = (r"controller: start value of (\S+) dropped, ", r"Connection \S+ -> controller\.(\S+) dropped: ")
-    found = [re.match("|".join(patterns), notice) for notice in system.notices]
+    pattern = r"controller: (?:start values|connections) dropped, \S+ has no (?:input )?(.+)\."
+    found = [re.fullmatch(pattern, notice) for notice in system.notices]
     assert all(found), system.notices
-    return {match[1] or match[2] for match in found if match}
+    return {name for match in found if match for name in match[1].split(", ")}
 
 
 def assert_only(report: Report, known: set[tuple[str, str]], notes: tuple[str, ...]) -> None:

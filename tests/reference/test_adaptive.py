@@ -6,6 +6,7 @@ to the width of the chatter within milliseconds, in the reference too. There the
 the reference itself keeps when its initial state moves by 1e-14.
 """
 
+from collections.abc import Mapping
 from dataclasses import replace
 from functools import cache
 
@@ -27,6 +28,7 @@ SPREAD = 2.0
 
 RUNS = {**SCENARIOS, **VARIANTS}
 CHATTERING = ("fig5", "fig6", "spong-ortega")
+FELT = ("sensor.F_hat[1]", "sensor.F_hat[2]")
 
 
 def setup(scenario: Scenario, **changes: object) -> Setup:
@@ -79,6 +81,12 @@ def misses(result: Result, expected: dict[str, np.ndarray], rows: slice) -> dict
     }
 
 
+def feel_alike(a: Mapping[str, np.ndarray], b: Mapping[str, np.ndarray]) -> np.ndarray:
+    """Rows in which both sensors measure a force, or neither does."""
+    one, other = (np.any([run[column] != 0 for column in FELT], axis=0) for run in (a, b))
+    return one == other
+
+
 def require(differences: dict[str, float], bounds: dict[str, float]) -> None:
     """Every signal keeps its bound."""
     excess = {column: differences[column] / bounds[column] for column in differences}
@@ -112,15 +120,28 @@ def test_algorithm_1_agrees_pointwise_until_F_c_chatters(name: str) -> None:
 
 @pytest.mark.parametrize("name", CHATTERING)
 def test_algorithm_1_agrees_as_well_as_the_reference_with_itself(name: str) -> None:
-    expected, given = reference(name), setup(RUNS[name])
+    """But for the ticks at which one run feels the wall and the other does not: F_hat jumps by its noise there.
+
+    Contact ends some ticks, each of 2e-5 s, earlier or later; where, hangs on the last bits of the processor's libm.
+    """
+    expected, given, result = reference(name), setup(RUNS[name]), run(RUNS[name])
     bounds: dict[str, float] = {}
+    most = 0
     for sign in (-1, 1):
         q_start = (given.q_start[0] + sign * PERTURBATION, given.q_start[1])
         moved = simulate_reference(replace(given, q_start=q_start))
+        shared = feel_alike(moved, expected)
+        most = max(most, np.count_nonzero(~shared))
         for column, values in moved.items():
             if column == "time":
                 continue
-            own = float(np.abs(values - expected[column]).max()) / scale(expected, column)
+            both = shared if column.startswith("sensor.F_hat") else slice(None)
+            own = float(np.abs(values - expected[column])[both].max()) / scale(expected, column)
             bounds[column] = max(bounds.get(column, 0.0), SPREAD * own + TOLERANCE)
-    differences = misses(run(RUNS[name]), expected, slice(None))
+    felt = {column: result[column] for column in FELT}
+    shared = feel_alike(felt, expected)
+    assert np.count_nonzero(~shared) <= SPREAD * most + 1
+    differences = misses(result, expected, slice(None))
+    for column in FELT:
+        differences[column] = float(np.abs(felt[column] - expected[column])[shared].max()) / scale(expected, column)
     require(differences, bounds)

@@ -12,6 +12,7 @@ import pytest
 from orchestration import SimulationError, System, simulate
 from orchestration.algorithm import Algorithm, StepControl, Tolerance
 from orchestration.master import prepare
+from orchestration.operations import CALL, FUNCTION, SUBJECT
 from orchestration.simulation import Simulation
 from orchestration.tables import DO_STEP
 from tests.reference.problems import PROBLEMS
@@ -36,7 +37,10 @@ def discarding(simulation: Simulation, component: int, longest: float, status: i
         return genuine(instance, t, h, keep)
 
     stand_in = DO_STEP_TYPE(do_step)
-    table[component, DO_STEP] = ctypes.cast(stand_in, ctypes.c_void_p).value
+    operations = simulation._operations
+    steps = (operations[:, SUBJECT] == component) & (operations[:, CALL] == DO_STEP)
+    address = ctypes.cast(stand_in, ctypes.c_void_p).value
+    table[component, DO_STEP] = operations[steps, FUNCTION] = address
     yield refused
 
 
