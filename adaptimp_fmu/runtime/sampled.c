@@ -114,11 +114,9 @@ static RARE int advance_by(Instance *instance, double t, double h) {
     return 1;
 }
 
-/* A step of one period from a tick on is that tick: the rule above without its divisions. */
+/* A step of one period holds one tick, wherever it begins, and does not move the position. */
 static int advance(Instance *instance, double t, double h) {
-    const State *s = &instance->state;
-    if (h == s->values[MODEL_PERIOD] && s->tick_fraction == 0) return run_tick(instance);
-    return advance_by(instance, t, h);
+    return h == instance->state.values[MODEL_PERIOD] ? run_tick(instance) : advance_by(instance, t, h);
 }
 
 /* Between ticks outputs are held, and inputs do not reach them. */

@@ -78,6 +78,26 @@ def test_10_a_run_that_leaves_its_kind_is_refused(binary: Binary, create: Create
     assert f"{last + 1}" in instance.last
 
 
+@pytest.mark.parametrize("phase", ["initialization mode", "step complete"])
+def test_10_variables_of_another_type_are_refused(binary: Binary, create: Create, phase: str) -> None:
+    """Read and written, alone and twice, by the functions of every other type."""
+    instance = create(binary).to(phase)
+    before = instance.blob()
+    examples = {(v.type, v.causality): v for v in binary.variables.values() if v.causality != "independent"}
+    assert "Real" in {kind for kind, _ in examples}
+    for (kind, causality), variable in examples.items():
+        for other, c_type in (("Real", ct.c_double), ("Integer", ct.c_int), ("Boolean", ct.c_int)):
+            if other == kind:
+                continue
+            for action in ("Get", "Set") if causality != "output" else ("Get",):
+                for n in (1, 2):
+                    references = array(ct.c_uint, [variable.valueReference] * n)
+                    status = instance.call(f"fmi2{action}{other}", references, n, array(c_type, [1] * n))
+                    assert status == ERROR, f"fmi2{action}{other} of {variable.name}"
+                    assert all(said in instance.last for said in (variable.name, f"a {kind}", f"a {other}"))
+    assert instance.blob() == before
+
+
 def test_10_more_variables_than_are_copied_at_once(tmp_path: Path, create: Create) -> None:
     """Every number of inputs and outputs up to 40; the runtime copies 24 with one jump."""
     model = SampledModel("Wide", "Doubles its inputs")

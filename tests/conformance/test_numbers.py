@@ -9,7 +9,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from adaptimp_fmu import SampledModel, build
+from adaptimp_fmu import ContinuousModel, SampledModel, build
 from fmus.catalog import UNITS
 from tests.conformance.binary import ERROR, OK, Binary, Instance, array
 from tests.conformance.calls import assert_refused
@@ -77,6 +77,20 @@ def test_11_a_refused_array_sets_nothing(load: Load, create: Create) -> None:
     names = ("q_start[1]", "m[1]")
     status = instance.call("fmi2SetReal", instance.references(*names), 2, array(ct.c_double, [0.5, -1.0]))
     assert_refused(instance, status, before, "m[1]")
+
+
+def test_11_a_state_that_diverges_unseen_is_reported(tmp_path: Path, create: Create) -> None:
+    """Where no output shows it, and no event is near."""
+    model = ContinuousModel("Unseen", "Integrates, and shows its input", dt_max=H)
+    u = model.input("u", 0.0, description="A rate")
+    z = model.state("z", 0.0)
+    model.derivative(z, ca.exp(u))
+    model.output("y", u, description="u")
+    instance = create(Binary(build(model, tmp_path, cache=tmp_path / "cache"), tmp_path / "unpacked")).initialize()
+    assert instance.step(H) == OK
+    assert instance.set({"u": 1e3}) == OK
+    assert instance.step(H) == ERROR
+    assert instance.last.startswith("State z[1] is inf")
 
 
 def test_11_huge_numbers_are_finite(load: Load, create: Create) -> None:

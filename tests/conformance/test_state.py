@@ -7,9 +7,11 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
+import casadi as ca
 import numpy as np
 import pytest
 
+from adaptimp_fmu import ContinuousModel, build
 from fmus.catalog import UNITS
 from tests.conformance.binary import ERROR, OK, PHASES, Binary, Callbacks, Instance, Log
 from tests.conformance.scenes import STEPS, H, random_inputs, run, scene
@@ -63,6 +65,23 @@ def test_13_state_replays_bitwise(binary: Binary, create: Create) -> None:
         np.testing.assert_array_equal(run(instance, seed=5), first)
         assert instance.blob() == after
     assert instance.call("fmi2FreeFMUstate", ct.byref(state)) == OK
+
+
+def test_13_state_holds_what_is_prepared(tmp_path: Path, create: Create) -> None:
+    """What depends on states alone is prepared for the next step; in a unit with events they would renew it."""
+    model = ContinuousModel("Prepared", "A pendulum without events", dt_max=H)
+    u = model.input("u", 2.0, description="Weight")
+    z = model.state("z", 1.0)
+    model.derivative(z, -u * ca.sin(z))
+    model.output("z", z, description="Angle", scalar=True)
+    instance = create(Binary(build(model, tmp_path, cache=tmp_path / "cache"), tmp_path / "unpacked")).initialize()
+    assert instance.step(H) == OK
+    before = instance.blob()
+    assert instance.step(H) == OK
+    expected = instance.outputs()
+    assert instance.restore(before) == OK
+    assert instance.step(H) == OK
+    np.testing.assert_array_equal(instance.outputs(), expected)
 
 
 def test_13_state_restores_parameters(binary: Binary, create: Create) -> None:
