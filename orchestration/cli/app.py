@@ -5,11 +5,34 @@ Exit codes: 0 success, 1 a run failed, 2 the request cannot be carried out as it
 
 import sys
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
+from typer.core import TyperGroup
+
+from orchestration.cli.codes import INTERRUPTED
+
+
+class Interruptible(TyperGroup):
+    """Commands that say so when Ctrl-C ends them."""
+
+    def invoke(self, ctx: Any) -> Any:
+        """Run a command.
+
+        Raises
+        ------
+        typer.Exit
+            For a KeyboardInterrupt.
+        """
+        try:
+            return super().invoke(ctx)
+        except KeyboardInterrupt:
+            typer.echo("Interrupted.", err=True)
+            raise typer.Exit(INTERRUPTED) from None
+
 
 app = typer.Typer(
+    cls=Interruptible,
     add_completion=False,
     no_args_is_help=True,
     rich_markup_mode=None,

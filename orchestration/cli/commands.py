@@ -14,7 +14,6 @@ from orchestration.errors import OrchestrationError, SystemDescriptionError
 
 PROGRESS_AFTER = 1.0  # s
 IMAGES = ("png", "svg")
-INTERRUPTED = 130  # exit code, as shells have it
 _SETTING = re.compile(r"([^=\s]+)=(.*)", re.DOTALL)
 
 console = Console(markup=False, highlight=False)  # names such as x[i] are no markup

@@ -15,6 +15,7 @@ from rich.table import Column, Table
 
 from orchestration.algorithm import Algorithm, Tolerance, find_algorithm
 from orchestration.cli.assumptions import print_assumptions
+from orchestration.cli.codes import INTERRUPTED
 from orchestration.cli.commands import console, errors, require_folder, setting_of
 from orchestration.errors import OrchestrationError, RunInterrupted, SimulationError, SystemDescriptionError
 from orchestration.layout import Crossings
@@ -24,7 +25,6 @@ from orchestration.result import Result
 from orchestration.system import System
 
 PROGRESS_AFTER = 1.0  # s
-INTERRUPTED = 130  # exit code, as shells have it
 FORMATS = (".csv", ".parquet")
 T = TypeVar("T", int, float)
 _SETTING = re.compile(r"([^=\s]+)=(.*)", re.DOTALL)
