@@ -8,7 +8,7 @@ TOOL = Tool(
     "sofirpy",
     (UNIT, SYSTEM),
     "a Python model of its kind whose outputs are connected to the unit's inputs and tunable parameters",
-    requirements=("sofirpy==1.0.2", "numpy"),
+    requirements=("sofirpy==1.0.2", "numpy", "setuptools<81"),  # sofirpy imports pkg_resources
 )
 
 
