@@ -39,7 +39,7 @@ def run(
     Parameters
     ----------
     operations
-        Of a step, see `orchestration.operations.operations`.
+        Of a step, see `orchestration.operations.operations_of_step`.
     grid
         Communication points, s, shape (n_steps + 1,), and step sizes, s, shape (n_steps,), or (1,)
         if all are equal.

@@ -1,7 +1,6 @@
 /* What a model demands of its numbers, and the sentence that says which one is at fault. */
 #include <float.h>
 #include <math.h>
-#include <string.h>
 
 #include "instance.h"
 

@@ -140,7 +140,7 @@ def test_a_crash_and_a_hang_are_entries(fmus: dict[str, Path], tmp_path: Path, m
     for call, failure in {
         "import os, signal; os.kill(os.getpid(), signal.SIGSEGV)": "the process ends with SIGSEGV",
         "import time; time.sleep(60)": "no result after 1 s",
-        "import sys; sys.exit('/tmp/a b/ VirtualTrajectory.so is bad')": "b/ X.so is bad",
+        "import sys; sys.exit('/somewhere/a b/ VirtualTrajectory.so is bad')": "b/ X.so is bad",
         "": "exit code 0",
     }.items():
         monkeypatch.setattr(runner, "_python", lambda _, call=call: [*PYTHON, call])
