@@ -2,6 +2,7 @@
 
 import json
 import signal
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -111,8 +112,17 @@ def test_a_failure_leaves_the_rows_before(small: dict[str, Path], tmp_path: Path
     assert partial.rows.tobytes() == kept.rows.tobytes()
 
 
+@pytest.fixture
+def heeded() -> Iterator[None]:
+    """SIGINT as in the foreground: a shell starts what it puts into the background with it ignored."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
 @every_algorithm
 @pytest.mark.parametrize("by", ["exception", "signal"])
+@pytest.mark.usefixtures("heeded")
 def test_an_interrupt_leaves_the_rows_before(small: dict[str, Path], algorithm, by: str) -> None:
     whole = simulate(decaying(small, STEPS), algorithm=algorithm)
     seen = []
