@@ -5,7 +5,7 @@
     dp_hat/dt = -Gamma W_c' H_hat_x^-1 e*                                              (19)
 
 With W_c = J^-T Y(q, dq, ddq), the direction of (19) is Y' H_hat^-1 J' e*: no inverse of J. F_c is
-that of `fmus.noise_rejection`; since F_c = H_hat_x (-(gamma/2) e*), it enters as an acceleration of
+that of `fmus.control.noise_rejection`; since F_c = H_hat_x (-(gamma/2) e*), it enters as an acceleration of
 the tip. The measured acceleration ddq is used in the adaptation only.
 """
 
@@ -13,11 +13,11 @@ import casadi as ca
 
 from adaptimp_fmu import SampledModel, present
 from fmus import icons
-from fmus.adaptation import declare_adaptation
-from fmus.algebra import solve_2x2, solve_spd
-from fmus.controller import EQUATIONS, declare_controller
-from fmus.impedance import resolved_torque, target_acceleration
-from fmus.noise_rejection import declare_noise_rejection, declare_outputs
+from fmus.control.adaptation import declare_adaptation
+from fmus.control.controller import EQUATIONS, declare_controller
+from fmus.control.impedance import resolved_torque, target_acceleration
+from fmus.control.noise_rejection import declare_noise_rejection, declare_outputs
+from fmus.mechanics.algebra import solve_2x2, solve_spd
 
 GAIN_UNITS = ("kg2.s2/m2", "N2.s4/rad2", "N2.s2")  # p^2 s^2/m^2 for m, viscous, coulomb
 GAINS = (0.0, 5.0, 0.0, 0.0, 0.0, 0.0)  # assumed: m2 is the unknown payload's mass
@@ -27,7 +27,12 @@ def craig_adaptive_impedance() -> SampledModel:
     """Algorithm 1: impedance control with the adaptation of Craig, Hsu and Sastry."""
     controller = declare_controller("CraigAdaptiveImpedance", "Adaptive impedance control, algorithm 1 (after Craig)")
     present(
-        controller.model, icons.adaptive_impedance(1), __name__, "fmus.noise_rejection", "fmus.adaptation", *EQUATIONS
+        controller.model,
+        icons.adaptive_impedance(1),
+        __name__,
+        "fmus.control.noise_rejection",
+        "fmus.control.adaptation",
+        *EQUATIONS,
     )
     adaptation = declare_adaptation(controller, GAINS, GAIN_UNITS)
     measured, arm = controller.measured, controller.arm

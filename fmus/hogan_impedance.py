@@ -10,9 +10,9 @@ The measured force is compensated and shaped; acceleration is not used.
 
 from adaptimp_fmu import NOT_NEGATIVE, SampledModel, present
 from fmus import icons
-from fmus.arm import DIMENSION
-from fmus.controller import EQUATIONS, declare_controller
-from fmus.impedance import null_space_damping, torque_mobility, torque_resolved
+from fmus.control.controller import EQUATIONS, declare_controller
+from fmus.control.impedance import null_space_damping, torque_mobility, torque_resolved
+from fmus.mechanics.planar_arm import DIMENSION
 
 
 def hogan_impedance(n: int = 2, name: str = "HoganImpedance") -> SampledModel:

@@ -3,22 +3,22 @@
     H(q) ddq + C(q, dq) dq + g(q) + f(dq) = tau - J' F_ext
 
 States are q and dq. Contact begins and ends at located events, so the integrator never steps
-across the corner of the contact force. Equations: `fmus.arm`, `fmus.contact`.
+across the corner of the contact force. Equations: `fmus.mechanics.planar_arm`, `fmus.environment.contact`.
 """
 
 import casadi as ca
 
 from adaptimp_fmu import NOT_NEGATIVE, POSITIVE, ContinuousModel, present
 from fmus import icons, start
-from fmus.algebra import solve_spd
-from fmus.arm import PlanarArm
-from fmus.contact import Wall, require_unit_normal
+from fmus.environment.contact import Wall, require_unit_normal
+from fmus.mechanics.algebra import solve_spd
+from fmus.mechanics.planar_arm import PlanarArm
 
 
 def plant(n: int = 2, name: str = "Plant") -> ContinuousModel:
     """An arm of n joints, by default the paper's, and the wall."""
     model = ContinuousModel(name, "Planar arm with point masses against a compliant wall")
-    present(model, icons.arm(n), __name__, "fmus.arm", "fmus.contact", "fmus")
+    present(model, icons.arm(n), __name__, "fmus.mechanics.planar_arm", "fmus.environment.contact", "fmus")
     arm, begin = PlanarArm(n), start.ARMS[n]
     tau = model.input("tau", [0.0] * arm.n, unit="N.m", description="Joint torque")
     q_start = model.parameter("q_start", begin.q, unit="rad", description="Joint angle at the start")

@@ -18,12 +18,12 @@ import casadi as ca
 
 from adaptimp_fmu import NOT_NEGATIVE, SampledModel, present
 from fmus import icons
-from fmus.adaptation import declare_adaptation
-from fmus.algebra import solve_2x2, solve_spd
-from fmus.controller import EQUATIONS, declare_controller
+from fmus.control.adaptation import declare_adaptation
+from fmus.control.controller import EQUATIONS, declare_controller
+from fmus.control.impedance import resolved_torque, target_acceleration
+from fmus.control.noise_rejection import declare_noise_rejection, declare_outputs
 from fmus.craig_adaptive_impedance import GAIN_UNITS, GAINS
-from fmus.impedance import resolved_torque, target_acceleration
-from fmus.noise_rejection import declare_noise_rejection, declare_outputs
+from fmus.mechanics.algebra import solve_2x2, solve_spd
 
 
 def spong_ortega_adaptive_impedance() -> SampledModel:
@@ -37,8 +37,8 @@ def spong_ortega_adaptive_impedance() -> SampledModel:
         icons.adaptive_impedance(3),
         __name__,
         "fmus.craig_adaptive_impedance",
-        "fmus.noise_rejection",
-        "fmus.adaptation",
+        "fmus.control.noise_rejection",
+        "fmus.control.adaptation",
         *EQUATIONS,
     )
     adaptation = declare_adaptation(controller, GAINS, GAIN_UNITS)

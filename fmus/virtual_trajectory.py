@@ -12,7 +12,7 @@ import casadi as ca
 
 from adaptimp_fmu import POSITIVE, SampledModel, present
 from fmus import icons, start
-from fmus.contact import require_unit_normal
+from fmus.environment.contact import require_unit_normal
 
 
 def virtual_trajectory() -> SampledModel:

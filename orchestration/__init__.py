@@ -13,8 +13,8 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from orchestration.algorithm import Algorithm, Correction, StepControl, Tolerance
-    from orchestration.energy import Ledger, PowerBond, ledger
+    from orchestration.analysis.energy import Ledger, PowerBond, ledger
+    from orchestration.analysis.stability.verdict import Verdict
     from orchestration.errors import (
         ArchiveError,
         InitializationError,
@@ -23,42 +23,42 @@ if TYPE_CHECKING:
         SimulationError,
         SystemDescriptionError,
     )
-    from orchestration.layout import Crossings
-    from orchestration.master import UnconnectedInputWarning, prepare, simulate, stream
-    from orchestration.options import Options
-    from orchestration.result import Result
-    from orchestration.simulation import Simulation
-    from orchestration.snapshot import Snapshot
-    from orchestration.stability import Verdict
-    from orchestration.system import Component, Connection, System
+    from orchestration.master.algorithm import Algorithm, Correction, StepControl, Tolerance
+    from orchestration.master.options import Options
+    from orchestration.master.simulate import UnconnectedInputWarning, prepare, simulate, stream
+    from orchestration.master.simulation import Simulation
+    from orchestration.master.snapshot import Snapshot
+    from orchestration.master.step_arrays import Crossings
+    from orchestration.results.result import Result
+    from orchestration.system.system import Component, Connection, System
 
 _HOME = {
-    "Algorithm": "algorithm",
+    "Algorithm": "master.algorithm",
     "ArchiveError": "errors",
-    "Component": "system",
-    "Connection": "system",
-    "Correction": "algorithm",
-    "Crossings": "layout",
+    "Component": "system.system",
+    "Connection": "system.system",
+    "Correction": "master.algorithm",
+    "Crossings": "master.step_arrays",
     "InitializationError": "errors",
-    "Ledger": "energy",
-    "Options": "options",
+    "Ledger": "analysis.energy",
+    "Options": "master.options",
     "OrchestrationError": "errors",
-    "PowerBond": "energy",
-    "Result": "result",
+    "PowerBond": "analysis.energy",
+    "Result": "results.result",
     "RunInterrupted": "errors",
-    "Simulation": "simulation",
+    "Simulation": "master.simulation",
     "SimulationError": "errors",
-    "Snapshot": "snapshot",
-    "StepControl": "algorithm",
-    "System": "system",
+    "Snapshot": "master.snapshot",
+    "StepControl": "master.algorithm",
+    "System": "system.system",
     "SystemDescriptionError": "errors",
-    "Tolerance": "algorithm",
-    "UnconnectedInputWarning": "master",
-    "Verdict": "stability",
-    "ledger": "energy",
-    "prepare": "master",
-    "simulate": "master",
-    "stream": "master",
+    "Tolerance": "master.algorithm",
+    "UnconnectedInputWarning": "master.simulate",
+    "Verdict": "analysis.stability.verdict",
+    "ledger": "analysis.energy",
+    "prepare": "master.simulate",
+    "simulate": "master.simulate",
+    "stream": "master.simulate",
 }
 
 __all__ = [

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from orchestration.result import Result
+    from orchestration.results.result import Result
 
 
 class OrchestrationError(Exception):

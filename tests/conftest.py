@@ -11,7 +11,7 @@ from fmus.catalog import UNITS
 from tests.driver import Driver
 
 ORCHESTRATION = Path(__file__).parents[1] / "orchestration"
-COMPILED = ("calls", "tables", "operations", "loop", "coupling", "sweeps", "correction", "stepping")
+COMPILED = (ORCHESTRATION / "fmi", ORCHESTRATION / "master" / "kernel")
 
 
 def pytest_configure() -> None:
@@ -19,8 +19,8 @@ def pytest_configure() -> None:
 
     numba looks at the file of a function alone, not at those of the functions that it calls.
     """
-    newest = max((ORCHESTRATION / f"{name}.py").stat().st_mtime for name in COMPILED)
-    for index in (ORCHESTRATION / "__pycache__").glob("*.nbi"):
+    newest = max(path.stat().st_mtime for folder in COMPILED for path in folder.glob("*.py"))
+    for index in ORCHESTRATION.rglob("__pycache__/*.nbi"):
         with suppress(OSError):
             if index.stat().st_mtime < newest:
                 index.unlink()

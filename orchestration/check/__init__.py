@@ -9,10 +9,12 @@ Rules have numbers: 1 to 8 are about files, 9 to 16 about calls. Whatever the fi
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
-from orchestration.check import archive_rules, binary_rules, description_rules, dynamic, roles, structure_rules
-from orchestration.check.binary_rules import host_library
+from orchestration.check import roles
 from orchestration.check.closed_loop import Loop, try_loop
+from orchestration.check.dynamic import supervision as dynamic
 from orchestration.check.findings import Finding, Report, Severity, capped
+from orchestration.check.static import archive_rules, binary_rules, description_rules, structure_rules
+from orchestration.check.static.binary_rules import host_library
 from orchestration.errors import ArchiveError, SystemDescriptionError
 
 __all__ = ["Finding", "Loop", "Report", "Severity", "check"]

@@ -12,10 +12,10 @@ from pathlib import Path
 from typing import Any
 
 from orchestration.check.findings import LOOP, Finding, error, note, shown, warning
-from orchestration.check.process import work
 from orchestration.errors import OrchestrationError
-from orchestration.system import System
-from orchestration.units import AS_IS, Linear
+from orchestration.fmi.units import AS_IS, Linear
+from orchestration.sandbox.process import work
+from orchestration.system.system import System
 
 DURATION = 0.2  # s, in which the tip of the paper's arm moves 0.6 m
 TIMEOUT = 120.0  # s; the first run of a machine compiles the loop
@@ -90,8 +90,8 @@ def try_loop(
 
 def run(plan: dict[str, Any], write: Callable[..., None]) -> None:
     """In the worker: run both systems."""
-    from orchestration.master import simulate
-    from orchestration.options import Options
+    from orchestration.master.options import Options
+    from orchestration.master.simulate import simulate
 
     record = [f"{n}[{i}]" for n in ("plant.x", "trajectory.x_v") for i in (1, 2)]
     with warnings.catch_warnings():

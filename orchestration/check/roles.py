@@ -8,9 +8,9 @@ import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 
-from orchestration.check.document import Declared, Document, Unit
 from orchestration.check.findings import ROLE, Finding, error, note, shown, warning
-from orchestration.fmu import BOOLEAN, REAL, SAMPLE_TIME
+from orchestration.check.static.document import Declared, Document, Unit
+from orchestration.fmi.instance import BOOLEAN, REAL, SAMPLE_TIME
 
 JOINT, PLANE, SCALAR, OPEN = "joint", "plane", "scalar", "open"  # how many elements a signal has
 _VECTOR = re.compile(r"(.+)\[(\d{1,9})\]")

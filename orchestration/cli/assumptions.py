@@ -4,8 +4,8 @@ import typer
 from rich.table import Column, Table
 
 from orchestration.cli.commands import console
-from orchestration.fmu import BOOLEAN
-from orchestration.system import System
+from orchestration.fmi.instance import BOOLEAN
+from orchestration.system.system import System
 
 
 def print_assumptions(system: System) -> None:

@@ -49,9 +49,9 @@ def paper_loop(joints: int) -> Loop | None:
 
     That of Fig. 2, with the damping of Figs. 5 to 7, with which adaptive controllers are strictly positive real.
     """
-    from orchestration.paper.provide import fmus
+    from orchestration.paper.built_fmus import fmus
     from orchestration.paper.scenarios import TORQUE_LIMITS, VARIANTS
-    from orchestration.system import System
+    from orchestration.system.system import System
 
     if joints == 2:
         chosen = VARIANTS["ideal"]

@@ -25,7 +25,7 @@ def build_fmus(files: Sequence[Path], out: Path, platforms: Sequence[str]) -> No
     from adaptimp_fmu import PLATFORMS
     from fmus.catalog import UNITS
     from orchestration.cli.models import models_of
-    from orchestration.paper.provide import built_model
+    from orchestration.paper.built_fmus import built_model
 
     for name in platforms:
         if name not in PLATFORMS and name != "all":
@@ -73,7 +73,7 @@ def require_folder(folder: Path) -> None:
 
 def export_scenario(name: str, out: Path) -> None:
     """Write a scenario as an SSP package."""
-    from orchestration.paper.provide import fmus, scenario
+    from orchestration.paper.built_fmus import fmus, scenario
 
     if out.suffix != ".ssp":
         msg = f"{out}: a scenario is written as .ssp."

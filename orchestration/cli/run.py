@@ -13,16 +13,16 @@ import typer
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Column, Table
 
-from orchestration.algorithm import Algorithm, Tolerance, find_algorithm
 from orchestration.cli.assumptions import print_assumptions
 from orchestration.cli.codes import INTERRUPTED
 from orchestration.cli.commands import console, errors, require_folder, setting_of
 from orchestration.errors import OrchestrationError, RunInterrupted, SimulationError, SystemDescriptionError
-from orchestration.layout import Crossings
-from orchestration.master import Options, prepare
-from orchestration.options import Progress as Report
-from orchestration.result import Result
-from orchestration.system import System
+from orchestration.master.algorithm import Algorithm, Tolerance, find_algorithm
+from orchestration.master.options import Progress as Report
+from orchestration.master.simulate import Options, prepare
+from orchestration.master.step_arrays import Crossings
+from orchestration.results.result import Result
+from orchestration.system.system import System
 
 PROGRESS_AFTER = 1.0  # s
 FORMATS = (".csv", ".parquet")
@@ -161,7 +161,7 @@ def _check_output(out: Path | None) -> None:
 
 def _warn(system: System, step: float, algorithm: Algorithm) -> None:
     """Say so if the algorithm is unstable at the start; a system that cannot be judged is run anyway."""
-    from orchestration.stability import is_stable, stability
+    from orchestration.analysis.stability.verdict import is_stable, stability
 
     try:
         if not is_stable(system, step, algorithm):
@@ -177,7 +177,7 @@ def _system(request: RunRequest) -> System:
     if request.system.endswith(".ssp"):
         system = System.read(request.system)
     else:
-        from orchestration.paper.provide import fmus, scenario
+        from orchestration.paper.built_fmus import fmus, scenario
 
         chosen = scenario(request.system)
         system = chosen.system(fmus(chosen.units.values()))

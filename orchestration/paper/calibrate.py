@@ -18,9 +18,9 @@ import numpy as np
 from rich.console import Console
 
 from orchestration.errors import SimulationError
-from orchestration.paper.campaign import Job, Laboratory
+from orchestration.paper.built_fmus import fmus
+from orchestration.paper.laboratory import Job, Laboratory
 from orchestration.paper.measure import Summary, contact
-from orchestration.paper.provide import fmus
 from orchestration.paper.scenarios import NOISE_SHARE, SCENARIOS, TORQUE_SHARE, VARIANTS
 
 SEARCH_SEEDS = 6

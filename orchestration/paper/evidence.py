@@ -7,10 +7,10 @@ from functools import cached_property
 import numpy as np
 
 from orchestration.errors import SimulationError
-from orchestration.paper.campaign import SEEDS, Job, Laboratory
+from orchestration.paper.laboratory import SEEDS, Job, Laboratory
 from orchestration.paper.measure import ESTIMATE, TRUE_M2, Summary
 from orchestration.paper.scenarios import SCENARIOS
-from orchestration.result import Result
+from orchestration.results.result import Result
 
 PSI_GRID = tuple(100.0 * 10.0 ** (k / 3) for k in range(-3, 4))  # 1/s, two decades
 GAMMA_GRID_FACTORS = tuple(10.0 ** (k / 3) for k in range(-3, 4))  # of the scenario's gain

@@ -13,7 +13,7 @@ from matplotlib.ticker import MaxNLocator
 from orchestration.paper.measure import ESTIMATE, TRUE_M2, at_ticks, contact
 from orchestration.paper.scenarios import SCENARIOS, TORQUE_LIMITS, WALL_OFFSET
 from orchestration.paper.theory import wall_points
-from orchestration.result import Result
+from orchestration.results.result import Result
 
 mpl.use("Agg")
 

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from orchestration.result import Result
+from orchestration.results.result import Result
 
 START = np.array([1.5, 0.0])  # m, V: where the tip begins and ends
 TRUE_M2 = 1.0  # kg, V

@@ -18,7 +18,7 @@ import numpy as np
 from fmpy.util import read_csv
 
 import fmus
-from orchestration.paper.provide import built
+from orchestration.paper.built_fmus import built
 from orchestration.paper.stimuli import STIMULI, Stimulus
 
 FOLDER = Path(fmus.__file__).parent / "reference"

@@ -6,16 +6,16 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from orchestration.archive import file_hash
-from orchestration.paper.campaign import Job, Laboratory
-from orchestration.paper.claim import Claim
-from orchestration.paper.claims import as_markdown, as_records, evaluate
+from orchestration.paper.built_fmus import fmus
+from orchestration.paper.claims.cache import claims_of
+from orchestration.paper.claims.claim import Claim
+from orchestration.paper.claims.evaluation import as_markdown, as_records, evaluate
 from orchestration.paper.evidence import Evidence
 from orchestration.paper.figures import draw
-from orchestration.paper.kept import claims_of
-from orchestration.paper.provide import fmus
+from orchestration.paper.laboratory import Job, Laboratory
 from orchestration.paper.scenarios import SCENARIOS, VARIANTS, Scenario
-from orchestration.result import Result
+from orchestration.results.result import Result
+from orchestration.sandbox.archive import file_hash
 
 Tell = Callable[[str], None]
 

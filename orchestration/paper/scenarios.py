@@ -9,8 +9,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from orchestration.fmu import SAMPLE_TIME
-from orchestration.system import System
+from orchestration.fmi.instance import SAMPLE_TIME
+from orchestration.system.system import System
 
 TARGET_INERTIA = 2.0  # kg, V
 TARGET_STIFFNESS = 4000.0  # N/m, V

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fmus.arm import PlanarArm
+from fmus.mechanics.planar_arm import PlanarArm
 from fmus.start import ARMS
 
 Columns = Mapping[str, np.ndarray]

@@ -6,9 +6,7 @@ from functools import cache
 import casadi as ca
 import numpy as np
 
-from fmus.algebra import solve_2x2, solve_spd
-from fmus.arm import PlanarArm
-from fmus.impedance import (
+from fmus.control.impedance import (
     ArmModel,
     Measured,
     target_acceleration,
@@ -16,7 +14,9 @@ from fmus.impedance import (
     torque_operational,
     torque_resolved,
 )
-from fmus.tirt import Impedance
+from fmus.control.tirt import Impedance
+from fmus.mechanics.algebra import solve_2x2, solve_spd
+from fmus.mechanics.planar_arm import PlanarArm
 from orchestration.paper.scenarios import WALL_OFFSET
 
 N_STATES = 1000

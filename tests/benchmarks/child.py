@@ -34,9 +34,9 @@ def time_import(module: str) -> dict[str, float]:
 def time_simulate(fmu: str, algorithm: str) -> dict[str, float]:
     """Time of imports, and of the first and the second `simulate` of two units, s."""
     begin = perf_counter()
-    import_module("orchestration.stepping")  # which the first run would import
-    import_module("orchestration.simulation")
-    from orchestration.master import simulate
+    import_module("orchestration.master.kernel.step_control")  # which the first run would import
+    import_module("orchestration.master.simulation")
+    from orchestration.master.simulate import simulate
 
     system = chain(fmu, 2)
     imported = perf_counter()
@@ -50,7 +50,7 @@ def measure_memory(fmu: str, n_rows: str, parquet: str | None = None) -> dict[st
     """Peak memory of a run that records all outputs, in memory or to a file; bytes."""
     import resource
 
-    from orchestration.master import simulate, stream
+    from orchestration.master.simulate import simulate, stream
 
     system = chain(fmu, N_MEMORY_UNITS)
     simulate(system, 9 * system.step)  # compiled code and caches are there
@@ -70,8 +70,8 @@ def measure_memory(fmu: str, n_rows: str, parquet: str | None = None) -> dict[st
 
 def chain(fmu: str, n_units: int) -> Any:
     """Units of one FMU, each output to the next unit; every unit has as many inputs as outputs."""
-    from orchestration.fmu import read_description
-    from orchestration.system import Component, Connection, System
+    from orchestration.fmi.instance import read_description
+    from orchestration.system.system import Component, Connection, System
 
     description = read_description(Path(fmu))
     units = [f"unit{i + 1}" for i in range(n_units)]

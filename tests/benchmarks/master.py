@@ -20,8 +20,8 @@ from typing import Any
 import numpy as np
 from rich.console import Console
 
-from orchestration.paper.provide import fmus, scenario
-from orchestration.system import System
+from orchestration.paper.built_fmus import fmus, scenario
+from orchestration.system.system import System
 from tests.benchmarks.report import (
     Goal,
     Measure,

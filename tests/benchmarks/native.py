@@ -18,7 +18,7 @@ import numpy as np
 
 from adaptimp_fmu.errors import ToolchainError
 from adaptimp_fmu.toolchain import FLAGS, host_platform
-from orchestration.tables import Plan
+from orchestration.master.kernel.flat_system import Plan
 
 HERE = Path(__file__).parent
 COMPONENTS = ("trajectory", "sensor", "controller", "actuator", "plant")  # the order in bare.c

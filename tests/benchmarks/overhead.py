@@ -24,8 +24,8 @@ from warnings import catch_warnings, simplefilter
 import numpy as np
 from rich.console import Console
 
-from orchestration.master import Options, UnconnectedInputWarning, prepare
-from orchestration.system import System
+from orchestration.master.simulate import Options, UnconnectedInputWarning, prepare
+from orchestration.system.system import System
 from tests.benchmarks.container import contained
 from tests.benchmarks.report import (
     Goal,

@@ -14,12 +14,12 @@ from typing import Any, Self
 
 import numpy as np
 
-from orchestration import loop, tables
-from orchestration.assembly import Assembly, assemble
-from orchestration.fmu import BOOLEAN, INTEGER, REAL, SAVES_STATE, Instance
-from orchestration.initialize import initialize, opened
-from orchestration.operations import operations_of_step
-from orchestration.system import Component, System
+from orchestration.fmi.instance import BOOLEAN, INTEGER, REAL, SAVES_STATE, Instance
+from orchestration.master.flatten import Assembly, assemble
+from orchestration.master.initialization import initialize, opened
+from orchestration.master.kernel import fixed_step, flat_system
+from orchestration.master.kernel.step_program import operations_of_step
+from orchestration.system.system import Component, System
 from tests.benchmarks.native import CLoop
 from tests.benchmarks.report import Measure
 
@@ -97,12 +97,12 @@ class Rig:
 
         def run(first: int, last: int) -> None:
             status = self.c.run((self.times, self.step), (first, last), self._room(first, every), every)
-            require(status <= tables.WORST_ACCEPTED, f"The C loop ended with status {status}.")
+            require(status <= flat_system.WORST_ACCEPTED, f"The C loop ended with status {status}.")
 
         return self.pieces(n, run)
 
     def time_ours(self, n: int, every: int = 1) -> np.ndarray:
-        """Measure `loop.run`, recording one of `every` steps.
+        """Measure `fixed_step.run`, recording one of `every` steps.
 
         Raises
         ------
@@ -113,7 +113,7 @@ class Rig:
         plan, grid = self.assembly.plan, (self.times, np.array([self.step]))
 
         def run(first: int, last: int) -> None:
-            k, *failure = loop.run(self.operations, plan, grid, (first, last), self._room(first, every), every)
+            k, *failure = fixed_step.run(self.operations, plan, grid, (first, last), self._room(first, every), every)
             require(k == last, f"The compiled loop ended at step {k}: {failure}.")
 
         return self.pieces(n, run)

@@ -18,7 +18,7 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from orchestration.options import Options
+from orchestration.master.options import Options
 from tests.benchmarks.overhead import time_simulation
 from tests.benchmarks.report import alternate, machine, undisturbed, versions, write_json
 from tests.benchmarks.rig import Rig

@@ -27,7 +27,12 @@ from tests.benchmarks.trivial import unit
 
 MODULES = (
     *("numpy", "numba", "fmpy", "pyarrow.parquet", "casadi"),
-    *("orchestration", "orchestration.system", "orchestration.master", "orchestration.stepping"),
+    *(
+        "orchestration",
+        "orchestration.system.system",
+        "orchestration.master.simulate",
+        "orchestration.master.kernel.step_control",
+    ),
     *("orchestration.cli", "adaptimp_fmu", "fmus.catalog"),
 )
 ALGORITHMS = ("gauss-seidel", "iterative", "newton", "adaptive")

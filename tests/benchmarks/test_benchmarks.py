@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from orchestration.paper.provide import fmus, scenario
+from orchestration.paper.built_fmus import fmus, scenario
 from tests.benchmarks import master, overhead, scaling, start
 from tests.benchmarks.rig import BenchmarkError, Rig
 from tests.benchmarks.trivial import ring

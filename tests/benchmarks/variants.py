@@ -7,9 +7,9 @@ from typing import Self
 
 import numpy as np
 
-from orchestration import tables
-from orchestration.fmu import BOOLEAN, INTEGER, REAL, Instance
-from orchestration.system import Component, System
+from orchestration.fmi.instance import BOOLEAN, INTEGER, REAL, Instance
+from orchestration.master.kernel import flat_system
+from orchestration.system.system import Component, System
 from tests.benchmarks.native import COMPONENTS, BareUnits
 from tests.benchmarks.rig import Rig, require, sources
 
@@ -90,7 +90,7 @@ class Bench(Rig):
         def run(first: int, last: int) -> None:
             given = (inputs.reals[first:last], inputs.booleans[first:last])
             status = self.c.replay(i, (self.times[first:last], self.step), given, [bool(call) for call in calls])
-            require(status <= tables.WORST_ACCEPTED, f"Component {i} alone ended with status {status}.")
+            require(status <= flat_system.WORST_ACCEPTED, f"Component {i} alone ended with status {status}.")
 
         return self.pieces(len(inputs.all), run)
 

@@ -9,7 +9,7 @@ from functools import cache
 import numpy as np
 
 from orchestration import Options, Result, simulate
-from orchestration.paper.provide import fmus
+from orchestration.paper.built_fmus import fmus
 from orchestration.paper.scenarios import SCENARIOS
 
 PERIODS = (1e-4, 5e-5, 2e-5)  # s

@@ -10,7 +10,7 @@ from functools import cache
 import numpy as np
 
 from orchestration import Options, simulate
-from orchestration.paper.provide import fmus
+from orchestration.paper.built_fmus import fmus
 from orchestration.paper.scenarios import SCENARIOS
 
 STEPS = (4e-4, 2e-4, 1e-4, 5e-5)  # s

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from orchestration import simulate
-from orchestration.algorithm import NEWTON, PARALLEL, Algorithm, Correction, Tolerance
+from orchestration.master.algorithm import NEWTON, PARALLEL, Algorithm, Correction, Tolerance
 from tests.reference.problems import force_displacement, wall
 
 HELD = [Algorithm("iterative", PARALLEL, correction=Correction()), Algorithm("newton", correction=Correction(NEWTON))]

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from orchestration import SimulationError, simulate
-from orchestration.algorithm import (
+from orchestration.master.algorithm import (
     DIFFERENCES,
     DIRECTIONAL,
     FIXED_POINT,

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from orchestration import simulate
-from orchestration.algorithm import FIXED_POINT, NEWTON, PARALLEL, SEQUENTIAL, Algorithm, Correction, Tolerance
+from orchestration.master.algorithm import FIXED_POINT, NEWTON, PARALLEL, SEQUENTIAL, Algorithm, Correction, Tolerance
 from tests.reference.problems import PROBLEMS, damper_pair, force_displacement, wall
 
 TIGHT = Tolerance(1e-12)  # of corrections: their part of every error here is below a hundredth

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from orchestration import SimulationError, simulate
-from orchestration.algorithm import PARALLEL, Algorithm, Correction, StepControl, Tolerance
+from orchestration.master.algorithm import PARALLEL, Algorithm, Correction, StepControl, Tolerance
 from tests.reference.problems import PROBLEMS
 
 TOLERANCES = (1e-2, 1e-3, 1e-4, 1e-5)

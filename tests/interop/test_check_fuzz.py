@@ -15,11 +15,11 @@ import pytest
 from orchestration import System
 from orchestration.check import Report, Severity
 from orchestration.errors import ArchiveError
-from orchestration.fmu import read_description
+from orchestration.fmi.instance import read_description
 from tests.interop.foreign.builders import container, python_slave, without_pythonfmu
+from tests.unit.orchestration.check.test_robust import examined
 from tests.unit.orchestration.checked import DESCRIPTION
 from tests.unit.orchestration.mutated import damaged, entries_of, mutant, packed
-from tests.unit.orchestration.test_check_robust import examined
 
 DESCRIPTIONS, ARCHIVES, WHOLE = 20, 15, 2  # examples of each kind for each file
 SLOW = "container"  # its runtime never returns from a step of NaN, which costs every example a timeout

@@ -1,7 +1,7 @@
 """The regressors in tip space, (13) and (34): W (p_hat - p) is the difference of the dynamics; (36) is (32).
 
-W = J^-T Y with the code's joint regressor Y (fmus/arm.py), against H_x, C_x, g_x, f_x formed from closed
-forms.
+W = J^-T Y with the code's joint regressor Y (fmus/mechanics/planar_arm.py), against H_x, C_x, g_x, f_x
+formed from closed forms.
 """
 
 from functools import cache
@@ -9,7 +9,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from fmus.arm import PlanarArm
+from fmus.mechanics.planar_arm import PlanarArm
 from tests.property.definitions import outputs
 from tests.property.pose import Pose
 from tests.property.samples import Samples, evaluate, random_arms

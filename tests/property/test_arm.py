@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fmus.arm import PlanarArm
+from fmus.mechanics.planar_arm import PlanarArm
 from tests.property.samples import EPS, evaluate, random_arms
 
 SIZE = 500

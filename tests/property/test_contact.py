@@ -1,4 +1,4 @@
-"""Evidence for the wall, `fmus.contact`: it only pushes, stores without loss, damps, and its friction opposes sliding.
+"""The wall, `fmus.environment.contact`: it only pushes, stores without loss, damps, and its friction opposes sliding.
 
 F_ext is the force of the tip on the wall: what opposes the tip is -F_ext, and F_ext' dx is the power into the wall.
 """
@@ -11,7 +11,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from fmus.contact import Wall
+from fmus.environment.contact import Wall
 from tests.driver import Driver
 from tests.property.samples import EPS
 

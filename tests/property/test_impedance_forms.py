@@ -10,8 +10,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from fmus.arm import PlanarArm
-from fmus.impedance import (
+from fmus.control.impedance import (
     ArmModel,
     Measured,
     null_space_damping,
@@ -20,7 +19,8 @@ from fmus.impedance import (
     torque_operational,
     torque_resolved,
 )
-from fmus.tirt import Impedance
+from fmus.control.tirt import Impedance
+from fmus.mechanics.planar_arm import PlanarArm
 from tests.property.samples import EPS, Samples, evaluate, random_arms
 
 SIZE = 500

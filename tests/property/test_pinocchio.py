@@ -11,7 +11,7 @@ import numpy as np
 import pinocchio
 import pytest
 
-from fmus.arm import PlanarArm
+from fmus.mechanics.planar_arm import PlanarArm
 from tests.property.samples import EPS, evaluate, random_arms
 
 pin: Any = pinocchio  # a compiled module, whose names a type checker does not see
@@ -71,7 +71,7 @@ def theirs(n: int) -> dict[str, np.ndarray]:
 
 @cache
 def ours(n: int) -> dict[str, np.ndarray]:
-    """The same quantities from `fmus.arm`; friction left out, which Pinocchio's model has not."""
+    """The same quantities from `fmus.mechanics.planar_arm`; friction left out, which Pinocchio's model has not."""
     arm, s = PlanarArm(n), random_arms(n, STATES, seed=1991)
     masses = np.concatenate([s.m, np.zeros((2 * n, STATES))])
     given = (s.l, s.gravity, s.coulomb_velocity)

@@ -9,7 +9,7 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
-from fmus.tirt import SERIES_LIMIT, Impedance, advance
+from fmus.control.tirt import SERIES_LIMIT, Impedance, advance
 from tests.property.samples import EPS
 
 Virtual = Callable[[float], np.ndarray]

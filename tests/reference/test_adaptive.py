@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from orchestration import Options, Result, simulate
-from orchestration.paper.provide import fmus
+from orchestration.paper.built_fmus import fmus
 from orchestration.paper.scenarios import SCENARIOS, VARIANTS, Scenario
 from tests.reference.monolithic import Setup, simulate_reference
 from tests.reference.test_gauss_seidel import scale

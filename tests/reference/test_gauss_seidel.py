@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from orchestration import Options, System, simulate
-from orchestration.paper.provide import fmus
+from orchestration.paper.built_fmus import fmus
 from orchestration.paper.scenarios import SCENARIOS
 from tests.reference.monolithic import Setup, simulate_reference
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from fmus.catalog import UNITS
 from orchestration import Options, Result, System, simulate
-from orchestration.paper.provide import fmus
+from orchestration.paper.built_fmus import fmus
 from orchestration.paper.scenarios import SCENARIOS, VARIANTS
 
 CONTROLLERS = (

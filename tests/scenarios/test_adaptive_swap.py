@@ -11,7 +11,7 @@ import pytest
 
 from adaptimp_fmu import SampledModel, build
 from orchestration import InitializationError, Options, Result, SystemDescriptionError, simulate
-from orchestration.master import UnconnectedInputWarning
+from orchestration.master.simulate import UnconnectedInputWarning
 from tests.scenarios.adaptive import CONTROLLERS, files, pair, run, system
 
 SHORT = 0.02  # s

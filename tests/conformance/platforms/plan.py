@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from orchestration import Component, System
-from orchestration.fmu import BOOLEAN, INTEGER, REAL, Variable
+from orchestration.fmi.instance import BOOLEAN, INTEGER, REAL, Variable
 
 TYPES = {REAL: 0, INTEGER: 1, BOOLEAN: 2}  # as driver.c has them
 

@@ -8,7 +8,7 @@ from tempfile import TemporaryDirectory
 from rich.console import Console
 
 from fmus.catalog import UNITS
-from orchestration.paper.provide import fmus
+from orchestration.paper.built_fmus import fmus
 from tests.interop.matrix.compare import Verdict
 from tests.interop.matrix.jobs import FIGURES
 from tests.interop.matrix.outcomes import Outcomes, measure

@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 
 from orchestration import Options, System, UnconnectedInputWarning, simulate
-from orchestration.fmu import read_description
+from orchestration.fmi.instance import read_description
 from orchestration.paper.scenarios import SCENARIOS
-from orchestration.system import Component
+from orchestration.system.system import Component
 from tests.conformance.replay import options, table
 from tests.driver import Driver
 from tests.interop.matrix.protocol import NANOSECONDS, SYSTEM, UNIT, Job, Part, Tool

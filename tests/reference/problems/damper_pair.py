@@ -14,7 +14,7 @@ is left to see: stable and wrong. Jacobi is stable for q < 1.12 and q > 35.8. `s
 
 import numpy as np
 
-from orchestration.system import System
+from orchestration.system.system import System
 from tests.reference.problems import force_displacement
 from tests.reference.problems.problem import Problem
 from tests.reference.problems.two_masses import energy as energy_of_two_masses

@@ -11,7 +11,7 @@ No force crosses the coupling, so there is no power bond. Order: left, right.
 import numpy as np
 
 from adaptimp_fmu import ContinuousModel
-from orchestration.system import System
+from orchestration.system.system import System
 from tests.reference.problems.problem import Part, Problem, assemble
 from tests.reference.problems.two_masses import (
     DT_MAX,

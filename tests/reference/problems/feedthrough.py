@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from adaptimp_fmu import ContinuousModel
-from orchestration.system import System
+from orchestration.system.system import System
 from tests.reference.problems.problem import Part, Problem, assemble
 
 DT_MAX = 1e-3  # s; a = -1/s with u held: Runge-Kutta 4 errs by 1e-15 / 120 of x in a step

@@ -20,7 +20,7 @@ import casadi as ca
 import numpy as np
 
 from adaptimp_fmu import ContinuousModel
-from orchestration.system import System
+from orchestration.system.system import System
 from tests.reference.problems.problem import Part, Problem, assemble, held
 from tests.reference.problems.two_masses import (
     DT_MAX,

@@ -17,8 +17,8 @@ import numpy as np
 from scipy.linalg import expm
 
 from adaptimp_fmu import Model, build
-from orchestration.fmu import Description, read_description
-from orchestration.system import Component, Connection, System
+from orchestration.fmi.instance import Description, read_description
+from orchestration.system.system import Component, Connection, System
 
 
 class Columns(Protocol):

@@ -18,7 +18,7 @@ import casadi as ca
 import numpy as np
 
 from adaptimp_fmu import NOT_NEGATIVE, POSITIVE, ContinuousModel
-from orchestration.system import System
+from orchestration.system.system import System
 from tests.reference.problems.problem import Part, Problem, assemble, free_motion
 
 # Wheel hop is sqrt((k_s + k_t) / m_u) = 69 rad/s: Runge-Kutta 4 misses (w dt)^4 / 120 = 2e-11 of its phase at

@@ -28,7 +28,7 @@ import casadi as ca
 import numpy as np
 
 from adaptimp_fmu import NOT_NEGATIVE, ContinuousModel, Type
-from orchestration.system import System
+from orchestration.system.system import System
 from tests.reference.problems.force_displacement import pushed_mass
 from tests.reference.problems.problem import Columns, Part, Problem, assemble, free_motion
 

@@ -17,7 +17,7 @@ from fmpy.logging import addLoggerProxy
 
 from adaptimp_fmu import SampledModel, Type, build
 from adaptimp_fmu.testing import FmuError, OpenedFmu, SignalError, fmu, open_fmu
-from fmus.arm import PlanarArm
+from fmus.mechanics.planar_arm import PlanarArm
 from tests.driver import Driver
 
 Open = Callable[..., OpenedFmu]

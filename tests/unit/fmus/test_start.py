@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from fmus import start
-from fmus.arm import PlanarArm
 from fmus.catalog import UNITS
+from fmus.mechanics.planar_arm import PlanarArm
 from tests.driver import Driver
 
 Open = Callable[..., Driver]

@@ -5,8 +5,9 @@ from pathlib import Path
 
 import pytest
 
-from orchestration import System, storage
+from orchestration import System
 from orchestration.paper.scenarios import SCENARIOS
+from orchestration.results import storage
 from tests.unit.orchestration.foreign import build_foreign
 from tests.unit.orchestration.stored import NAMES
 from tests.unit.orchestration.units import H, build_units, mixed

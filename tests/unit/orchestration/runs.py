@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from orchestration import Options, System
-from orchestration.algorithm import (
+from orchestration.master.algorithm import (
     NEWTON,
     PARALLEL,
     Algorithm,
@@ -11,7 +11,7 @@ from orchestration.algorithm import (
     StepControl,
     Tolerance,
 )
-from orchestration.layout import Crossings
+from orchestration.master.step_arrays import Crossings
 from orchestration.paper.scenarios import SCENARIOS
 from tests.unit.orchestration.units import H, mixed
 

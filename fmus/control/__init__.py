@@ -1,0 +1,1 @@
+"""Laws of control and adaptation, and what controllers have in common."""

@@ -1,0 +1,144 @@
+"""Parameter adaptation, shared by the adaptive controllers, eqs. (19) and (33).
+
+    dp_hat/dt = -Gamma g,   g = W_c' H_hat_x^-1 e*  or  W_s' s
+
+by explicit Euler every N = update_divisor ticks of length Ts:
+
+    p_hat[k + N] = clip(p_hat[k] - N Ts Gamma g[k])
+
+The gain Gamma is diagonal; 0 means that the parameter is known. Adaptation pauses inside the dead
+zone, |e*| or |s| <= dead_zone, and, if asked for, while an actuator is saturated.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import casadi as ca
+
+from adaptimp_fmu import NOT_NEGATIVE, POSITIVE, Limits, Type
+from fmus.control.controller import Controller, parameter_descriptions, parameter_units
+
+UNLIMITED = 1e9  # an upper bound of p that is none
+
+
+@dataclass(frozen=True)
+class Adaptation:
+    """Parameters of the adaptation, as symbols.
+
+    Attributes
+    ----------
+    Gamma
+        Diagonal of the adaptation gain, shape (3 n,).
+    Psi
+        Diagonal of the filter gain, 1/s, shape (2,).
+    """
+
+    controller: Controller
+    Gamma: ca.SX
+    Psi: ca.SX
+    p_min: ca.SX
+    p_max: ca.SX
+    projection: ca.SX
+    dead_zone: ca.SX
+    paused: ca.SX
+    update_divisor: ca.SX
+
+    def filtered_error(self) -> ca.SX:
+        """Augmented error de + Psi e, m/s, shape (2,): e* of eq. (14), s of eq. (30)."""
+        controller = self.controller
+        return controller.dx - controller.dx_t + self.Psi * controller.e
+
+    def next_estimate(self, p_hat: ca.SX, gradient: ca.SX, error: ca.SX) -> ca.SX:
+        """p_hat after an update, shape (3 n,).
+
+        Parameters
+        ----------
+        gradient
+            g above, shape (3 n,).
+        error
+            e* or s, m/s, shape (2,).
+        """
+        interval = self.update_divisor * self.controller.model.period
+        active = ca.logic_and(ca.norm_2(error) > self.dead_zone, ca.logic_not(self.paused))
+        moved = p_hat - ca.if_else(active, interval, 0) * self.Gamma * gradient
+        projected = ca.fmin(ca.fmax(moved, self.p_min), self.p_max)
+        return ca.if_else(self.projection, projected, moved)
+
+
+def declare_adaptation(controller: Controller, gains: Sequence[float], gain_units: Sequence[str]) -> Adaptation:
+    """Declare the parameters and the optional input of the adaptation.
+
+    Parameters
+    ----------
+    gains
+        Start of Gamma, shape (3 n,).
+    gain_units
+        Units of its elements, for m, viscous and coulomb.
+    """
+    model, n = controller.model, controller.arm.n
+    saturated = model.input(
+        "saturated",
+        [False] * n,
+        type=Type.BOOLEAN,
+        description="Whether the actuator is saturated (optional)",
+    )
+    Gamma = model.parameter(
+        "Gamma",
+        list(gains),
+        unit=[unit for unit in gain_units for _ in range(n)],
+        limits=NOT_NEGATIVE,
+        tunable=True,
+        description=parameter_descriptions(n, "Adaptation gain (0 = known) of the"),
+    )
+    Psi = model.parameter(
+        "Psi",
+        [100.0, 100.0],
+        unit="1/s",
+        limits=POSITIVE,
+        tunable=True,
+        description="Gain of the error filter de + Psi e",
+    )
+    units = parameter_units(n)
+    p_min = model.parameter(
+        "p_min",
+        [0.0] * 3 * n,
+        unit=units,
+        description=parameter_descriptions(n, "Lower bound of the"),
+    )
+    p_max = model.parameter(
+        "p_max",
+        [UNLIMITED] * 3 * n,
+        unit=units,
+        description=parameter_descriptions(n, "Upper bound of the"),
+    )
+    projection = model.parameter(
+        "projection", False, type=Type.BOOLEAN, description="Whether p_hat is kept within p_min and p_max"
+    )
+    dead_zone = model.parameter(
+        "dead_zone",
+        0.0,
+        unit="m/s",
+        limits=NOT_NEGATIVE,
+        description="Norm of the filtered error up to which the adaptation pauses",
+    )
+    freeze = model.parameter(
+        "freeze_when_saturated",
+        False,
+        type=Type.BOOLEAN,
+        description="Whether the adaptation pauses while an actuator is saturated",
+    )
+    divisor = model.parameter(
+        "update_divisor",
+        1,
+        type=Type.INTEGER,
+        limits=Limits(1),
+        description="Number of ticks between updates of p_hat",
+    )
+    for i in range(3 * n):
+        inside = ca.logic_and(p_min[i] <= controller.p_start[i], controller.p_start[i] <= p_max[i])
+        model.require(
+            ca.logic_or(ca.logic_not(projection), inside) - 0.5,
+            f"p_start[{i + 1}] must lie within p_min[{i + 1}] and p_max[{i + 1}] when projection is on",
+        )
+    paused = ca.logic_and(freeze, ca.sum1(saturated) > 0)
+    return Adaptation(controller, Gamma, Psi, p_min, p_max, projection, dead_zone, paused, divisor)

@@ -1,0 +1,173 @@
+"""What every controller shares: its interface, its picture of the arm, and the TIRT, eq. (11).
+
+A controller's outputs are those of a tick: e = x - x_t, the torque, p_hat and x_t are shown before
+the states advance to the next tick.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import casadi as ca
+
+from adaptimp_fmu import NOT_NEGATIVE, POSITIVE, SampledModel
+from fmus import start
+from fmus.control.impedance import ArmModel, Measured
+from fmus.control.tirt import Impedance, advance
+from fmus.mechanics.planar_arm import DIMENSION, PlanarArm
+
+# The smallest det(J J') / (l1 + ... + ln)^4 at which the arm is not taken for singular: with two
+# equal links, sin(q2) = 4e-6.
+SINGULARITY = 1e-12
+
+EQUATIONS = (
+    "fmus.control.controller",
+    "fmus.control.impedance",
+    "fmus.control.tirt",
+    "fmus.mechanics.planar_arm",
+    "fmus",
+)
+"""Modules with the equations that every controller shares, for its documentation."""
+
+
+@dataclass(frozen=True)
+class Controller:
+    """A controller in the making: its model and the symbols it shares.
+
+    Attributes
+    ----------
+    ddq
+        Measured joint acceleration, rad/s2, shape (n,).
+    virtual
+        x_v, dx_v, ddx_v, shape (2,) each.
+    p_start
+        Parameters of the arm that the controller starts from, shape (3 n,).
+    x, dx
+        Tip position and velocity by the arm's kinematics, shape (2,).
+    x_t, dx_t
+        State of the TIRT, shape (2,).
+    """
+
+    model: SampledModel
+    arm: PlanarArm
+    measured: Measured
+    ddq: ca.SX
+    virtual: tuple[ca.SX, ca.SX, ca.SX]
+    impedance: Impedance
+    l: ca.SX
+    gravity: ca.SX
+    coulomb_velocity: ca.SX
+    p_start: ca.SX
+    x: ca.SX
+    dx: ca.SX
+    x_t: ca.SX
+    dx_t: ca.SX
+
+    @property
+    def e(self) -> ca.SX:
+        """Regression error x - x_t, m, shape (2,)."""
+        return self.x - self.x_t
+
+    def arm_model(self, p: ca.SX) -> ArmModel:
+        """The arm with parameters p, shape (3 n,)."""
+        return ArmModel(self.arm, p, self.l, self.gravity, self.coulomb_velocity)
+
+    def finish(self, tau_cmd: ca.SX, p_hat: ca.SX) -> SampledModel:
+        """Declare the common outputs, let the TIRT advance, and return the model."""
+        model = self.model
+        model.output("tau_cmd", tau_cmd, unit="N.m", description="Commanded joint torque")
+        model.output("x_t", self.x_t, unit="m", description="Target-impedance reference trajectory, eq. (11)")
+        model.output("dx_t", self.dx_t, unit="m/s", description="Rate of x_t")
+        model.output("e", self.e, unit="m", description="Regression error x - x_t")
+        model.output(
+            "p_hat",
+            p_hat,
+            unit=parameter_units(self.arm.n),
+            description=parameter_descriptions(self.arm.n, "Estimated"),
+        )
+        x_t, dx_t = advance(self.x_t, self.dx_t, self.virtual, self.measured.F_hat, self.impedance, model.period)
+        model.update(self.x_t, x_t)
+        model.update(self.dx_t, dx_t)
+        return model
+
+
+def declare_controller(name: str, description: str, n: int = 2) -> Controller:
+    """Declare a controller of an arm with n joints: the common inputs, parameters and TIRT."""
+    model = SampledModel(name, description)
+    arm, begin = PlanarArm(n), start.ARMS[n]
+    q = model.input("q", begin.q, unit="rad", description="Joint angle")
+    dq = model.input("dq", begin.dq, unit="rad/s", description="Joint rate")
+    ddq = model.input("ddq", begin.ddq, unit="rad/s2", description="Joint acceleration")
+    F_hat = model.input("F_hat", [0.0] * DIMENSION, unit="N", description="Measured tip force")
+    x_v = model.input("x_v", start.X_V, unit="m", description="Virtual position of the tip")
+    dx_v = model.input("dx_v", start.DX_V, unit="m/s", description="Virtual velocity of the tip")
+    ddx_v = model.input("ddx_v", start.DDX_V, unit="m/s2", description="Virtual acceleration of the tip")
+    impedance = _impedance(model)
+    l = model.parameter("l", begin.link_lengths, unit="m", limits=POSITIVE, description="Length of a link")
+    gravity = model.parameter("gravity", 0.0, unit="m/s2", description="Gravitational acceleration along -x2")
+    coulomb_velocity = model.parameter(
+        "coulomb_velocity",
+        start.COULOMB_VELOCITY,
+        unit="rad/s",
+        limits=POSITIVE,
+        description="Joint rate over which Coulomb friction changes sign (tanh)",
+    )
+    p_start = model.parameter(
+        "p_start",
+        [*begin.masses, *([0.0] * 2 * arm.n)],
+        unit=parameter_units(arm.n),
+        limits=NOT_NEGATIVE,
+        description=parameter_descriptions(arm.n, "Assumed"),
+    )
+    _require_regular(model, arm, q, l)
+    return Controller(
+        model=model,
+        arm=arm,
+        measured=Measured(q, dq, F_hat),
+        ddq=ddq,
+        virtual=(x_v, dx_v, ddx_v),
+        impedance=impedance,
+        l=l,
+        gravity=gravity,
+        coulomb_velocity=coulomb_velocity,
+        p_start=p_start,
+        x=arm.forward_kinematics(q, l),
+        dx=ca.mtimes(arm.jacobian(q, l), dq),
+        x_t=model.state("x_t", x_v),
+        dx_t=model.state("dx_t", dx_v),
+    )
+
+
+def parameter_units(n: int) -> Sequence[str]:
+    """Units of p = (m, viscous, coulomb)."""
+    return ["kg"] * n + ["N.m.s/rad"] * n + ["N.m"] * n
+
+
+def parameter_descriptions(n: int, attribute: str) -> Sequence[str]:
+    """Descriptions of the elements of p, beginning with `attribute`."""
+    parts = ("mass at the end of link", "viscous friction of joint", "Coulomb friction of joint")
+    return [f"{attribute} {part} {i + 1}" for part in parts for i in range(n)]
+
+
+def _impedance(model: SampledModel) -> Impedance:
+    """Declare the target impedance, eq. (3)."""
+    declarations = {
+        "M": ((2.0, 2.0), "kg", "Target inertia"),
+        "B": ((340.0, 340.0), "N.s/m", "Target damping"),
+        "K": ((4000.0, 4000.0), "N/m", "Target stiffness"),
+    }
+    symbols = [
+        model.parameter(name, values, unit=unit, limits=POSITIVE, tunable=True, description=description)
+        for name, (values, unit, description) in declarations.items()
+    ]
+    return Impedance(*symbols)
+
+
+def _require_regular(model: SampledModel, arm: PlanarArm, q: ca.SX, l: ca.SX) -> None:
+    """Demand that the arm is not singular."""
+    J = arm.jacobian(q, l)
+    reach = ca.sum1(l)
+    manipulability = ca.det(ca.mtimes(J, J.T)) / reach**4
+    model.require(
+        manipulability - SINGULARITY,
+        "The arm is singular: q is stretched or folded, det(J J') / (sum of l)^4 must exceed 1e-12",
+    )

@@ -1,0 +1,130 @@
+"""The control force F_c that suppresses the sensor's noise, eqs. (17) to (26).
+
+    V_c = X' P X + phi' Gamma^-1 phi,   X = (e, de) per axis,   e* = de + Psi e
+    F_c = -(gamma/2) H_hat_x e*                                                        (22)
+    gamma = gamma_margin max(0, (2 mu delta - alpha) / (beta^2 + gamma_eps^2))         (25)
+    alpha = X' Q X,  beta = |e*|,  mu = |H_hat_x^-1 e*|
+
+with Q = diag(2 psi k, 2 (b - psi)) per axis, k = K/M, b = B/M (A2). As printed, (25) is a sliding
+term that stays as large as delta cond(H_hat_x) while beta goes to zero and chatters at the sampling
+rate; gamma_eps gives it a boundary layer. delta = noise_bound acts while the measured force exceeds
+contact_threshold.
+"""
+
+from dataclasses import dataclass
+
+import casadi as ca
+
+from adaptimp_fmu import NOT_NEGATIVE, POSITIVE, Limits
+from fmus.control.adaptation import Adaptation
+
+
+@dataclass(frozen=True)
+class NoiseRejection:
+    """Values of eqs. (23) to (26) at a tick.
+
+    Attributes
+    ----------
+    e_star
+        Augmented error, m/s, shape (2,).
+    alpha, beta, mu, gamma, gamma_bound
+        As in the paper; m2/s3, m/s, m/(kg s), 1/s, 1/s.
+    """
+
+    e_star: ca.SX
+    alpha: ca.SX
+    beta: ca.SX
+    mu: ca.SX
+    gamma: ca.SX
+    gamma_bound: ca.SX
+
+    def acceleration(self) -> ca.SX:
+        """Tip acceleration -(gamma/2) e* that F_c = H_hat_x times it gives, m/s2, shape (2,)."""
+        return -0.5 * self.gamma * self.e_star
+
+
+def declare_noise_rejection(adaptation: Adaptation, mobility: ca.SX) -> NoiseRejection:
+    """Declare the parameters of F_c and evaluate the gain gamma.
+
+    Parameters
+    ----------
+    mobility
+        H_hat_x^-1 = J H_hat^-1 J', 1/kg, shape (2, 2).
+    """
+    controller = adaptation.controller
+    model = controller.model
+    noise_bound = model.parameter(
+        "noise_bound",
+        0.0,
+        unit="N",
+        limits=NOT_NEGATIVE,
+        tunable=True,
+        description="Bound delta of the force sensor's error that F_c rejects, eq. (21)",
+    )
+    threshold = model.parameter(
+        "contact_threshold",
+        0.0,
+        unit="N",
+        limits=NOT_NEGATIVE,
+        description="Measured force above which noise_bound acts",
+    )
+    margin = model.parameter(
+        "gamma_margin",
+        1.5,
+        limits=Limits(1.0),
+        tunable=True,
+        description="Factor on the right side of eq. (25)",
+    )
+    eps = model.parameter(
+        "gamma_eps",
+        1e-4,
+        unit="m/s",
+        limits=POSITIVE,
+        tunable=True,
+        description="Width of the boundary layer of eq. (25); enters as its square",
+    )
+    k = controller.impedance.K / controller.impedance.M
+    b = controller.impedance.B / controller.impedance.M
+    for i in range(2):
+        model.require(
+            b[i] - adaptation.Psi[i],
+            f"Psi[{i + 1}] must be below B[{i + 1}]/M[{i + 1}] (strict positive realness, eq. (14))",
+        )
+    e, de = controller.e, controller.dx - controller.dx_t
+    e_star = adaptation.filtered_error()
+    in_contact = ca.norm_2(controller.measured.F_hat) > threshold
+    delta = ca.if_else(in_contact, noise_bound, 0)
+    psi = adaptation.Psi
+    alpha = ca.sum1(2 * psi * k * e**2 + 2 * (b - psi) * de**2)
+    beta, mu = ca.norm_2(e_star), ca.norm_2(ca.mtimes(mobility, e_star))
+    excess = 2 * mu * delta - alpha
+    gamma = margin * ca.fmax(0, excess / (beta**2 + eps**2))
+    return NoiseRejection(e_star, alpha, beta, mu, gamma, _gamma_bound(alpha, beta, excess, delta, _norm_2x2(mobility)))
+
+
+def declare_outputs(rejection: NoiseRejection, adaptation: Adaptation, F_c: ca.SX) -> None:
+    """Declare what the theory of algorithm 1 watches."""
+    model = adaptation.controller.model
+    model.output("e_star", rejection.e_star, unit="m/s", description="Augmented error de + Psi e, eq. (14)")
+    for name, unit, text in (
+        ("alpha", "m2/s3", "X' Q X, eq. (23)"),
+        ("beta", "m/s", "Norm of e_star, eq. (23)"),
+        ("mu", "m/kg.s", "Norm of the inverse inertia times e_star, eq. (23)"),
+        ("gamma", "1/s", "Gain of F_c, eq. (25)"),
+        ("gamma_bound", "1/s", "gamma* of eq. (26) where it bounds the right side of (25), else 0"),
+    ):
+        model.output(name, getattr(rejection, name), unit=unit, description=text, scalar=True)
+    model.output("F_c", F_c, unit="N", description="Control force against the sensor's noise, eq. (22)")
+
+
+def _gamma_bound(alpha: ca.SX, beta: ca.SX, excess: ca.SX, delta: ca.SX, norm: ca.SX) -> ca.SX:
+    """gamma* of eq. (26) in case (c), delta > 0 and 0 < alpha <= 2 mu delta; else 0."""
+    bound = 4 * delta**2 * norm**2 * (2 * beta * delta * norm - alpha) / alpha**2
+    case_c = ca.logic_and(delta > 0, ca.logic_and(alpha > 0, excess >= 0))
+    return ca.if_else(case_c, ca.fmax(0, bound), 0)
+
+
+def _norm_2x2(A: ca.SX) -> ca.SX:
+    """Spectral norm of a symmetric 2 x 2 matrix."""
+    mean, difference = 0.5 * (A[0, 0] + A[1, 1]), 0.5 * (A[0, 0] - A[1, 1])
+    return ca.fabs(mean) + ca.sqrt(difference**2 + A[0, 1] ** 2)

@@ -1,0 +1,1 @@
+"""Arms: kinematics, dynamics and regressors."""

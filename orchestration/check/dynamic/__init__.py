@@ -1,0 +1,1 @@
+"""Experiments with the binary of an FMU, in a process of their own."""

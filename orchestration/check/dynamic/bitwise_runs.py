@@ -1,0 +1,74 @@
+"""Runs of a unit that experiments compare bit by bit."""
+
+import math
+import random
+from collections.abc import Iterator, Sequence
+
+from orchestration.check.dynamic.instance import Binary, Instance, RefusedError, bits, not_finite
+from orchestration.check.findings import Finding, error, listed, shown
+
+STEPS = 12  # of a comparison
+Rows = list[tuple[float, ...]]
+Yield = Iterator[Finding | str]  # what an experiment yields: findings, and sentences about what it measured
+
+
+def moves(binary: Binary) -> bool:
+    """Whether the unit takes inputs that differ a little from their start values; found out once."""
+    if "moves" not in binary.plan:
+        try:
+            trace(binary, moved=True)
+        except RefusedError:
+            binary.plan["moves"] = False
+        else:
+            binary.plan["moves"] = True
+    return binary.plan["moves"]
+
+
+def trace(binary: Binary, moved: bool, seed: int = 1) -> Rows:
+    """Outputs of a fresh instance."""
+    with Instance(binary) as instance:
+        instance.initialize()
+        return run(instance, moved, seed, first=True)
+
+
+def run(instance: Instance, moved: bool, seed: int = 1, *, first: bool = False) -> Rows:
+    """Outputs after each of some steps, and before the first."""
+    generator = random.Random(seed)
+    rows = [instance.outputs()] if first else []
+    for _ in range(STEPS):
+        move(instance, generator, moved=moved)
+        instance.step()
+        rows.append(instance.outputs())
+    return rows
+
+
+def move(instance: Instance, generator: random.Random, *, moved: bool) -> None:
+    """Inputs about 1 % and 0.01 off their start values, within their limits."""
+    values = {}
+    for name, start in instance.binary.starts().items():
+        row = instance.binary.variables[name]
+        if row["type"] == "Boolean":
+            values[name] = float(generator.random() < 0.5) if moved else start
+        elif row["type"] == "Real" and moved:
+            value = start * (1 + 0.01 * generator.uniform(-1, 1)) + 0.01 * generator.uniform(-1, 1)
+            low, high = row["limits"]
+            values[name] = max(-math.inf if low is None else low, min(math.inf if high is None else high, value))
+        else:
+            values[name] = start
+    instance.set(values)
+
+
+def infinite(binary: Binary, values: Sequence[float], when: str) -> Iterator[Finding]:
+    """A finding that names the outputs that are NaN or infinite."""
+    wrong = not_finite(binary.names("output"), values)
+    if wrong:
+        yield error("11", f"Outputs are not finite {when}: {listed(wrong)}.")
+
+
+def same(binary: Binary, expected: Rows, found: Rows, rule: str, when: str, otherwise: str) -> Iterator[Finding]:
+    """A finding that names the first output that differs in a bit."""
+    for k, (row, other) in enumerate(zip(expected, found, strict=True)):
+        for name, a, b in zip(binary.names("output"), row, other, strict=True):
+            if bits([a]) != bits([b]):
+                yield error(rule, f"{when}, {shown(name)} is {b:.17g} in row {k}; {otherwise} it is {a:.17g}.")
+                return

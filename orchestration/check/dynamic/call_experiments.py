@@ -1,0 +1,87 @@
+"""Rules 9 to 12 at run time: calls that must be refused, each in an instance of its own."""
+
+import ctypes as ct
+import math
+from collections.abc import Iterator
+from typing import Any
+
+from orchestration.check.dynamic.bitwise_runs import Yield
+from orchestration.check.dynamic.instance import Binary, Instance, references, status_name
+from orchestration.check.findings import Finding, shown, warning
+from orchestration.fmi.signatures import OK, WARNING
+
+
+def guid(binary: Binary) -> Yield:
+    """Rule 9: another GUID is refused."""
+    component = binary.create([], guid="{00000000-0000-0000-0000-000000000000}")
+    if component:
+        yield warning("9", "fmi2Instantiate accepts a wrong GUID: a binary of another version is not noticed.")
+        binary.function("fmi2FreeInstance")(component)
+
+
+def unknown_reference(binary: Binary) -> Yield:
+    """Rule 10."""
+    taken = {row["reference"] for row in binary.plan["variables"]}
+    reference = next(n for n in range(2**32 - 2, 0, -1) if n not in taken)
+    with Instance(binary) as instance:
+        instance.initialize()
+        status = instance.status("fmi2GetReal", references([reference]), 1, ct.byref(ct.c_double()))
+        yield from _accepted(status, "10", f"fmi2GetReal of the unknown value reference {reference}")
+
+
+def backward_step(binary: Binary) -> Yield:
+    """Rule 11."""
+    yield from _bad_step(binary, -binary.plan["step"])
+
+
+def step_without_length(binary: Binary) -> Yield:
+    """Rule 11."""
+    yield from _bad_step(binary, math.nan)
+
+
+def set_output(binary: Binary) -> Yield:
+    """Rule 12."""
+    yield from _bad_set(binary, "output", "")
+
+
+def set_fixed_parameter(binary: Binary) -> Yield:
+    """Rule 12."""
+    yield from _bad_set(binary, "parameter", "fixed")
+
+
+def input_not_a_number(binary: Binary) -> Yield:
+    """Rule 11: NaN as input may be refused or pass through; nothing else is looked at than survival."""
+    for name in binary.names("input", "Real")[:8]:
+        with Instance(binary) as instance:
+            instance.initialize()
+            row = binary.variables[name]
+            value = ct.byref(ct.c_double(math.nan))
+            if instance.status("fmi2SetReal", references([row["reference"]]), 1, value) in (OK, WARNING):
+                instance.status("fmi2DoStep", instance.time, binary.plan["step"], 1)
+    yield from ()
+
+
+def _accepted(status: int, rule: str, what: str) -> Iterator[Finding]:
+    """A finding if a bad call went well."""
+    if status in (OK, WARNING):
+        yield warning(rule, f"{what} returns {status_name(status)}; an error is due.")
+
+
+def _bad_step(binary: Binary, h: float) -> Yield:
+    with Instance(binary) as instance:
+        instance.initialize()
+        yield from _accepted(instance.status("fmi2DoStep", instance.time, h, 1), "11", f"fmi2DoStep with h = {h:g} s")
+
+
+def _bad_set(binary: Binary, causality: str, variability: str) -> Yield:
+    """Set a Real variable to the value it has, after initialization, when it cannot be set."""
+    rows: list[Any] = [binary.variables[name] for name in binary.names(causality, "Real")]
+    rows = [row for row in rows if not variability or row["variability"] == variability]
+    if not rows:
+        return
+    with Instance(binary) as instance:
+        instance.initialize()
+        value = ct.c_double(instance.get([rows[0]["name"]])[0])
+        status = instance.status("fmi2SetReal", references([rows[0]["reference"]]), 1, ct.byref(value))
+        kind = f"{variability} {causality}".strip()
+        yield from _accepted(status, "12", f"fmi2SetReal of the {kind} {shown(rows[0]['name'])} after initialization")

@@ -1,0 +1,131 @@
+"""Rules 8 to 16 at run time: each experiment is a function of the binary that yields findings and measurements.
+
+They run in the worker, in this order. If one of `BASE` finds an error, the others make no sense.
+"""
+
+from collections.abc import Callable, Mapping
+
+from orchestration.check.dynamic import call_experiments as calls
+from orchestration.check.dynamic import state_experiments as states
+from orchestration.check.dynamic.bitwise_runs import STEPS, Yield, infinite, moves, trace
+from orchestration.check.dynamic.derivatives import derivatives
+from orchestration.check.dynamic.instance import Binary, Instance
+from orchestration.check.findings import error, listed, shown, warning
+from orchestration.fmi.instance import DIFFERENTIATES, SAVES_STATE, SERIALIZES_STATE
+
+LIVES = 50
+MANY_LIVES = f"{LIVES} lives"
+VARIABLE_STEP, ONLY_ONCE = "canHandleVariableCommunicationStepSize", "canBeInstantiatedOnlyOncePerProcess"
+SAME_CALLS = (
+    "Two fresh instances give different outputs for the same calls: random numbers without a seed, or memory that"
+    " instances share. Nothing can be replayed, so states were not compared."
+)
+Experiment = Callable[[Binary], Yield]
+
+
+def loading(binary: Binary) -> Yield:
+    """Rules 8 and 10."""
+    lacking = binary.lacks()
+    if lacking and not binary.plan["exports_known"]:
+        yield error("8", f"The library does not export {listed(lacking)}.")
+    for function, expected in (("fmi2GetVersion", b"2.0"), ("fmi2GetTypesPlatform", b"default")):
+        answer = binary.function(function)()
+        if answer != expected:
+            yield warning("10", f"{function} answers {shown(answer)}, not {expected.decode()}.")
+
+
+def instantiation(binary: Binary) -> Yield:
+    """Rule 9: the GUID of the description is accepted."""
+    with Instance(binary):
+        yield from ()
+
+
+def initialization(binary: Binary) -> Yield:
+    """Rule 11: outputs are finite after initialization with the start values."""
+    with Instance(binary) as instance:
+        instance.initialize()
+        yield from infinite(binary, instance.outputs(), "after initialization with the start values")
+
+
+def stepping(binary: Binary) -> Yield:
+    """Rule 11: steps work, on the start values of the inputs, and outputs stay finite."""
+    with Instance(binary) as instance:
+        instance.initialize()
+        for _ in range(STEPS):
+            instance.step()
+            wrong = list(infinite(binary, instance.outputs(), f"at t = {instance.time:.9g} s"))
+            yield from wrong
+            if wrong:
+                return
+
+
+def repetition(binary: Binary) -> Yield:
+    """Rule 13: the same calls give the same outputs; later comparisons need it."""
+    moved = moves(binary)
+    if trace(binary, moved) != trace(binary, moved):
+        yield warning("13", SAME_CALLS)
+        binary.plan["random"] = True
+    if not moved:
+        yield "Inputs were kept at their start values: a step with inputs 1 % off them fails."
+
+
+def termination(binary: Binary) -> Yield:
+    """Rule 10: fmi2Terminate works after steps."""
+    with Instance(binary) as instance:
+        instance.initialize()
+        instance.step()
+        instance.call("fmi2Terminate")
+    yield from ()
+
+
+def lives(binary: Binary) -> Yield:
+    """Rule 14: many instances, one after the other."""
+    for _ in range(LIVES):
+        with Instance(binary):
+            pass
+    yield from ()
+
+
+BASE: Mapping[str, Experiment] = {
+    "loading": loading,
+    "instantiation": instantiation,
+    "initialization": initialization,
+    "stepping": stepping,
+    "repetition": repetition,
+}
+FURTHER: Mapping[str, Experiment] = {
+    "wrong GUID": calls.guid,
+    "reset": states.reset,
+    "rollback": states.rollback,
+    "serialization": states.serialization,
+    "torn state": states.torn_state,
+    "split steps": states.splitting,
+    "two instances": states.instances,
+    "derivatives": derivatives,
+    "unknown reference": calls.unknown_reference,
+    "negative step": calls.backward_step,
+    "step of NaN": calls.step_without_length,
+    "setting an output": calls.set_output,
+    "setting a fixed parameter": calls.set_fixed_parameter,
+    "NaN as input": calls.input_not_a_number,
+    "termination": termination,
+    MANY_LIVES: lives,
+}
+_NEEDS = {
+    "rollback": SAVES_STATE,
+    "serialization": SERIALIZES_STATE,
+    "torn state": SERIALIZES_STATE,
+    "split steps": VARIABLE_STEP,
+    "derivatives": DIFFERENTIATES,
+}
+
+
+def chosen(capable: Callable[[str], bool]) -> list[str]:
+    """Names of the experiments that a unit's capabilities ask for, in their order."""
+    further = [name for name in FURTHER if name not in _NEEDS or capable(_NEEDS[name])]
+    return [*BASE, *(name for name in further if name != "two instances" or not capable(ONLY_ONCE))]
+
+
+def experiment(name: str) -> Experiment:
+    """An experiment by name."""
+    return BASE[name] if name in BASE else FURTHER[name]

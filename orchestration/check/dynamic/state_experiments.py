@@ -1,0 +1,127 @@
+"""Rules 13 and 14 at run time: reset, states, serialized states, split steps, several instances."""
+
+import ctypes as ct
+import random
+
+from orchestration.check.dynamic.bitwise_runs import STEPS, Rows, Yield, move, moves, run, same, trace
+from orchestration.check.dynamic.instance import Binary, Instance, RefusedError
+from orchestration.check.findings import warning
+from orchestration.fmi.signatures import OK, WARNING
+
+LARGEST_STATE = 1024**3  # bytes
+
+
+def reset(binary: Binary) -> Yield:
+    """Rule 13: fmi2Reset leads back to a fresh instance, bitwise."""
+    moved = moves(binary)
+    fresh = trace(binary, moved)
+    with Instance(binary) as instance:
+        instance.initialize()
+        run(instance, moved, seed=2)
+        instance.call("fmi2Reset")
+        instance.initialize()
+        again = run(instance, moved, first=True)
+    if not binary.plan["random"]:
+        yield from same(binary, fresh, again, "13", "After fmi2Reset", "in a fresh instance")
+
+
+def rollback(binary: Binary) -> Yield:
+    """Rule 13: a state that is set again replays bitwise, twice."""
+    moved = moves(binary)
+    with Instance(binary) as instance:
+        instance.initialize()
+        run(instance, moved)
+        state, time, saved = ct.c_void_p(), instance.time, instance.outputs()
+        instance.call("fmi2GetFMUstate", ct.byref(state))
+        first = [saved, *run(instance, moved, seed=3)]
+        for _ in range(2):
+            instance.call("fmi2SetFMUstate", state)
+            instance.time = time
+            again = [instance.outputs(), *run(instance, moved, seed=3)]
+            wrong = list(same(binary, first, again, "13", "After fmi2SetFMUstate", "when the state was saved"))
+            if wrong and not binary.plan["random"]:
+                yield from wrong
+                break
+        instance.call("fmi2FreeFMUstate", ct.byref(state))
+
+
+def serialization(binary: Binary) -> Yield:
+    """Rule 13: a serialized state continues bitwise in another instance; half of it is refused."""
+    moved = moves(binary)
+    with Instance(binary) as instance:
+        instance.initialize()
+        run(instance, moved)
+        blob, time = _serialized(instance), instance.time
+        first = [instance.outputs(), *run(instance, moved, seed=3)]
+    with Instance(binary) as other:
+        state = ct.c_void_p()
+        other.call("fmi2DeSerializeFMUstate", blob, len(blob), ct.byref(state))
+        other.call("fmi2SetFMUstate", state)
+        other.call("fmi2FreeFMUstate", ct.byref(state))
+        other.time = time
+        again = [other.outputs(), *run(other, moved, seed=3)]
+    if not binary.plan["random"]:
+        yield from same(binary, first, again, "13", "With its state deserialized", "in the instance it came from")
+
+
+def torn_state(binary: Binary) -> Yield:
+    """Rule 13: a serialized state that is cut off is refused."""
+    with Instance(binary) as instance:
+        blob, state = _serialized(instance.initialize()), ct.c_void_p()
+        half = blob[: len(blob) // 2]
+        if half and instance.status("fmi2DeSerializeFMUstate", half, len(half), ct.byref(state)) in (OK, WARNING):
+            yield warning("13", f"fmi2DeSerializeFMUstate accepts {len(half)} of {len(blob)} bytes of a state.")
+
+
+def splitting(binary: Binary) -> Yield:
+    """Rule 14: a step and its two halves; the same bits are demanded of sampled units only."""
+    h, rows = binary.plan["step"], []
+    for parts in (1, 2):
+        with Instance(binary) as instance:
+            instance.initialize()
+            found = []
+            for _ in range(STEPS):
+                for _ in range(parts):
+                    instance.step(h / parts)
+                found.append(instance.outputs())
+            rows.append(found)
+    if binary.plan["random"]:
+        return
+    if binary.plan["sampled"]:
+        difference = list(same(binary, *rows, "14", "With each step split in two", "with whole steps"))
+        yield from (warning(found.rule, found.message) for found in difference)
+    else:
+        pairs = [(a, b) for one, two in zip(*rows, strict=True) for a, b in zip(one, two, strict=True)]
+        worst = max((abs(a - b) / max(1.0, abs(a)) for a, b in pairs), default=0.0)
+        yield f"Steps of {h:g} s split in two change outputs by at most {worst:.1e} of their size in {STEPS} steps."
+
+
+def instances(binary: Binary) -> Yield:
+    """Rule 14: interleaved instances are independent."""
+    moved = moves(binary)
+    alone = [trace(binary, moved, seed) for seed in (1, 4)]
+    with Instance(binary) as one, Instance(binary) as two:
+        pairs = [(one.initialize(), random.Random(1)), (two.initialize(), random.Random(4))]
+        together: list[Rows] = [[one.outputs()], [two.outputs()]]
+        for _ in range(STEPS):
+            for rows, (instance, generator) in zip(together, pairs, strict=True):
+                move(instance, generator, moved=moved)
+                instance.step()
+                rows.append(instance.outputs())
+    for rows, expected in zip(together, alone, strict=True):
+        if rows != expected and not binary.plan["random"]:
+            yield from same(binary, expected, rows, "14", "With a second instance beside it", "alone")
+            return
+
+
+def _serialized(instance: Instance) -> bytes:
+    state, size = ct.c_void_p(), ct.c_size_t()
+    instance.call("fmi2GetFMUstate", ct.byref(state))
+    instance.call("fmi2SerializedFMUstateSize", state, ct.byref(size))
+    if not 0 < size.value <= LARGEST_STATE:
+        msg = f"fmi2SerializedFMUstateSize says {size.value} bytes."
+        raise RefusedError(msg)
+    buffer = ct.create_string_buffer(size.value)
+    instance.call("fmi2SerializeFMUstate", state, buffer, size.value)
+    instance.call("fmi2FreeFMUstate", ct.byref(state))
+    return buffer.raw

@@ -1,0 +1,147 @@
+"""Rules 1 and 7: the archive is safe, and holds a description that is valid against FMI's schema."""
+
+import importlib.resources
+import posixpath
+import re
+import zipfile
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from orchestration.check.findings import Finding, error, listed, note, shown, warning
+from orchestration.check.static.document import Document
+from orchestration.errors import ArchiveError
+from orchestration.sandbox.archive import UNREADABLE, screen
+
+DESCRIPTION = "modelDescription.xml"
+LARGEST = 32 * 1024**2  # bytes of a description; a hundred thousand variables have 25 MB
+LARGEST_SOURCES = 8 * 1024**2  # bytes of all sources that are read; ours have 0.2 MB
+LONGEST_MESSAGE = 400
+_INCLUDE = re.compile(rb'^[ \t]*#[ \t]*include[ \t]*"([^"\n]{1,200})"', re.MULTILINE)
+
+
+class UnreadableError(Exception):
+    """Nothing further can be read; `finding` says why."""
+
+    def __init__(self, finding: Finding) -> None:
+        super().__init__(finding.message)
+        self.finding = finding
+
+
+@dataclass(frozen=True)
+class Package:
+    """An FMU: its file, the names in the archive and the description."""
+
+    path: Path
+    names: frozenset[str]
+    document: Document
+
+    def read(self, name: str, most: int) -> bytes:
+        """The first bytes of an entry; empty if it cannot be read."""
+        return next((content for _, content in self.contents([name], most)), b"")
+
+    def contents(self, names: Sequence[str], most: int) -> Iterator[tuple[str, bytes]]:
+        """Entries that can be read, with their first bytes, until `most` bytes of all are read."""
+        with suppress(*UNREADABLE), zipfile.ZipFile(self.path) as archive:  # opened once: it may have 20,000 entries
+            for name in names:
+                with suppress(*UNREADABLE), archive.open(name) as file:
+                    content = file.read(most)
+                    most -= len(content)
+                    yield name, content
+                if most <= 0:
+                    return
+
+
+def open_package(path: Path) -> Package:
+    """Screen, read and validate.
+
+    Raises
+    ------
+    UnreadableError
+        With the finding that ends the examination.
+    """
+    try:
+        screen(path)
+        with zipfile.ZipFile(path) as archive:
+            names = frozenset(archive.namelist())
+    except ArchiveError as failed:
+        raise UnreadableError(error("7", shown(str(failed).replace(str(path), path.name), LONGEST_MESSAGE))) from failed
+    except UNREADABLE as failed:
+        raise UnreadableError(error("7", f"The archive cannot be read: {shown(failed)}.")) from failed
+    if DESCRIPTION not in names:
+        raise UnreadableError(error("1", f"The archive has no {DESCRIPTION}; it has {listed(sorted(names))}."))
+    return Package(path, names, Document(_validated(_description(path))))
+
+
+def sources_are_complete(package: Package) -> Iterator[Finding]:
+    """Rule 7: every source file is there, and so is what it includes with quotes."""
+    names = package.names
+    compiled_here = not any(name.startswith("binaries/") for name in names)
+    for file in package.document.root.iterfind("CoSimulation/SourceFiles/File"):
+        if f"sources/{file.get('name')}" not in names:
+            message = f"The source file {shown(file.get('name'))} is declared, but not in the archive."
+            yield error("7", message) if compiled_here else warning("7", message)
+    sources = sorted(name for name in names if name.startswith("sources/") and name.endswith((".c", ".h")))
+    for name, content in package.contents(sources, LARGEST_SOURCES):
+        for found in _INCLUDE.finditer(content):
+            included = found[1].decode(errors="replace")
+            beside = posixpath.normpath(posixpath.join(posixpath.dirname(name), included))
+            fmis = posixpath.basename(included).startswith("fmi2")
+            if not fmis and beside not in names and f"sources/{included}" not in names:
+                yield warning("7", f"{shown(name)} includes {shown(included)}, which is not in the archive.")
+
+
+def tool_is_not_needed(package: Package) -> Iterator[Finding]:
+    """Rule 7: an FMU that needs its tool runs on machines that have it."""
+    if package.document.flag("needsExecutionTool"):
+        yield note("7", "needsExecutionTool: the FMU runs only where the tool that exported it is installed.")
+
+
+def _description(path: Path) -> bytes:
+    """The bytes of the description."""
+    most = LARGEST
+    try:
+        with zipfile.ZipFile(path) as archive, archive.open(DESCRIPTION) as file:
+            content = file.read(most + 1)
+    except UNREADABLE as failed:
+        raise UnreadableError(error("7", f"{DESCRIPTION} cannot be unpacked: {shown(failed)}.")) from failed
+    if len(content) > most:
+        raise UnreadableError(error("1", f"{DESCRIPTION} has more than {most} bytes."))
+    return content
+
+
+def _validated(content: bytes) -> Any:
+    """The root element of a valid description."""
+    from lxml import etree
+
+    parser = etree.XMLParser(resolve_entities=False, no_network=True, remove_comments=True, remove_pis=True)
+    try:
+        root = etree.fromstring(content, parser)
+    except (etree.XMLSyntaxError, ValueError) as failed:
+        raise UnreadableError(
+            error("1", f"{DESCRIPTION} is no well-formed XML: {shown(failed, LONGEST_MESSAGE)}.")
+        ) from failed
+    version = root.get("fmiVersion")
+    if root.tag != "fmiModelDescription" or version != "2.0":
+        said = f"{DESCRIPTION} has the root {shown(root.tag)} and fmiVersion {shown(version)}"
+        raise UnreadableError(error("1", f"{said}; fmiModelDescription and 2.0 are needed."))
+    schema = _schema()
+    if not schema.validate(root):
+        first = schema.error_log[0]
+        more = f" ({len(schema.error_log)} violations)" if len(schema.error_log) > 1 else ""
+        said = shown(first.message, LONGEST_MESSAGE)
+        raise UnreadableError(error("1", f"{DESCRIPTION} violates the schema in line {first.line}: {said}{more}"))
+    if root.find("CoSimulation") is None:
+        raise UnreadableError(error("1", "There is no CoSimulation element; the FMU is for model exchange only."))
+    return root
+
+
+@cache
+def _schema() -> Any:
+    from lxml import etree
+
+    path = importlib.resources.files("fmpy") / "schema" / "fmi2" / "fmi2ModelDescription.xsd"
+    return etree.XMLSchema(etree.parse(str(path)))

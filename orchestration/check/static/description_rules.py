@@ -1,0 +1,143 @@
+"""Rules 2, 3, 5 and 6: variables, units, limits and capabilities as the description declares them."""
+
+import math
+import re
+from collections.abc import Iterator
+
+from orchestration.check.findings import Finding, error, shown, warning
+from orchestration.check.static.archive_rules import Package
+from orchestration.check.static.document import APPROX, CALCULATED, EXACT, Declared
+from orchestration.fmi.instance import REAL, SERIALIZES_STATE
+
+_ANY = frozenset({EXACT, APPROX, CALCULATED})
+_COMPUTED = frozenset({APPROX, CALCULATED})
+# FMI 2.0.5, section 2.2.7: `initial` by causality and variability; what is not listed is illegal.
+LEGAL: dict[tuple[str, str], frozenset[str]] = {
+    ("parameter", "fixed"): frozenset({EXACT}),
+    ("parameter", "tunable"): frozenset({EXACT}),
+    ("calculatedParameter", "fixed"): _COMPUTED,
+    ("calculatedParameter", "tunable"): _COMPUTED,
+    ("input", "discrete"): frozenset(),
+    ("input", "continuous"): frozenset(),
+    ("output", "constant"): frozenset({EXACT}),
+    ("output", "discrete"): _ANY,
+    ("output", "continuous"): _ANY,
+    ("local", "constant"): frozenset({EXACT}),
+    ("local", "fixed"): _COMPUTED,
+    ("local", "tunable"): _COMPUTED,
+    ("local", "discrete"): _ANY,
+    ("local", "continuous"): _ANY,
+    ("independent", "continuous"): frozenset(),
+}
+_IDENTIFIER = re.compile(r"[A-Za-z_]\w*", re.ASCII)
+_ELEMENT = r"""(?:[A-Za-z_]\w*|'(?:[ !#-&(-\[\]-~]|\\['"?\\abfnrtv])+')(?:\[\d+(?:,\d+)*\])?"""
+_PATH = rf"{_ELEMENT}(?:\.{_ELEMENT})*"
+_STRUCTURED = re.compile(rf"{_PATH}|der\({_PATH}(?:,\d+)?\)", re.ASCII)  # section 2.2.9
+
+
+def combinations_are_legal(package: Package) -> Iterator[Finding]:
+    """Rule 2."""
+    for variable in package.document.variables:
+        pair = (variable.causality, variable.variability)
+        name = shown(variable.name)
+        if variable.type != REAL and variable.variability == "continuous":
+            how = "declares" if "variability" in variable.given else "has, by default,"
+            yield error("2", f"{name} is no Real, but {how} variability continuous; discrete is usual.")
+        elif pair not in LEGAL:
+            yield error("2", f"{name}: causality {pair[0]} and variability {pair[1]} exclude each other.")
+        elif LEGAL[pair] and variable.initial not in LEGAL[pair]:
+            legal = " or ".join(sorted(LEGAL[pair]))
+            yield error("2", f"{name}: initial {variable.initial} is illegal for a {pair[1]} {pair[0]}; {legal} is.")
+
+
+def starts_are_where_needed(package: Package) -> Iterator[Finding]:
+    """Rule 3."""
+    for variable in package.document.variables:
+        name, kind = shown(variable.name), variable.causality
+        if kind in ("input", "independent") and "initial" in variable.given:
+            yield warning("3", f"{name} has initial {variable.initial}, but is an {kind}, which has none.")
+        needed = kind == "input" or (kind != "independent" and variable.initial in (EXACT, APPROX))
+        if needed and variable.start is None:
+            why = "is an input" if kind == "input" else f"has initial {variable.initial}"
+            yield error("3", f"{name} {why}, but no start value.")
+        elif variable.start is not None and not needed:
+            why = "is the independent variable" if kind == "independent" else "has initial calculated"
+            yield error("3", f"{name} {why}, but a start value.")
+
+
+def names_are_unique_and_structured(package: Package) -> Iterator[Finding]:
+    """Rule 5."""
+    seen: set[str] = set()
+    for variable in package.document.variables:
+        if variable.name in seen:
+            yield error("5", f"The name {shown(variable.name)} is used more than once.")
+        seen.add(variable.name)
+        if package.document.structured and not _STRUCTURED.fullmatch(variable.name):
+            yield warning("5", f"The name {shown(variable.name)} breaks the grammar of structured names.")
+
+
+def units_are_declared(package: Package) -> Iterator[Finding]:
+    """Rule 5."""
+    document = package.document
+    for name, unit in document.units.items():
+        if unit is None:
+            yield warning("5", f"The unit {shown(name)} has no BaseUnit; importers cannot compare it.")
+        elif not (math.isfinite(unit.factor) and unit.factor and math.isfinite(unit.offset)):
+            yield error("5", f"The unit {shown(name)} has factor {unit.factor:g} and offset {unit.offset:g}.")
+    for variable in document.variables:
+        name, unit = shown(variable.name), variable.unit
+        if variable.declared_type and variable.declared_type not in document.types:
+            yield error("5", f"{name}: the type {shown(variable.declared_type)} is not declared.")
+        elif unit and unit not in document.units:
+            yield error("5", f"{name}: the unit {shown(unit)} is not declared in UnitDefinitions.")
+        elif variable.display_unit and variable.display_unit not in document.display_units.get(unit, ()):
+            yield error("5", f"{name}: the display unit {shown(variable.display_unit)} is none of {shown(unit)}.")
+
+
+def limits_hold(package: Package) -> Iterator[Finding]:
+    """Rule 5."""
+    for variable in package.document.variables:
+        low, high = (bound if bound is not None else default for bound, default in _bounds(variable))
+        start, name = variable.number, shown(variable.name)
+        if not low <= high:
+            yield warning("5", f"{name}: min {low:g} exceeds max {high:g}.")
+        elif start is not None and variable.type != "Boolean" and not low <= start <= high:
+            yield warning("5", f"{name}: start {start:g} is outside of [{low:g}, {high:g}].")
+
+
+def experiment_makes_sense(package: Package) -> Iterator[Finding]:
+    """Rule 5."""
+    names = ("startTime", "stopTime", "stepSize", "tolerance")
+    start, stop, step, tolerance = map(package.document.experiment, names)
+    first = 0.0 if start is None else start
+    if not math.isfinite(first) or (stop is not None and not first < stop < math.inf):
+        yield error("5", f"DefaultExperiment: stopTime {stop} must be later than startTime {first}, both finite.")
+    if step is not None and not 0 < step < math.inf:
+        yield error("5", f"DefaultExperiment: stepSize {step:g} must be positive.")
+    if tolerance is not None and not 0 < tolerance < math.inf:
+        yield error("5", f"DefaultExperiment: tolerance {tolerance:g} must be positive.")
+
+
+def capabilities_agree(package: Package) -> Iterator[Finding]:
+    """Rule 6."""
+    document = package.document
+    if document.flag(SERIALIZES_STATE) and not document.flag("canGetAndSetFMUstate"):
+        yield error("6", f"{SERIALIZES_STATE} is true, but canGetAndSetFMUstate false: there is no state to serialize.")
+    if not _IDENTIFIER.fullmatch(document.identifier):
+        yield error("6", f"The modelIdentifier {shown(document.identifier)!r} is no C identifier.")
+    exchange = document.root.find("ModelExchange")
+    other = document.identifier if exchange is None else exchange.get("modelIdentifier")
+    if other != document.identifier:
+        yield warning("6", f"The modelIdentifiers {shown(document.identifier)} and {shown(other)} differ.")
+    if not document.guid.strip():
+        yield error("1", "The guid is empty: importers refuse the FMU, or cannot tell versions apart.")
+    seen: set[str] = set()
+    for category in document.root.iterfind("LogCategories/Category"):
+        name = category.get("name")
+        if name in seen:
+            yield warning("6", f"The log category {shown(name)} is declared more than once.")
+        seen.add(name)
+
+
+def _bounds(variable: Declared) -> tuple[tuple[float | None, float], tuple[float | None, float]]:
+    return (variable.limits[0], -math.inf), (variable.limits[1], math.inf)

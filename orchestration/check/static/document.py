@@ -1,0 +1,212 @@
+"""modelDescription.xml as the rules read it: what is written, what the defaults make of it, and nothing refused.
+
+Only a document that is valid against the schema is read so: attributes have their types.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+from orchestration.fmi.instance import INTEGER, REAL
+
+BASE_UNITS = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
+CALCULATED, EXACT, APPROX = "calculated", "exact", "approx"
+_TRUE = ("true", "1")
+
+
+@dataclass(frozen=True)
+class Unit:
+    """A unit: exponents of the SI base units in the order of `BASE_UNITS`, factor and offset to them."""
+
+    exponents: tuple[tuple[str, int], ...] = ()
+    factor: float = 1.0
+    offset: float = 0.0
+
+    def __str__(self) -> str:
+        """Factor and exponents, such as ``0.001 kg m2 s-2``."""
+        powers = " ".join(f"{base}{'' if power == 1 else power}" for base, power in self.exponents)
+        factor = "" if self.factor == 1 else f"{self.factor:g} "
+        offset = f" + {self.offset:g}" if self.offset else ""
+        return f"{factor}{powers or '1'}{offset}"
+
+    def without_angle(self) -> "Unit":
+        """The same with the radian taken for a number."""
+        return Unit(tuple(power for power in self.exponents if power[0] != "rad"), self.factor, self.offset)
+
+
+@dataclass(frozen=True)
+class Declared:
+    """A ScalarVariable.
+
+    Attributes
+    ----------
+    index
+        1-based place in ModelVariables.
+    type
+        Of the values: that of an Enumeration is Integer.
+    variability, initial
+        With the standard's defaults; `initial` is None where there must be none.
+    given
+        Names of the attributes that are written.
+    start
+        The text that is written, None if there is none.
+    limits
+        Smallest and largest value, its own or those of the declared type.
+    """
+
+    index: int
+    name: str
+    reference: int
+    type: str
+    causality: str
+    variability: str
+    initial: str | None
+    given: frozenset[str]
+    start: str | None
+    limits: tuple[float | None, float | None]
+    unit: str
+    display_unit: str
+    declared_type: str
+    derivative: int | None
+
+    @property
+    def number(self) -> float | None:
+        """The start value as a number; Booleans are 0 or 1."""
+        if self.start is None or self.type == "String":
+            return None
+        return float(self.start.strip() in _TRUE) if self.type == "Boolean" else float(self.start)
+
+
+@dataclass(frozen=True)
+class Unknown:
+    """A row of ModelStructure; indices are 1-based, `dependencies` is None if all are assumed."""
+
+    index: int
+    dependencies: tuple[int, ...] | None
+    kinds: tuple[str, ...] | None
+
+
+class Document:
+    """The description.
+
+    Parameters
+    ----------
+    root
+        Element of lxml, valid against the schema.
+    mapping
+        What the FMU calls variables, or whole arrays, by our names; what is not in it keeps its name.
+    """
+
+    def __init__(self, root: Any, mapping: Mapping[str, str] | None = None) -> None:
+        self.root = root
+        self._ours = {their: our for our, their in (mapping or {}).items()}
+        self.guid: str = root.get("guid")
+        self.structured = root.get("variableNamingConvention") == "structured"
+        self.co_simulation = root.find("CoSimulation")
+        self.identifier: str = "" if self.co_simulation is None else self.co_simulation.get("modelIdentifier")
+
+    def renamed(self, mapping: Mapping[str, str]) -> "Document":
+        """The same description with other names, by ours, for its variables."""
+        return Document(self.root, mapping) if mapping else self
+
+    def flag(self, name: str) -> bool:
+        """A capability of the co-simulation."""
+        return self.co_simulation is not None and self.co_simulation.get(name, "false").strip() in _TRUE
+
+    def experiment(self, name: str) -> float | None:
+        """A number of DefaultExperiment, None if it is not given."""
+        element = self.root.find("DefaultExperiment")
+        text = None if element is None else element.get(name)
+        return None if text is None else float(text)
+
+    @cached_property
+    def variables(self) -> tuple[Declared, ...]:
+        """All variables, in their order."""
+        rows = self.root.findall("ModelVariables/ScalarVariable")
+        return tuple(self._variable(i, row) for i, row in enumerate(rows, start=1))
+
+    @cached_property
+    def types(self) -> Mapping[str, Any]:
+        """Type elements of TypeDefinitions by name."""
+        return {row.get("name"): row[0] for row in self.root.findall("TypeDefinitions/SimpleType")}
+
+    @cached_property
+    def units(self) -> Mapping[str, Unit | None]:
+        """Units by name; None for one without a BaseUnit."""
+        return {row.get("name"): _unit(row) for row in self.root.findall("UnitDefinitions/Unit")}
+
+    @cached_property
+    def display_units(self) -> Mapping[str, frozenset[str]]:
+        """Names of the display units of each unit."""
+        rows = self.root.findall("UnitDefinitions/Unit")
+        return {row.get("name"): frozenset(d.get("name") for d in row.findall("DisplayUnit")) for row in rows}
+
+    def unknowns(self, listing: str) -> tuple[Unknown, ...]:
+        """Rows of Outputs, Derivatives or InitialUnknowns."""
+        return tuple(map(_unknown, self.root.findall(f"ModelStructure/{listing}/Unknown")))
+
+    def of_causality(self, causality: str) -> list[Declared]:
+        """Variables of a causality, in their order."""
+        return [variable for variable in self.variables if variable.causality == causality]
+
+    def _name(self, name: str) -> str:
+        """Our name for a variable, or for the array that it is an element of."""
+        base, bracket, element = name.partition("[")
+        return self._ours.get(name) or self._ours.get(base, base) + bracket + element
+
+    def _variable(self, index: int, row: Any) -> Declared:
+        typed = next(child for child in row if child.tag in _TYPES)
+        simple = self.types.get(typed.get("declaredType"), {})
+        causality, variability = row.get("causality", "local"), row.get("variability", "continuous")
+        low, high = (typed.get(name, simple.get(name)) for name in ("min", "max"))
+        derivative = typed.get("derivative")
+        return Declared(
+            index=index,
+            name=self._name(row.get("name")),
+            reference=_integer(row.get("valueReference")),
+            type=INTEGER if typed.tag == "Enumeration" else typed.tag,
+            causality=causality,
+            variability=variability,
+            initial=row.get("initial", default_initial(causality, variability)),
+            given=frozenset(row.attrib),
+            start=typed.get("start"),
+            limits=(None if low is None else float(low), None if high is None else float(high)),
+            unit=typed.get("unit", simple.get("unit", "")),
+            display_unit=typed.get("displayUnit", simple.get("displayUnit", "")),
+            declared_type=typed.get("declaredType", ""),
+            derivative=None if derivative is None else _integer(derivative),
+        )
+
+
+_TYPES = (REAL, INTEGER, "Boolean", "String", "Enumeration")
+
+
+def default_initial(causality: str, variability: str) -> str | None:
+    """`initial` where it is not written, FMI 2.0.5 section 2.2.7."""
+    if causality in ("input", "independent"):
+        return None
+    return EXACT if causality == "parameter" or variability == "constant" else CALCULATED
+
+
+def _integer(text: str) -> int:
+    """An integer of the schema; Python refuses one of 5000 digits, be they leading zeros."""
+    sign = "-" if text.strip().startswith("-") else ""
+    return int(sign + (text.strip().lstrip("+-0") or "0"))
+
+
+def _unit(row: Any) -> Unit | None:
+    base = row.find("BaseUnit")
+    if base is None:
+        return None
+    exponents = tuple((name, power) for name in BASE_UNITS if (power := _integer(base.get(name, "0"))))
+    return Unit(exponents, float(base.get("factor", "1")), float(base.get("offset", "0")))
+
+
+def _unknown(row: Any) -> Unknown:
+    dependencies, kinds = row.get("dependencies"), row.get("dependenciesKind")
+    return Unknown(
+        _integer(row.get("index")),
+        None if dependencies is None else tuple(map(_integer, dependencies.split())),
+        None if kinds is None else tuple(kinds.split()),
+    )

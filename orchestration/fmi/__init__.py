@@ -1,0 +1,1 @@
+"""One FMU: what it declares, its library, an instance of it."""

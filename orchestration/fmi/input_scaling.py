@@ -1,0 +1,181 @@
+"""Inputs in other units: functions that stand before an FMU's own and convert what is handed in.
+
+The loops copy an output to an input as it is, and call what they find in their table. Where a
+connection scales, the table has a stand-in for the instance and functions of the same signatures:
+
+    fmi2SetReal(v)                  v_i -> factor_i v_i + offset_i
+    fmi2SetRealInputDerivatives(v)  v_i -> factor_i v_i
+    fmi2GetDirectionalDerivative    with the seed times factor_i
+
+and then the FMU's own function. So every algorithm sees the input in the unit of its source, residuals
+and tolerances included, and a system without scaling runs the very same code as before.
+"""
+
+from collections.abc import Callable, Mapping
+from functools import cache
+from typing import Any
+
+import numpy as np
+from llvmlite import ir
+from numba import cfunc, types
+from numba.extending import intrinsic
+
+from orchestration.fmi.native_calls import call_direction, call_do_step, call_rates, call_state, call_transfer
+from orchestration.fmi.units import Linear
+
+# Slots of the stand-in, eight bytes each: the instance, addresses of its functions, then the number of
+# scaled inputs, addresses of their references, factors and offsets, and of a buffer with its length.
+_FUNCTIONS = (
+    *("fmi2DoStep", "fmi2SetReal", "fmi2SetInteger", "fmi2SetBoolean"),
+    *("fmi2GetReal", "fmi2GetInteger", "fmi2GetBoolean", "fmi2GetFMUstate", "fmi2SetFMUstate"),
+    *("fmi2SetRealInputDerivatives", "fmi2GetDirectionalDerivative"),
+)
+_FIRST = 1 + len(_FUNCTIONS)
+_SLOTS = {name: 1 + i for i, name in enumerate(_FUNCTIONS)}
+_N, _REFERENCES, _FACTORS, _OFFSETS, _BUFFER, _CAPACITY = range(_FIRST, _FIRST + 6)
+_DO_STEP, _SET_REAL = _SLOTS["fmi2DoStep"], _SLOTS["fmi2SetReal"]
+_SET_RATES, _DIRECTION = _SLOTS["fmi2SetRealInputDerivatives"], _SLOTS["fmi2GetDirectionalDerivative"]
+_ORDERS = 2  # of input derivatives that are handed over at once
+_ERROR = 3  # fmi2Error
+_I64 = types.int64
+
+
+class ScaledInputs:
+    """The stand-in for an instance.
+
+    Parameters
+    ----------
+    handle
+        Address of the instance.
+    own
+        Gives the address of an FMU's own function.
+    scales
+        By value reference of a Real input.
+    n_inputs
+        Number of the FMU's inputs.
+    """
+
+    def __init__(self, handle: int, own: Callable[[str], int], scales: Mapping[int, Linear], n_inputs: int) -> None:
+        self._own = own
+        references = np.array(list(scales), np.uint32)
+        factors = np.array([scale.factor for scale in scales.values()])
+        offsets = np.array([scale.offset for scale in scales.values()])
+        buffer = np.zeros(max(1, _ORDERS * n_inputs))
+        arrays = (references, factors, offsets, buffer)
+        addresses = [array.ctypes.data for array in arrays]
+        functions = [own(name) for name in _FUNCTIONS]
+        self._slots = np.array([handle, *functions, len(references), *addresses, len(buffer)], np.int64)
+        self._alive = arrays
+
+    @property
+    def component(self) -> int:
+        """Address of the stand-in."""
+        return self._slots.ctypes.data
+
+    def address(self, function: str) -> int:
+        """Address of the function to call with it."""
+        return _stand_in(function) if function in _SLOTS else self._own(function)
+
+
+@cache
+def _stand_in(function: str) -> int:
+    """Address of the compiled function for an FMI function; compiled when it is first needed."""
+    slot = _SLOTS[function]
+    signature, body = {
+        _DO_STEP: (types.int32(_I64, types.float64, types.float64, types.int32), _do_step),
+        _SET_REAL: (types.int32(*[_I64] * 4), _set_real),
+        _SET_RATES: (types.int32(*[_I64] * 5), _set_rates),
+        _DIRECTION: (types.int32(*[_I64] * 7), _direction),
+    }.get(slot, (None, None))
+    if body is None:
+        state = function.endswith("FMUstate")
+        signature = types.int32(_I64, _I64) if state else types.int32(*[_I64] * 4)
+        body = _forward_state(slot) if state else _forward_transfer(slot)
+    compiled = cfunc(signature, nopython=True, cache=True, error_model="numpy")(body)
+    _compiled[function] = compiled
+    return compiled.address
+
+
+_compiled: dict[str, Any] = {}  # keeps the code that addresses point to
+
+
+def _do_step(unit, t, h, final):  # noqa: ARG001 - call_do_step says that no step is undone
+    return call_do_step(_integer(unit + 8 * _DO_STEP), _integer(unit), t, h)
+
+
+def _set_real(unit, references, n, values):
+    buffer = _integer(unit + 8 * _BUFFER)
+    if n > _integer(unit + 8 * _CAPACITY):
+        return types.int32(_ERROR)
+    for i in range(n):
+        value = _real(values + 8 * i)
+        for j in range(_integer(unit + 8 * _N)):
+            if _reference(_integer(unit + 8 * _REFERENCES) + 4 * j) == _reference(references + 4 * i):
+                factor = _real(_integer(unit + 8 * _FACTORS) + 8 * j)
+                value = factor * value + _real(_integer(unit + 8 * _OFFSETS) + 8 * j)
+        _put(buffer + 8 * i, value)
+    return call_transfer(_integer(unit + 8 * _SET_REAL), _integer(unit), references, n, buffer)
+
+
+def _set_rates(unit, references, n, orders, values):
+    buffer = _integer(unit + 8 * _BUFFER)
+    if n > _integer(unit + 8 * _CAPACITY):
+        return types.int32(_ERROR)
+    for i in range(n):
+        value = _real(values + 8 * i)
+        for j in range(_integer(unit + 8 * _N)):
+            if _reference(_integer(unit + 8 * _REFERENCES) + 4 * j) == _reference(references + 4 * i):
+                value *= _real(_integer(unit + 8 * _FACTORS) + 8 * j)
+        _put(buffer + 8 * i, value)
+    return call_rates(_integer(unit + 8 * _SET_RATES), _integer(unit), references, n, orders, buffer)
+
+
+def _direction(unit, unknowns, n, known, one, seed, values):  # noqa: ARG001 - there is one known variable
+    buffer = _integer(unit + 8 * _BUFFER)
+    value = _real(seed)
+    for j in range(_integer(unit + 8 * _N)):
+        if _reference(_integer(unit + 8 * _REFERENCES) + 4 * j) == _reference(known):
+            value *= _real(_integer(unit + 8 * _FACTORS) + 8 * j)
+    _put(buffer, value)
+    return call_direction(_integer(unit + 8 * _DIRECTION), _integer(unit), unknowns, n, known, buffer, values)
+
+
+def _forward_transfer(slot: int) -> Callable:
+    def forward(unit, references, n, values):
+        return call_transfer(_integer(unit + 8 * slot), _integer(unit), references, n, values)
+
+    return forward
+
+
+def _forward_state(slot: int) -> Callable:
+    def forward(unit, state):
+        return call_state(_integer(unit + 8 * slot), _integer(unit), state)
+
+    return forward
+
+
+def _load(kind: Any, pointed: Any) -> Callable:
+    """An intrinsic that reads the value at an address."""
+
+    @intrinsic
+    def load(typing: Any, address: Any) -> Any:  # noqa: ARG001 - numba gives both
+        def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:  # noqa: ARG001
+            return builder.load(builder.inttoptr(arguments[0], pointed.as_pointer()))
+
+        return kind(types.int64), generate
+
+    return load
+
+
+_integer = _load(types.int64, ir.IntType(64))
+_reference = _load(types.uint32, ir.IntType(32))
+_real = _load(types.float64, ir.DoubleType())
+
+
+@intrinsic
+def _put(typing: Any, address: Any, value: Any) -> Any:  # noqa: ARG001 - numba gives all
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:  # noqa: ARG001
+        builder.store(arguments[1], builder.inttoptr(arguments[0], ir.DoubleType().as_pointer()))
+        return context.get_dummy_value()
+
+    return types.void(types.int64, types.float64), generate

@@ -1,0 +1,1 @@
+"""A run of a system: initialization, the steps of an algorithm, rows."""

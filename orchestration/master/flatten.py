@@ -1,0 +1,239 @@
+"""From a system and its instances to the flat arrays of the hot loop."""
+
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from orchestration.errors import SystemDescriptionError
+from orchestration.fmi.instance import BOOLEAN, INTEGER, REAL, STRING, Instance
+from orchestration.master.kernel import flat_system
+from orchestration.master.kernel.flat_system import Plan
+from orchestration.system.system import Component, Connection, System
+
+Path = tuple[str, str]  # component, variable
+
+_CALLS = {
+    ("input", REAL): (flat_system.SET_REAL, "fmi2SetReal"),
+    ("input", INTEGER): (flat_system.SET_INTEGER, "fmi2SetInteger"),
+    ("input", BOOLEAN): (flat_system.SET_BOOLEAN, "fmi2SetBoolean"),
+    ("output", REAL): (flat_system.GET_REAL, "fmi2GetReal"),
+    ("output", INTEGER): (flat_system.GET_INTEGER, "fmi2GetInteger"),
+    ("output", BOOLEAN): (flat_system.GET_BOOLEAN, "fmi2GetBoolean"),
+}
+
+
+@dataclass(frozen=True)
+class Assembly:
+    """A plan, and the arrays whose addresses it holds.
+
+    Attributes
+    ----------
+    columns
+        Recorded variables as ``component.variable``.
+    real_outputs
+        Place of each fetched Real output among the plan's reals, by ``component.variable``.
+    real_connections, discrete_connections
+        The connection of each link.
+    alive
+        Arrays of value references; the plan has only their addresses.
+    """
+
+    plan: Plan
+    columns: tuple[str, ...]
+    units: dict[str, str]
+    real_outputs: dict[str, int]
+    real_connections: tuple[Connection, ...]
+    discrete_connections: tuple[Connection, ...]
+    alive: tuple[np.ndarray, ...]
+
+    def record(self, row: np.ndarray) -> None:
+        """Copy the recorded outputs, as they are now, into a row of shape (n_columns,)."""
+        flat_system.record(self.plan, row[None, :], np.uint64(0))
+
+
+Key = tuple[str, str, str]  # causality, component, variable
+
+
+@dataclass
+class _Buffers:
+    """Places of variables in the buffers of reals and of discretes, in the order of asking."""
+
+    reals: dict[Key, int] = field(default_factory=dict)
+    discretes: dict[Key, int] = field(default_factory=dict)
+
+    def of(self, kind: str) -> dict[Key, int]:
+        """Places in the buffer of a type; Integers and Booleans share one."""
+        return self.reals if kind == REAL else self.discretes
+
+
+@dataclass(frozen=True)
+class _Call:
+    """One set or get call of a component: variables of a type, side by side from `first` on."""
+
+    row: int
+    component: Component
+    causality: str
+    kind: str
+    names: list[str]
+    first: int
+
+
+def assemble(
+    system: System,
+    instances: Sequence[Instance],
+    record: Collection[str] | None,
+    fetched: Collection[str] = (),
+) -> Assembly:
+    """Lay out buffers and addresses for a run; instances are in the order of the components.
+
+    Outputs in `fetched` are fetched even if they are neither recorded nor connected.
+
+    Raises
+    ------
+    SystemDescriptionError
+        If a variable to record is unknown or no output.
+    """
+    recorded = _recorded_paths(system, record)
+    sources = {(c.target, c.input): c for c in system.connections}
+    buffers = _Buffers()
+    shown = {(c.source, c.output) for c in system.connections}
+    wanted = {*recorded, *shown, *(_path(system, name) for name in fetched)}
+    calls = _calls(system, {"output": wanted, "input": set(sources)}, buffers)
+    reals, discretes = np.zeros(len(buffers.reals)), np.zeros(len(buffers.discretes), np.int32)
+    table, references = _table(instances, calls, reals, discretes)
+    columns = {path: column for column, path in enumerate(recorded)}
+    real_links, real_connections = _links(system, buffers.reals, sources, table, flat_system.FIRST_REAL)
+    discrete_links, discrete_connections = _links(system, buffers.discretes, sources, table, flat_system.FIRST_DISCRETE)
+    plan = Plan(
+        table,
+        real_links,
+        discrete_links,
+        reals,
+        discretes,
+        _runs(_recorded(columns, buffers.reals)),
+        _recorded(columns, buffers.discretes),
+    )
+    return Assembly(
+        plan,
+        columns=tuple(f"{c}.{v}" for c, v in recorded),
+        units={f"{c}.{v}": system.component(c).variable(v).unit for c, v in recorded},
+        real_outputs={f"{c}.{v}": i for (kind, c, v), i in buffers.reals.items() if kind == "output"},
+        real_connections=real_connections,
+        discrete_connections=discrete_connections,
+        alive=tuple(references),
+    )
+
+
+def _calls(system: System, wanted: dict[str, set[Path]], buffers: _Buffers) -> list[_Call]:
+    """The calls of all components, giving each variable its place."""
+    calls = []
+    for causality, kind in _CALLS:
+        places = buffers.of(kind)
+        for row, component in enumerate(system.components):
+            names = _names(component, causality, kind, wanted[causality])
+            if names:
+                calls.append(_Call(row, component, causality, kind, names, len(places)))
+            for name in names:
+                places[causality, component.name, name] = len(places)
+    return calls
+
+
+def _table(
+    instances: Sequence[Instance], calls: Sequence[_Call], reals: np.ndarray, discretes: np.ndarray
+) -> tuple[np.ndarray, list[np.ndarray]]:
+    """The table without ranges of links, and the arrays of value references it points to."""
+    table = np.zeros((len(instances), flat_system.N_COLUMNS), np.int64)
+    for row, instance in zip(table, instances, strict=True):
+        row[flat_system.COMPONENT] = instance.component
+        row[flat_system.DO_STEP] = instance.address("fmi2DoStep")
+    kept = []
+    for call in calls:
+        column, function = _CALLS[call.causality, call.kind]
+        references = np.array([call.component.variable(n).reference for n in call.names], np.uint32)
+        buffer = reals if call.kind == REAL else discretes
+        group = table[call.row, column : column + 4]
+        group[flat_system.FUNCTION] = instances[call.row].address(function)
+        group[flat_system.REFERENCES] = references.ctypes.data
+        group[flat_system.COUNT] = len(call.names)
+        group[flat_system.VALUES] = buffer.ctypes.data + call.first * buffer.itemsize
+        kept.append(references)
+    return table, kept
+
+
+def _recorded_paths(system: System, record: Collection[str] | None) -> list[Path]:
+    """All outputs if `record` is None, else the named ones in the given order."""
+    if record is None:
+        return [
+            (component.name, variable.name)
+            for component in system.components
+            for variable in component.description.of_causality("output")
+        ]
+    paths = []
+    for name in dict.fromkeys(record):  # a column twice would leave one unwritten
+        component, variable = system.resolve(name)
+        if variable.causality != "output" or variable.type == STRING:
+            is_ = f"a {variable.type} of causality {variable.causality}"
+            msg = f"{name} is {is_}; only outputs that are Real, Integer or Boolean can be recorded."
+            raise SystemDescriptionError(msg)
+        paths.append((component.name, variable.name))
+    return paths
+
+
+def _path(system: System, name: str) -> Path:
+    component, variable = system.resolve(name)
+    return component.name, variable.name
+
+
+def _names(component: Component, causality: str, kind: str, wanted: Collection[Path]) -> list[str]:
+    """A component's variables that are set or fetched by one call."""
+    return [
+        variable.name
+        for variable in component.description.of_causality(causality)
+        if variable.type == kind and (component.name, variable.name) in wanted
+    ]
+
+
+def _links(
+    system: System,
+    places: dict[Key, int],
+    sources: dict[Path, Connection],
+    table: np.ndarray,
+    column: int,
+) -> tuple[np.ndarray, tuple[Connection, ...]]:
+    """(source, target) indices by component, and what they connect.
+
+    Writes each component's range into the table.
+    """
+    links: list[tuple[int, int]] = []
+    connections = []
+    for i, component in enumerate(system.components):
+        table[i, column] = len(links)
+        for (causality, name, variable), place in places.items():
+            if causality == "input" and name == component.name:
+                connection = sources[name, variable]
+                links.append((places["output", connection.source, connection.output], place))
+                connections.append(connection)
+        table[i, column + 1] = len(links)
+    return np.array(links, np.uint64).reshape(-1, 2), tuple(connections)
+
+
+def _recorded(columns: dict[Path, int], places: dict[Key, int]) -> np.ndarray:
+    """(index, column) of the recorded outputs in one buffer."""
+    pairs = [
+        (place, columns[name, variable])
+        for (causality, name, variable), place in places.items()
+        if causality == "output" and (name, variable) in columns
+    ]
+    return np.array(pairs, np.uint64).reshape(-1, 2)
+
+
+def _runs(pairs: np.ndarray) -> np.ndarray:
+    """(index, column, number) of the runs in which both go up by one."""
+    runs: list[list[int]] = []
+    for place, column in pairs.tolist():
+        if runs and place == runs[-1][0] + runs[-1][2] and column == runs[-1][1] + runs[-1][2]:
+            runs[-1][2] += 1
+        else:
+            runs.append([place, column, 1])
+    return np.array(runs, np.uint64).reshape(-1, 3)

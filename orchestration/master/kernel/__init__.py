@@ -1,0 +1,1 @@
+"""The compiled loops: numbers and addresses only."""

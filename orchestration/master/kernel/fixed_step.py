@@ -1,0 +1,96 @@
+"""The hot loop of the fixed-step algorithms: operations and arrays in, (step, operation, status) out.
+
+    for k = first, ..., last - 1:                       t = times[k], h = steps[k] or steps[0]
+        every operation of the list (orchestration/master/kernel/step_program.py)
+        after every n-th step: a row = what the outputs show
+
+Nothing here allocates, raises or sees a Python object. `run` is compiled; without compilation
+(NUMBA_DISABLE_JIT=1) the same source goes through ctypes, a slow oracle of itself.
+"""
+
+import numpy as np
+from numba import njit
+
+from orchestration.fmi.instance import WORST_ACCEPTED
+from orchestration.fmi.native_calls import call_do_step, call_transfer
+from orchestration.master.kernel.flat_system import Plan, record
+from orchestration.master.kernel.step_program import (
+    COMPONENT,
+    COPY_REALS,
+    COUNT,
+    FIRST,
+    FUNCTION,
+    KIND,
+    STEP,
+    TRANSFER,
+    VALUES,
+)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def copy_values(operations: np.ndarray, j: int, values: np.ndarray) -> None:
+    """Copy a run of values to other places of their buffer."""
+    source, target = np.uint64(operations[j, FIRST]), np.uint64(operations[j, VALUES])
+    for i in range(np.uint64(operations[j, COUNT])):
+        values[target + i] = values[source + i]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def run(
+    operations: np.ndarray,
+    plan: Plan,
+    grid: tuple[np.ndarray, np.ndarray],
+    span: tuple[int, int],
+    rows: np.ndarray,
+    every: int,
+) -> tuple[int, int, int]:
+    """Make the steps span[0] to span[1] - 1.
+
+    Parameters
+    ----------
+    operations
+        Of a step, see `orchestration.master.kernel.step_program.operations_of_step`.
+    grid
+        Communication points, s, shape (n_steps + 1,), and step sizes, s, shape (n_steps,), or (1,)
+        if all are equal.
+    rows
+        Receives the recorded outputs after each step k for which k + 1 is a multiple of `every`, one
+        row after the other, shape (n_rows, n_columns).
+
+    Returns
+    -------
+    tuple
+        (step, operation, status) of the call that failed; step is span[1] if none did.
+    """
+    times, steps = grid
+    reals, discretes = plan.reals, plan.discretes
+    n = np.uint64(operations.shape[0])  # signed, each index would be tested for < 0
+    until_record, row = every - span[0] % every, np.uint64(0)
+    for k in range(span[0], span[1]):
+        t = times[k]
+        h = steps[k] if steps.size > 1 else steps[0]
+        for j in range(n):
+            kind = operations[j, KIND]
+            if kind == TRANSFER:
+                status = call_transfer(
+                    operations[j, FUNCTION],
+                    operations[j, COMPONENT],
+                    operations[j, FIRST],
+                    operations[j, COUNT],
+                    operations[j, VALUES],
+                )
+            elif kind == STEP:
+                status = call_do_step(operations[j, FUNCTION], operations[j, COMPONENT], t, h)
+            elif kind == COPY_REALS:
+                copy_values(operations, j, reals)
+                continue
+            else:
+                copy_values(operations, j, discretes)
+                continue
+            if status > WORST_ACCEPTED:
+                return k, j, status
+        until_record -= 1
+        if until_record == 0:
+            record(plan, rows, row)
+            until_record, row = every, row + np.uint64(1)
+    return span[1], 0, 0

@@ -1,0 +1,397 @@
+"""A system in the middle of a run, which can be saved, taken back, branched and continued.
+
+    with prepare(system, stop_time=2.0, step=1e-4) as simulation:
+        simulation.run(until=1.0)
+        snapshot = simulation.save()
+        simulation.run()                              # to the stop time
+        simulation.restore(snapshot)
+        simulation.set({"controller.K[1]": 2000.0})
+        simulation.run()                              # another second half
+        result = simulation.result()
+
+Algorithms that extrapolate, correct or control nothing take the short loop of `kernel.fixed_step`;
+the others that of `kernel.step_control`. Both are called for about a tenth of a second at a time, so
+that interrupts and progress get through.
+"""
+
+import json
+import time as clock
+from collections.abc import Mapping
+from contextlib import ExitStack
+from pathlib import Path
+from types import TracebackType
+from typing import TYPE_CHECKING, Self
+
+import numpy as np
+
+from orchestration.errors import (
+    InitializationError,
+    OrchestrationError,
+    RunInterrupted,
+    SimulationError,
+    SystemDescriptionError,
+)
+from orchestration.fmi.instance import WORST_ACCEPTED, Instance
+from orchestration.master.algorithm import SEQUENTIAL, Algorithm
+from orchestration.master.failure_text import failure_message
+from orchestration.master.flatten import Assembly, assemble
+from orchestration.master.initialization import initialize, opened, set_values
+from orchestration.master.kernel import coupling as places
+from orchestration.master.kernel import fixed_step
+from orchestration.master.kernel.step_program import CALL, SUBJECT, operations_of_step
+from orchestration.master.options import Options
+from orchestration.master.recorder import Recorder, Sink, not_finite
+from orchestration.master.snapshot import Snapshot, free_states, identity, restore_state, save_state
+from orchestration.master.step_arrays import Experiment, Layout, check_capabilities, check_crossings, layout
+from orchestration.master.time_grid import Grid
+from orchestration.results.result import Result
+from orchestration.system.system import System
+
+if TYPE_CHECKING:
+    from orchestration.results.storage import ParquetSink
+
+_FIRST_CHUNK = 256  # steps; later chunks last about _CHUNK_SECONDS
+_CHUNK_SECONDS = 0.1
+_CHUNK_VALUES = 2**17  # recorded in a chunk: they are checked while they are in the processor's cache
+
+
+class Simulation:
+    """A run; a context manager that opens and initializes the units, and frees them at the end.
+
+    Parameters
+    ----------
+    system
+        Its order is the order of stepping.
+    grid
+        See `orchestration.master.time_grid`.
+    algorithm, options
+        See `orchestration.simulate`.
+    metadata
+        Of the result.
+
+    Raises
+    ------
+    SystemDescriptionError
+        If the system cannot be run so.
+    InitializationError
+        On entry, if a unit refuses its start values.
+    """
+
+    def __init__(
+        self,
+        system: System,
+        grid: Grid,
+        algorithm: Algorithm,
+        options: Options,
+        *,
+        metadata: Mapping[str, str] | None = None,
+    ) -> None:
+        check_crossings(system, options.crossings)
+        check_capabilities(system, algorithm, options.crossings, options.ratios)
+        self.system, self.grid, self.algorithm, self.options = system, grid, algorithm, options
+        self._metadata = dict(metadata or {})
+        self._path: Path | None = None
+        self._plain = algorithm.plain and not options.crossings.outputs and not options.slow
+        self._kept: list[Snapshot] = []
+        self._changes: list[list[float | str]] = []  # time, variable, value
+        self._stream: ParquetSink | None = None
+        self._stack = ExitStack()
+        self._chunk = _FIRST_CHUNK
+
+    def __enter__(self) -> Self:
+        """Open and initialize the units; row 0 is recorded."""
+        with ExitStack() as stack:
+            self._instances: list[Instance] = stack.enter_context(opened(self.system))
+            fetched = self.options.crossings.outputs
+            self._assembly: Assembly = assemble(self.system, self._instances, self.options.record, fetched)
+            initialize(self.system, self._instances, self._assembly, float(self.grid.times[0]))
+            self._operations = operations_of_step(self._assembly.plan, sequential=self.algorithm.exchange == SEQUENTIAL)
+            self._layout = self._lay_out()
+            stack.callback(lambda: self._layout.free(self._instances))
+            stack.callback(self._free_snapshots)
+            known = None if self.algorithm.control or self.options.crossings.outputs else self._expected()
+            self._recorder = Recorder(len(self._assembly.columns), known, self._sink(stack))
+            times, rows = self._recorder.room()
+            times[0] = self.grid.times[0]
+            self._assembly.record(rows[0])
+            if fault := not_finite(self._assembly.columns, *self._recorder.filled(1), first=0):
+                raise InitializationError(fault[1])
+            self._stack = stack.pop_all()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Terminate the units, and free them.
+
+        Raises
+        ------
+        SimulationError
+            If a unit fails to terminate after a run that went well.
+        """
+        try:
+            if kind is None:
+                self._terminate()
+            else:
+                self._recorder.flush()
+        except OrchestrationError as failed:
+            self._stack.__exit__(type(failed), failed, failed.__traceback__)
+            raise
+        self._stack.__exit__(kind, error, trace)
+
+    def stream_to(self, path: Path) -> None:
+        """Write rows to a Parquet file instead of keeping them; to be said before the block begins."""
+        self._path = path
+
+    @property
+    def count(self) -> int:
+        """Number of rows recorded."""
+        return self._recorder.count
+
+    @property
+    def time(self) -> float:
+        """Where the run is, s."""
+        return float(self._layout.work.numbers[places.TIME])
+
+    @property
+    def steps_made(self) -> int:
+        """Number of steps that were accepted."""
+        return int(self._layout.work.integers[places.STEPS_MADE])
+
+    def run(self, until: float | None = None) -> None:
+        """Go on.
+
+        Parameters
+        ----------
+        until
+            A communication point, s; the last one if None.
+
+        Raises
+        ------
+        SystemDescriptionError
+            If it is no communication point ahead.
+        SimulationError
+            If a unit fails, the run diverges or an iteration does not converge; ``error.result`` has
+            the rows until then.
+        RunInterrupted
+            A KeyboardInterrupt, with the rows until then.
+        """
+        last = self.grid.n if until is None else self.grid.ahead(until, self.time)
+        work = self._layout.work
+        try:
+            while work.integers[places.INTERVAL] < last:
+                started = clock.perf_counter()
+                self._run_plain(last) if self._plain else self._run_general(last)
+                elapsed = clock.perf_counter() - started
+                self._chunk = max(1, int(self._chunk * min(4.0, _CHUNK_SECONDS / max(elapsed, 1e-6))))
+                if self.options.progress is not None:
+                    self.options.progress(*self._progress())
+        except KeyboardInterrupt as interrupt:
+            raise RunInterrupted(self.result()) from interrupt
+
+    def result(self) -> Result:
+        """What is recorded so far; views of the run's memory where that is possible."""
+        times, rows = self._recorder.rows()
+        assembly = self._assembly
+        return Result(
+            times, assembly.columns, rows, assembly.units, self.steps_per_tick, self._described(), self._periods()
+        )
+
+    @property
+    def steps_per_tick(self) -> dict[str, int]:
+        """Rows per sampling period, by component; empty where rows do not keep pace."""
+        every = self.options.every
+        if self.algorithm.control is not None or self.options.crossings.outputs:
+            return {}
+        return {name: n // every for name, n in self.grid.steps_per_tick.items() if n % every == 0}
+
+    def set(self, values: Mapping[str, float | bool | str]) -> None:
+        """Set tunable parameters, and inputs without a source, by ``component.variable``, from here on.
+
+        Raises
+        ------
+        SystemDescriptionError
+            If a name or value is wrong.
+        SimulationError
+            If the unit refuses, for example because the parameter is fixed.
+        """
+        changed = System("_", self.system.components).set(values)
+        for component, before, instance in zip(
+            changed.components, self.system.components, self._instances, strict=True
+        ):
+            named = [name.partition(".")[2] for name in values if name.partition(".")[0] == component.name]
+            set_values(before, instance, {name: component.start[name] for name in named})
+            self._changes += [[self.time, f"{component.name}.{name}", component.start[name]] for name in named]
+
+    def save(self) -> Snapshot:
+        """The state of everything.
+
+        Raises
+        ------
+        SystemDescriptionError
+            If a unit saves no state, or rows go to a file.
+        """
+        if self._recorder.streams:
+            msg = f"System {self.system.name}: rows that go to a file cannot be taken back; keep them in memory."
+            raise SystemDescriptionError(msg)
+        states = tuple(save_state(instance) for instance in self._instances)
+        work, plan = self._layout.work, self._assembly.plan
+        times, rows = self._recorder.rows()
+        arrays = {name: getattr(work, name).copy() for name in _SAVED_WORK}
+        arrays |= {"reals": plan.reals.copy(), "discretes": plan.discretes.copy()}
+        arrays |= {"times": times.copy(), "rows": rows.copy(), "changes": np.array(json.dumps(self._changes))}
+        snapshot = Snapshot(self.time, self._identity(), arrays, states)
+        if not all(isinstance(state, bytes) for state in states):
+            self._kept.append(snapshot)  # its states live in the units, and are freed with them
+        return snapshot
+
+    def restore(self, snapshot: Snapshot) -> None:
+        """Go to a state that was saved, here or in another run of the same system.
+
+        Raises
+        ------
+        SystemDescriptionError
+            If the snapshot is of another system, algorithm, grid or choice of columns.
+        """
+        if snapshot.identity != self._identity():
+            msg = (
+                f"System {self.system.name}: the snapshot at t = {snapshot.time:.9g} s is of another run;"
+                " units, connections, algorithm, points and recorded outputs must be the same."
+            )
+            raise SystemDescriptionError(msg)
+        whole = all(isinstance(state, bytes) for state in snapshot.states)
+        if not whole and not any(snapshot is mine for mine in self._kept):
+            msg = "The snapshot has states that live in another run; their units do not serialize."
+            raise SystemDescriptionError(msg)
+        for instance, state in zip(self._instances, snapshot.states, strict=True):
+            restore_state(instance, state)
+        work, plan = self._layout.work, self._assembly.plan
+        for name in _SAVED_WORK:
+            getattr(work, name)[...] = snapshot.arrays[name]
+        plan.reals[:], plan.discretes[:] = snapshot.arrays["reals"], snapshot.arrays["discretes"]
+        self._changes = json.loads(str(snapshot.arrays["changes"]))
+        self._recorder.reset(snapshot.arrays["times"], snapshot.arrays["rows"])
+
+    def _described(self) -> dict[str, str]:
+        """The metadata, what was set on the way, and what the algorithm needed."""
+        described, counters = dict(self._metadata), self._layout.work.integers
+        if self._changes:
+            described["changes"] = json.dumps(self._changes)
+        if not self._plain:
+            described["steps_made"] = str(counters[places.STEPS_MADE])
+            described["steps_rejected"] = str(counters[places.REJECTED])
+            described["sweeps"] = str(counters[places.ITERATIONS])
+        return described
+
+    def _sink(self, stack: ExitStack) -> Sink | None:
+        if self._path is None:
+            return None
+        from orchestration.results.storage import ParquetSink
+
+        columns, units = self._assembly.columns, self._assembly.units
+        ticks = {"steps_per_tick": self.steps_per_tick, "sample_times": self._periods()}
+        self._stream = stack.enter_context(ParquetSink(self._path, columns, units, self._metadata, **ticks))
+        return self._stream
+
+    def _lay_out(self) -> Layout:
+        times = self.grid.times
+        experiment = Experiment(
+            self.grid.step,
+            float(np.max(self.grid.lengths)),
+            float(times[-1] - times[0]),
+            self.options.ratios,
+            self.options.crossings,
+        )
+        found = layout(self.system, self._instances, self._assembly, self.algorithm, experiment)
+        found.work.past[0], found.work.past_times[0] = self._assembly.plan.reals, times[0]
+        found.work.integers[places.N_PAST] = 1
+        found.work.numbers[places.TIME] = times[0]
+        return found
+
+    def _run_plain(self, last: int) -> None:
+        """A chunk of the short loop."""
+        integers, every = self._layout.work.integers, self.options.every
+        done = int(integers[places.INTERVAL])
+        room = self._recorder.room()[1]
+        most = max(1, _CHUNK_VALUES // max(1, room.shape[1])) * every
+        end = min(last, done + min(self._chunk, most), (done // every + len(room)) * every + every - 1)
+        grid = (self.grid.times, self.grid.lengths)
+        k, j, status = fixed_step.run(self._operations, self._assembly.plan, grid, (done, end), room, every)
+        times, _ = self._recorder.room()
+        n = k // every - done // every
+        times[:n] = self.grid.times[(done // every + 1) * every : k + 1 : every]
+        self._finish_rows(*self._recorder.filled(n))
+        integers[places.INTERVAL] = integers[places.STEPS_MADE] = k
+        self._layout.work.numbers[places.TIME] = self.grid.times[k]
+        if k < end:
+            failed = self._operations[int(j)].tolist()
+            self._fail((failed[SUBJECT], failed[CALL], status))
+
+    def _run_general(self, last: int) -> None:
+        """A chunk of the loop for all algorithms."""
+        from orchestration.master.kernel import step_control
+
+        found = self._layout
+        count, failure = step_control.run(
+            self._assembly.plan,
+            found.coupling,
+            found.work,
+            found.method,
+            (self.grid.times, self.grid.lengths),
+            (last, self._chunk, self.options.every),
+            self._recorder.room(),
+        )
+        self._finish_rows(*self._recorder.filled(count))
+        if failure[0] >= 0:
+            self._fail(failure)
+
+    def _finish_rows(self, times: np.ndarray, rows: np.ndarray) -> None:
+        """Refuse rows with values that are not finite; those before stay."""
+        first = self._recorder.count - len(times)
+        if fault := not_finite(self._assembly.columns, times, rows, first=first):
+            self._recorder.drop(len(times) - fault[0])
+            self._recorder.flush()
+            raise SimulationError(fault[1], self.result())
+
+    def _fail(self, failure: tuple[int, int, int]) -> None:
+        self._recorder.flush()
+        step = int(self._layout.work.integers[places.STEPS_MADE])
+        where = f" at t = {self.time:.9g} s (step {step})"
+        message = failure_message(failure, where, self._layout, self._instances, self._assembly)
+        raise SimulationError(message, self.result())
+
+    def _terminate(self) -> None:
+        self._recorder.flush()
+        if self._stream is not None:
+            self._stream.metadata |= self._described()
+        for instance in self._instances:
+            status = instance.status("fmi2Terminate")
+            if status > WORST_ACCEPTED:
+                raise SimulationError(instance.failure("fmi2Terminate", status), self.result())
+
+    def _progress(self) -> tuple[int, int]:
+        if self.algorithm.control is None:
+            return int(self._layout.work.integers[places.INTERVAL]), self.grid.n
+        span = self.grid.times[-1] - self.grid.times[0]
+        return int(1000 * (self.time - self.grid.times[0]) / span), 1000
+
+    def _expected(self) -> int:
+        return self.grid.n // self.options.every + 1
+
+    def _periods(self) -> dict[str, float]:
+        periods = {c.name: c.sample_time for c in self.system.components}
+        return {name: float(period) for name, period in periods.items() if period is not None}
+
+    def _identity(self) -> str:
+        """What a snapshot must share with a run."""
+        options = self.options
+        chosen = (repr(self.algorithm), options.every, sorted(options.ratios.items()), repr(options.crossings))
+        return identity(self.system, self._assembly.columns, self.grid.times, chosen)
+
+    def _free_snapshots(self) -> None:
+        for snapshot in self._kept:
+            free_states(self._instances, snapshot.states)
+        self._kept.clear()
+
+
+_SAVED_WORK = ("past", "past_times", "end", "residual", "last_residual", "jacobian", "pivots", "integers", "numbers")

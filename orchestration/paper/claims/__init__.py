@@ -1,0 +1,1 @@
+"""The claims of Lu & Meng (1991), measured."""

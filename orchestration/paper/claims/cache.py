@@ -1,0 +1,60 @@
+"""Claims of an earlier run with the same inputs: measuring them takes most of a minute.
+
+The key is a hash of everything that decides them: the scenarios' SSP packages (FMUs and numbers), the
+source of all three packages, and the versions of the numerical libraries.
+"""
+
+import hashlib
+import importlib.metadata
+import importlib.resources
+import json
+from collections.abc import Callable, Mapping
+from dataclasses import asdict
+from pathlib import Path
+
+from adaptimp_fmu import default_cache
+from orchestration.paper.claims.claim import Claim
+
+PACKAGES = ("adaptimp_fmu", "fmus", "orchestration")
+LIBRARIES = ("casadi", "numba", "numpy", "fmpy")
+
+
+def claims_of(
+    digests: Mapping[str, str], measure: Callable[[], list[Claim]], *, fresh: bool
+) -> tuple[list[Claim], bool]:
+    """The kept claims, or new ones.
+
+    Parameters
+    ----------
+    digests
+        SHA-256 of each scenario's package.
+    fresh
+        Whether to measure in any case.
+
+    Returns
+    -------
+    tuple
+        The claims, and whether they had been kept.
+    """
+    file = default_cache() / "claims" / f"{_key(digests)}.json"
+    if file.exists() and not fresh:
+        records = json.loads(file.read_text(encoding="utf-8"))
+        return [Claim(**record) for record in records], True
+    claims = measure()
+    file.parent.mkdir(parents=True, exist_ok=True)
+    draft = file.with_suffix(".part")
+    draft.write_text(json.dumps([asdict(claim) for claim in claims]), encoding="utf-8")
+    draft.replace(file)
+    return claims, False
+
+
+def _key(digests: Mapping[str, str]) -> str:
+    key = hashlib.sha256(json.dumps(dict(digests), sort_keys=True).encode())
+    for library in LIBRARIES:
+        key.update(f"{library} {importlib.metadata.version(library)}\n".encode())
+    for package in PACKAGES:
+        root = Path(str(importlib.resources.files(package)))
+        for path in sorted(root.rglob("*.py")):
+            key.update(path.relative_to(root).as_posix().encode())
+            key.update(path.read_bytes())
+    return key.hexdigest()[:32]

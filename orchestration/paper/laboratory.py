@@ -1,0 +1,77 @@
+"""Many runs of the scenarios with varied numbers, two at a time: the hot loop releases the GIL."""
+
+import os
+from collections.abc import Collection, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from orchestration.errors import SimulationError
+from orchestration.master.simulate import Options, simulate
+from orchestration.paper.measure import ESTIMATE, RECORDED, Summary, summarize
+from orchestration.paper.scenarios import SCENARIOS, VARIANTS
+from orchestration.results.result import Result
+
+SEEDS = tuple(range(1, 31))
+
+
+@dataclass(frozen=True)
+class Job:
+    """A scenario with some start values changed, by ``component.variable``.
+
+    Attributes
+    ----------
+    sample_time
+        Communication step and sampling period, s; the scenario's if None.
+    """
+
+    scenario: str
+    changes: Mapping[str, float] = field(default_factory=dict)
+    sample_time: float | None = None
+
+
+@dataclass(frozen=True)
+class Laboratory:
+    """Runs jobs on FMU files by model identifier."""
+
+    fmus: Mapping[str, Path]
+
+    def run(self, job: Job, record: Collection[str] | None = None) -> Result:
+        """Run one job.
+
+        Raises
+        ------
+        SimulationError
+        """
+        scenario = {**SCENARIOS, **VARIANTS}[job.scenario]
+        system = scenario.system(self.fmus).set(job.changes)
+        if job.sample_time is not None:
+            system = system.with_sample_time(job.sample_time)
+        return simulate(system, options=Options(record=record, strict=True))
+
+    def results(self, jobs: Sequence[Job], record: Collection[str]) -> list[Result]:
+        """Run many jobs.
+
+        Raises
+        ------
+        SimulationError
+            Of the first job that fails.
+        """
+        with ThreadPoolExecutor(os.cpu_count()) as pool:
+            return list(pool.map(lambda job: self.run(job, record), jobs))
+
+    def summaries(
+        self, jobs: Sequence[Job], ideal_force: np.ndarray | None = None
+    ) -> list[Summary | SimulationError | ValueError]:
+        """Summaries of many jobs; a run that fails, or never touches the wall, gives its error."""
+
+        def work(job: Job) -> Summary | SimulationError | ValueError:
+            try:
+                return summarize(self.run(job, (*RECORDED, ESTIMATE)), ideal_force)
+            except (SimulationError, ValueError) as error:
+                return error
+
+        with ThreadPoolExecutor(os.cpu_count()) as pool:
+            return list(pool.map(work, jobs))

@@ -1,0 +1,1 @@
+"""What a run recorded, in memory and in files."""

@@ -1,0 +1,166 @@
+"""Reading an SSP package: nested systems become one flat system.
+
+A component ``motor`` in a system ``drive`` gets the name ``drive__motor``. Connections are followed
+through the connectors of systems; what they do to the value on the way (conversions of units, linear
+transformations) becomes one factor and one offset.
+"""
+
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+from orchestration.errors import ArchiveError, SystemDescriptionError
+from orchestration.fmi.instance import read_description
+from orchestration.fmi.units import UnitDefinition, defined
+from orchestration.ssp.connectors import Element, Wiring
+from orchestration.ssp.parameters import start_values
+from orchestration.ssp.schema import (
+    ASSUMPTIONS_ANNOTATION,
+    FMU_TYPE,
+    NAMES_ANNOTATION,
+    SSC,
+    STEP_ANNOTATION,
+    Package,
+    read_units,
+    ssd,
+)
+from orchestration.system.component import Component, Connection
+from orchestration.system.system import System
+
+SEPARATOR = "__"  # between the names of a system and its component: ours must not have a dot
+
+
+def read_ssp(path: Path) -> System:
+    """Read an SSP package.
+
+    Raises
+    ------
+    ArchiveError
+        If the package is unsafe, incomplete or invalid.
+    SystemDescriptionError
+        If it describes what cannot be run.
+    """
+    package = Package.open(path)
+    root = package.structure()
+    reading = _Reading(package, read_units(root))
+    outer = reading.system(root.find(ssd("System")), ())
+    wiring = Wiring(str(path), outer)
+    reading.notices += wiring.undriven()
+    start, notices = start_values(package, wiring, reading.units)
+    names = {component.name: _names(element, path) for component, element in reading.found}
+    components = tuple(
+        replace(component, description=component.description.renamed(names[component.name]))
+        for component, _ in reading.found
+    )
+    connections = tuple(_renamed(connection, names) for connection in wiring.connections())
+    values = {
+        f"{component}.{names[component].get(variable, variable)}": value
+        for component, of_component in start.items()
+        for variable, value in of_component.items()
+    }
+    options = _experiment(root, path)
+    options["notices"] = (*options.get("notices", ()), *reading.notices, *notices)
+    assumptions = {
+        item.get("variable") or "": item.get("text") or ""
+        for item in _items(root.find(ssd("System")), ASSUMPTIONS_ANNOTATION)
+    }
+    system = System(root.get("name"), components, connections, **options).set(values)
+    return replace(system, assumptions=assumptions)
+
+
+@dataclass
+class _Reading:
+    """Elements as they are found, depth first."""
+
+    package: Package
+    units: dict[str, UnitDefinition]
+    found: list[tuple[Component, Any]] = field(default_factory=list)
+    notices: list[str] = field(default_factory=list)
+    paths: dict[str, str] = field(default_factory=dict)
+
+    def system(self, xml: Any, path: tuple[str, ...]) -> Element:
+        """A system with everything in it."""
+        element = Element(path, xml, None, self.connectors(xml))
+        for child in xml.iterfind(ssd("Elements/*")):
+            name = child.get("name")
+            if not name or "." in name or name in element.children:
+                msg = (
+                    f"{self.package.path}: the element name {name!r} is empty, has a dot, or is used twice"
+                    f" in system {xml.get('name')}."
+                )
+                raise SystemDescriptionError(msg)
+            if child.tag == ssd("System"):
+                element.children[name] = self.system(child, (*path, name))
+            elif child.tag == ssd("Component"):
+                element.children[name] = self.component(child, (*path, name))
+            else:
+                dotted = ".".join((*path, name))
+                msg = f"{self.package.path}: {dotted} refers to a signal dictionary, which is not supported."
+                raise SystemDescriptionError(msg)
+        return element
+
+    def component(self, xml: Any, path: tuple[str, ...]) -> Element:
+        """A component under its flat name."""
+        dotted, flat = ".".join(path), SEPARATOR.join(path)
+        kind = xml.get("type") or FMU_TYPE
+        if kind != FMU_TYPE or xml.get("implementation") == "ModelExchange":
+            what = f"of type {kind}" if kind != FMU_TYPE else "to be run as model exchange"
+            msg = f"{self.package.path}: component {dotted} is {what}; only FMUs for co-simulation are run."
+            raise SystemDescriptionError(msg)
+        if flat in self.paths:
+            msg = f"{self.package.path}: {self.paths[flat]} and {dotted} would both be called {flat}; rename one."
+            raise SystemDescriptionError(msg)
+        self.paths[flat] = dotted
+        component = Component(flat, read_description(self.package.file(xml.get("source"))))
+        self.found.append((component, xml))
+        return Element(path, xml, component, self.connectors(xml))
+
+    def connectors(self, xml: Any) -> dict[str, tuple[str, UnitDefinition | None]]:
+        """Kind and unit of each connector."""
+        found = {}
+        for connector in xml.iterfind(ssd("Connectors/Connector")):
+            typed = connector.find(f"{{{SSC}}}Real")
+            unit = typed.get("unit") if typed is not None else None
+            found[connector.get("name")] = (connector.get("kind"), defined(unit, self.units))
+        return found
+
+
+def _names(xml: Any, path: Path) -> dict[str, str]:
+    """Our names by the FMU's, of a component that goes by others."""
+    found = {item.get("fmu"): item.get("variable") for item in _items(xml, NAMES_ANNOTATION)}
+    if not all((*found, *found.values())):
+        msg = f"{path}: the annotation {NAMES_ANNOTATION} of {xml.get('name')} is incomplete."
+        raise ArchiveError(msg)
+    return found
+
+
+def _renamed(connection: Connection, names: dict[str, dict[str, str]]) -> Connection:
+    output = names[connection.source].get(connection.output, connection.output)
+    input_ = names[connection.target].get(connection.input, connection.input)
+    return replace(connection, output=output, input=input_)
+
+
+def _experiment(root: Any, path: Path) -> dict[str, Any]:
+    """Stop time and step, as arguments of a system."""
+    options: dict[str, Any] = {}
+    experiment = root.find(ssd("DefaultExperiment"))
+    if experiment is None:
+        return options
+    if experiment.get("stopTime") is not None:
+        options["stop_time"] = float(experiment.get("stopTime"))
+    start = float(experiment.get("startTime") or 0)
+    if start != 0:
+        options["notices"] = (f"{path}: its start time {start:g} s is not used; give it in Options.start_time.",)
+    step = root.find(f".//{{{SSC}}}Annotation[@type='{STEP_ANNOTATION}']/step")
+    if step is not None:
+        try:
+            options["step"] = float(step.get("size") or "")
+        except ValueError as error:
+            msg = f"{path}: the annotation {STEP_ANNOTATION} has the size {step.get('size')!r}, which is no number."
+            raise ArchiveError(msg) from error
+    return options
+
+
+def _items(xml: Any, kind: str) -> list[Any]:
+    """Items of one of our annotations of an element."""
+    return xml.findall(f"{ssd('Annotations')}/{{{SSC}}}Annotation[@type='{kind}']/*/item")

@@ -1,0 +1,242 @@
+"""Writing a system as an SSP package; same system, same bytes."""
+
+import re
+import zipfile
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any, TypeVar
+
+from lxml import etree
+
+from orchestration.errors import SystemDescriptionError
+from orchestration.fmi.instance import BOOLEAN, INTEGER, REAL, Variable
+from orchestration.fmi.units import UnitDefinition
+from orchestration.ssp.schema import (
+    ASSUMPTIONS_ANNOTATION,
+    FMU_TYPE,
+    NAMES_ANNOTATION,
+    PARAMETER_SET_TYPE,
+    SSC,
+    SSD,
+    SSV,
+    STEP_ANNOTATION,
+    STRUCTURE,
+    VALUES,
+    serialized,
+)
+from orchestration.system.component import Component, Connection, unit_scale
+from orchestration.system.system import System
+
+PARAMETER_SET = "parameters"  # one name for all: ecos applies sets by name
+_Key = TypeVar("_Key")
+_EPOCH = (1980, 1, 1, 0, 0, 0)
+
+
+def write_ssp(system: System, path: Path) -> Path:
+    """Write a system as an SSP package; same system, same bytes.
+
+    Raises
+    ------
+    SystemDescriptionError
+        If XML cannot hold a name, or the result does not validate against SSP's schemas.
+    """
+    fmus = _fmu_files(system)
+    sets = _unique({c.name: c.name for c in system.components if c.start}, ".ssv")
+    try:
+        entries = {"SystemStructure.ssd": _structure(system, fmus, sets)}
+        for component in system.components:
+            if component.start:
+                entries[f"resources/{sets[component.name]}"] = _parameter_set(component, system.assumptions)
+    except ValueError as error:  # lxml: a character that XML does not have
+        msg = f"{system.name!r}: a name or an assumption cannot be written: {error}"
+        raise SystemDescriptionError(msg) from error
+    for source, name in fmus.items():
+        entries[f"resources/{name}"] = source.read_bytes()
+    path.parent.mkdir(parents=True, exist_ok=True)
+    draft = path.with_name(path.name + ".part")
+    with zipfile.ZipFile(draft, "w") as archive:
+        for name, content in entries.items():
+            info = zipfile.ZipInfo(name, _EPOCH)
+            info.external_attr = 0o100644 << 16
+            stored = name.endswith(".fmu")  # compressed already
+            info.compress_type = zipfile.ZIP_STORED if stored else zipfile.ZIP_DEFLATED
+            archive.writestr(info, content)
+    draft.replace(path)
+    return path
+
+
+class _Units:
+    """Names for unit definitions: a name that is taken by another definition gets a number."""
+
+    def __init__(self) -> None:
+        self.names: dict[str, UnitDefinition] = {}
+
+    def name(self, unit: UnitDefinition | None) -> str | None:
+        """The name in the document; None if nothing but its name in the FMU is known."""
+        if unit is None or unit.exponents is None:
+            return None
+        name, count = unit.name, 1
+        while not self.names.setdefault(name, unit).equivalent(unit):
+            count += 1
+            name = f"{unit.name}_{count}"
+        return name
+
+    def write(self, root: Any, namespace: str) -> None:
+        """Add the list of those that were named."""
+        if not self.names:
+            return
+        listing = etree.SubElement(root, f"{{{namespace}}}Units")
+        for name, unit in sorted(self.names.items()):
+            base = {symbol: str(power) for symbol, power in unit.exponents or ()}
+            if unit.factor != 1:
+                base["factor"] = _real(unit.factor)
+            if unit.offset != 0:
+                base["offset"] = _real(unit.offset)
+            element = etree.SubElement(listing, f"{{{SSC}}}Unit", name=name)
+            etree.SubElement(element, f"{{{SSC}}}BaseUnit", base)
+
+
+def _fmu_files(system: System) -> dict[Path, str]:
+    """File name in the package by FMU; two different files of one name are told apart."""
+    owners: dict[Path, str] = {}
+    for component in system.components:
+        owners.setdefault(component.description.path, component.name)
+    stems = [path.stem for path in owners]
+    wanted = {p: p.stem if stems.count(p.stem) == 1 else f"{owner}.{p.stem}" for p, owner in owners.items()}
+    return _unique(wanted, ".fmu")
+
+
+def _unique(wanted: dict[_Key, str], extension: str) -> dict[_Key, str]:
+    """File names of plain characters, different for file systems that ignore case."""
+    files: dict[_Key, str] = {}
+    for key, name in wanted.items():
+        plain = re.sub(r"[^A-Za-z0-9._+-]", "_", name)
+        stem, count = plain, 1
+        while f"{stem}{extension}".casefold() in {file.casefold() for file in files.values()}:
+            count += 1
+            stem = f"{plain}_{count}"
+        files[key] = f"{stem}{extension}"
+    return files
+
+
+def _structure(system: System, fmus: dict[Path, str], sets: dict[str, str]) -> bytes:
+    root = etree.Element(
+        f"{{{SSD}}}SystemStructureDescription",
+        {"version": "1.0", "name": system.name, "generationTool": "adaptimp"},
+        nsmap={"ssd": SSD, "ssc": SSC, "ssv": SSV},
+    )
+    outer = etree.SubElement(root, f"{{{SSD}}}System", name=system.name)
+    elements = etree.SubElement(outer, f"{{{SSD}}}Elements")
+    units = _Units()
+    for component in system.components:
+        source = f"resources/{fmus[component.description.path]}"
+        element = etree.SubElement(elements, f"{{{SSD}}}Component", name=component.name, type=FMU_TYPE, source=source)
+        _connectors(element, system, component, units)
+        if component.start:
+            bindings = etree.SubElement(element, f"{{{SSD}}}ParameterBindings")
+            source = f"resources/{sets[component.name]}"
+            etree.SubElement(bindings, f"{{{SSD}}}ParameterBinding", type=PARAMETER_SET_TYPE, source=source)
+        _annotate(
+            element,
+            NAMES_ANNOTATION,
+            "names",
+            [{"variable": v.name, "fmu": v.declared} for v in component.description.variables.values() if v.declared],
+        )
+    if system.connections:  # an empty list is invalid
+        listing = etree.SubElement(outer, f"{{{SSD}}}Connections")
+        for connection in system.connections:
+            _connection(listing, system, connection)
+    assumed = [{"variable": path, "text": text} for path, text in sorted(system.assumptions.items())]
+    _annotate(outer, ASSUMPTIONS_ANNOTATION, "assumptions", assumed)
+    units.write(root, SSD)
+    experiment = etree.SubElement(
+        root, f"{{{SSD}}}DefaultExperiment", startTime="0.0", stopTime=_real(system.stop_time)
+    )
+    annotations = etree.SubElement(experiment, f"{{{SSD}}}Annotations")
+    annotation = etree.SubElement(annotations, f"{{{SSC}}}Annotation", type=STEP_ANNOTATION)
+    etree.SubElement(annotation, "step", size=_real(system.step))
+    return serialized(root, STRUCTURE, system.name)
+
+
+def _connectors(element: Any, system: System, component: Component, units: _Units) -> None:
+    connected = {(c.source, c.output) for c in system.connections} | {(c.target, c.input) for c in system.connections}
+    listing = etree.Element(f"{{{SSD}}}Connectors")
+    for variable in component.description.variables.values():
+        if (component.name, variable.name) not in connected:
+            continue
+        connector = etree.SubElement(listing, f"{{{SSD}}}Connector", name=variable.fmu_name, kind=variable.causality)
+        typed = etree.SubElement(connector, f"{{{SSC}}}{variable.type}")
+        _set_unit(typed, component, variable, units)
+    if len(listing):
+        element.append(listing)
+
+
+def _set_unit(element: Any, component: Component, variable: Variable, units: _Units) -> None:
+    name = units.name(component.description.unit(variable))
+    if name is not None and variable.type == REAL:
+        element.set("unit", name)
+
+
+def _connection(listing: Any, system: System, connection: Connection) -> None:
+    """What is to be done with the value is said in full: not every engine converts units."""
+    source, target = system.component(connection.source), system.component(connection.target)
+    output, input_ = source.variable(connection.output), target.variable(connection.input)
+    element = etree.SubElement(
+        listing,
+        f"{{{SSD}}}Connection",
+        startElement=source.name,
+        startConnector=output.fmu_name,
+        endElement=target.name,
+        endConnector=input_.fmu_name,
+    )
+    scale, by_units = connection.scale, unit_scale(source, output, target, input_)
+    if by_units is None or not by_units.trivial:
+        element.set("suppressUnitConversion", "true")
+    if not scale.trivial:
+        numbers = {"factor": _real(scale.factor)}
+        if scale.offset != 0:
+            numbers["offset"] = _real(scale.offset)
+        etree.SubElement(element, f"{{{SSC}}}LinearTransformation", numbers)
+
+
+def _annotate(element: Any, kind: str, name: str, items: list[dict[str, str]]) -> None:
+    """Add an annotation with one element per item."""
+    if items:
+        annotations = etree.SubElement(element, f"{{{SSD}}}Annotations")
+        annotation = etree.SubElement(annotations, f"{{{SSC}}}Annotation", type=kind)
+        listing = etree.SubElement(annotation, name)
+        for item in items:
+            etree.SubElement(listing, "item", item)
+
+
+def _parameter_set(component: Component, assumptions: Mapping[str, str]) -> bytes:
+    """Start values; an assumed one says so in its description, where other tools show it."""
+    root = etree.Element(
+        f"{{{SSV}}}ParameterSet",
+        {"version": "1.0", "name": PARAMETER_SET},
+        nsmap={"ssv": SSV, "ssc": SSC},
+    )
+    listing = etree.SubElement(root, f"{{{SSV}}}Parameters")
+    units = _Units()
+    write: dict[str, Callable[[float], str]] = {
+        REAL: _real,
+        INTEGER: lambda value: str(int(value)),
+        BOOLEAN: lambda value: "true" if value else "false",
+    }
+    for variable in component.description.variables.values():
+        if variable.name in component.start:
+            parameter = etree.SubElement(listing, f"{{{SSV}}}Parameter", name=variable.fmu_name)
+            assumed = assumptions.get(f"{component.name}.{variable.name}")
+            if assumed:
+                parameter.set("description", assumed)
+            text = write[variable.type](component.start[variable.name])
+            typed = etree.SubElement(parameter, f"{{{SSV}}}{variable.type}", value=text)
+            _set_unit(typed, component, variable, units)
+    units.write(root, SSV)
+    return serialized(root, VALUES, component.name)
+
+
+def _real(value: float) -> str:
+    """An xs:double that reads back as the same number."""
+    text = repr(float(value))
+    return text.replace("inf", "INF").replace("nan", "NaN")

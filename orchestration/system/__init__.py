@@ -1,0 +1,1 @@
+"""What is coupled: components, their start values and connections."""

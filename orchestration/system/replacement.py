@@ -1,0 +1,129 @@
+"""Another FMU in the place of a component, with other names and units if need be."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+from orchestration.errors import SystemDescriptionError
+from orchestration.fmi.instance import Description, read_description
+from orchestration.fmi.units import Linear
+from orchestration.system.component import SETTABLE, Component, Connection, unit_scale
+from orchestration.system.system import System, sources_of
+
+
+def replaced(system: System, name: str, fmu: Path, mapping: Mapping[str, str]) -> System:
+    """Put another FMU in the place of a component; see `System.replace`."""
+    old = system.component(name)
+    description = read_description(fmu)
+    description = description.renamed(_names(system, old, description, mapping))
+    known, model = description.variables, description.model_name
+    start, notices = _start(old, Component(name, description), mapping)
+    new = Component(name, description, start)
+    for connection in system.connections:
+        if connection.source == name:
+            new.variable(connection.output)  # a unit without what others live on is the first thing to say
+    components = tuple(new if c.name == name else c for c in system.components)
+    connections, lost = [], []
+    for connection in system.connections:
+        if connection.target == name and connection.input not in known:
+            lost.append(connection.input)
+            continue
+        connections.append(_rescaled(connection, system, old, new))
+    if lost:
+        notices.append(f"{name}: connections dropped, {model} has no input {', '.join(lost)}.")
+    had = {variable.name for variable in old.description.of_causality("input")}
+    for variable in description.of_causality("input"):
+        sources = sources_of(components, new, variable.name) if variable.name not in had else []
+        if len(sources) == 1:
+            connections.append(Connection(sources[0].name, variable.name, name, variable.name))
+            notices.append(f"Connection {connections[-1]} added: {model} has this input too.")
+    assumptions = {
+        path: text
+        for path, text in system.assumptions.items()
+        if path.partition(".")[0] != name or path.partition(".")[2] in known
+    }
+    return replace(
+        system,
+        components=components,
+        connections=tuple(connections),
+        notices=(*system.notices, *notices),
+        assumptions=assumptions,
+    )
+
+
+def _names(system: System, old: Component, new: Description, mapping: Mapping[str, str]) -> dict[str, str]:
+    """Our names by those of the FMU, scalar by scalar."""
+    ours = [*old.description.variables]
+    ours += [v.name for c in system.components if c is not old for v in c.description.of_causality("output")]
+    names: dict[str, str] = {}
+    for our, their in mapping.items():
+        scalars = _scalars(our, ours)
+        if not scalars:
+            known = ", ".join(old.description.variables)
+            msg = f"Mapping {our}={their}: {old.name} has no variable {our}; it has {known}."
+            raise SystemDescriptionError(msg)
+        for scalar in scalars:
+            theirs = their + scalar[len(our) :]
+            if theirs not in new.variables:
+                known = ", ".join(new.variables)
+                msg = f"Mapping {our}={their}: {new.model_name} has no variable {theirs}; it has {known}."
+                raise SystemDescriptionError(msg)
+            if names.get(theirs, scalar) != scalar:
+                msg = f"Mapping {our}={their}: {theirs} is already mapped to {names[theirs]}."
+                raise SystemDescriptionError(msg)
+            names[theirs] = scalar
+    return names
+
+
+def _scalars(name: str, known: Sequence[str]) -> list[str]:
+    """A variable of that name, or the elements of an array, in their order."""
+    if name in known:
+        return [name]
+    return list(dict.fromkeys(n for n in known if n.startswith(f"{name}[")))
+
+
+def _start(old: Component, new: Component, mapping: Mapping[str, str]) -> tuple[dict[str, float], list[str]]:
+    """Start values in the new units, and notices of what was dropped, or kept as a mere number."""
+    start, notices, lost, model = {}, [], [], new.description.model_name
+    for name, value in old.start.items():
+        variable = new.description.variables.get(name)
+        if variable is None or variable.causality not in SETTABLE:
+            lost.append(name)
+            continue
+        before = old.variable(name)
+        scale = unit_scale(old, before, new, variable)
+        if scale is None:
+            units = f"units {before.unit} and {variable.unit} differ"
+            if name in mapping or name.partition("[")[0] in mapping:
+                msg = f"{new.name}.{name} = {value:g}: {units}; map it to a variable of {model} of the same dimension."
+                raise SystemDescriptionError(msg)
+            # The gains of two adaptation laws are of different dimensions; a swap shall not switch one off.
+            notices.append(f"{new.name}: start value of {name} = {value:g} kept, but {units}; set it anew.")
+        start[name] = value if scale is None else scale(value)
+    if lost:
+        notices.insert(0, f"{new.name}: start values dropped, {model} has no {', '.join(lost)}.")
+    return start, notices
+
+
+def _rescaled(connection: Connection, system: System, old: Component, new: Component) -> Connection:
+    """The same connection with the units of the new component.
+
+    What its units ask for is asked for anew; a scale of the user's own is kept, between the old units.
+    """
+    if new.name not in (connection.source, connection.target):
+        return connection
+    ends = system.component(connection.source), system.component(connection.target)
+    output, input_ = ends[0].variable(connection.output), ends[1].variable(connection.input)
+    if connection.scale == unit_scale(ends[0], output, ends[1], input_):
+        return replace(connection, factor=None, offset=0.0)
+    scale: Linear | None = connection.scale
+    if connection.source == new.name:
+        before = unit_scale(new, new.variable(connection.output), old, output)
+        scale = before.then(scale) if before else None
+    if connection.target == new.name and scale is not None:
+        after = unit_scale(old, input_, new, new.variable(connection.input))
+        scale = scale.then(after) if after else None
+    if scale is None:
+        msg = f"Connection {connection} was scaled between units that {new.description.model_name} does not have."
+        raise SystemDescriptionError(msg)
+    return replace(connection, factor=scale.factor, offset=scale.offset)

@@ -1,0 +1,262 @@
+"""A system: components, their start values, and connections between their variables.
+
+A `System` is a value: its methods return changed copies. Everything is checked when it is made, so
+a system that exists can be run.
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from orchestration.errors import SystemDescriptionError
+from orchestration.fmi.instance import SAMPLE_TIME, Variable, read_description
+from orchestration.system.component import Component, Connection, checked_connection, number, require_settable
+
+if TYPE_CHECKING:
+    from orchestration.analysis.stability.verdict import Verdict
+    from orchestration.master.algorithm import Algorithm
+
+__all__ = ["Component", "Connection", "System"]
+
+RATIO_TOLERANCE = 1e-9  # by which a quotient of two times may miss an integer
+
+
+@dataclass(frozen=True)
+class System:
+    """Components in their order, and connections.
+
+    Attributes
+    ----------
+    step, stop_time
+        Default communication step and stop time, s.
+    notices
+        What happened to the system that its user should know, for example dropped connections; history,
+        which does not count when systems are compared.
+    assumptions
+        Sentences on values that were assumed, by ``component.variable``; packages carry them along.
+    """
+
+    name: str
+    components: tuple[Component, ...]
+    connections: tuple[Connection, ...] = ()
+    step: float = 1e-4
+    stop_time: float = 2.0
+    notices: tuple[str, ...] = field(default=(), compare=False)
+    assumptions: Mapping[str, str] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        """Check names, connections and start values."""
+        names = [component.name for component in self.components]
+        if not names:
+            msg = f"System {self.name} has no components."
+            raise SystemDescriptionError(msg)
+        for name in names:
+            if names.count(name) > 1 or not name or "." in name:
+                msg = f"System {self.name}: the component name {name!r} is empty, has a dot, or is used twice."
+                raise SystemDescriptionError(msg)
+        for component in self.components:
+            for name, value in component.start.items():
+                variable = component.variable(name)
+                require_settable(component, variable)
+                number(f"{component.name}.{name}", variable, value)
+        for path in self.assumptions:
+            self.resolve(path)
+        connections = tuple(
+            checked_connection(c, self.component(c.source), self.component(c.target)) for c in self.connections
+        )
+        object.__setattr__(self, "connections", connections)
+        driven: set[tuple[str, str]] = set()
+        for connection in connections:
+            target = (connection.target, connection.input)
+            if target in driven:
+                msg = f"Connection {connection}: {'.'.join(target)} already has a source."
+                raise SystemDescriptionError(msg)
+            driven.add(target)
+
+    @classmethod
+    def connected_by_name(
+        cls, name: str, fmus: Mapping[str, Path], *, step: float = 1e-4, stop_time: float = 2.0
+    ) -> "System":
+        """Connect every input to the output of the same name.
+
+        Parameters
+        ----------
+        fmus
+            Component name to FMU file; their order is the order of the components.
+
+        Raises
+        ------
+        SystemDescriptionError
+            If two components have an output of the same name that an input could take.
+        """
+        components = tuple(Component(n, read_description(Path(path))) for n, path in fmus.items())
+        connections = []
+        for target in components:
+            for variable in target.description.of_causality("input"):
+                sources = sources_of(components, target, variable.name)
+                if len(sources) > 1:
+                    names = " or ".join(source.name for source in sources)
+                    msg = f"{target.name}.{variable.name} could come from {names}; connect it by hand."
+                    raise SystemDescriptionError(msg)
+                if sources:
+                    connections.append(Connection(sources[0].name, variable.name, target.name, variable.name))
+        return cls(name, components, tuple(connections), step, stop_time)
+
+    @classmethod
+    def read(cls, path: str | Path) -> "System":
+        """Read an SSP package; see `orchestration.ssp`."""
+        from orchestration.ssp import read_ssp
+
+        return read_ssp(Path(path))
+
+    def write(self, path: str | Path) -> Path:
+        """Write an SSP package; see `orchestration.ssp`."""
+        from orchestration.ssp import write_ssp
+
+        return write_ssp(self, Path(path))
+
+    def component(self, name: str) -> Component:
+        """A component by name.
+
+        Raises
+        ------
+        SystemDescriptionError
+            Listing the known names.
+        """
+        for component in self.components:
+            if component.name == name:
+                return component
+        known = ", ".join(component.name for component in self.components)
+        msg = f"System {self.name} has no component {name}; it has {known}."
+        raise SystemDescriptionError(msg)
+
+    def set(self, values: Mapping[str, float | bool | str]) -> "System":
+        """Give start values, by ``component.variable``; another value than the assumed one is not assumed.
+
+        Raises
+        ------
+        SystemDescriptionError
+            If a name is unknown, the variable cannot be set, or the value is none of its type.
+        """
+        changed: dict[str, dict[str, float]] = {}
+        for path, value in values.items():
+            component, variable = self.resolve(path)
+            require_settable(component, variable)
+            changed.setdefault(component.name, {})[variable.name] = number(path, variable, value)
+        components = tuple(replace(c, start={**c.start, **changed.get(c.name, {})}) for c in self.components)
+        before = {f"{c.name}.{name}": value for c in self.components for name, value in c.start.items()}
+        given = {f"{c}.{name}": value for c, of_component in changed.items() for name, value in of_component.items()}
+        kept = {path: text for path, text in self.assumptions.items() if given.get(path) in (None, before.get(path))}
+        return replace(self, components=components, assumptions=kept)
+
+    def replace(self, name: str, fmu: str | Path, mapping: Mapping[str, str] | None = None) -> "System":
+        """Put another FMU in the place of a component.
+
+        Start values and connections of variables that the new FMU has are kept, converted to its units;
+        connections to inputs that it lacks are dropped, and its further inputs connected to outputs of
+        the same name, with a notice each.
+
+        Parameters
+        ----------
+        mapping
+            The FMU's names by ours, of scalars or of whole arrays: ``{"tau_cmd": "Torque"}`` makes
+            ``tau_cmd[1]`` what the FMU calls ``Torque[1]``. The component keeps our names, so that
+            connections, start values, records and results do.
+
+        Raises
+        ------
+        SystemDescriptionError
+            If the new FMU lacks an output that is connected, a mapped name is unknown, or a unit cannot
+            be converted.
+        """
+        from orchestration.system.replacement import replaced
+
+        return replaced(self, name, Path(fmu), mapping or {})
+
+    def ordered(self, names: Sequence[str]) -> "System":
+        """The same system with its components in another order.
+
+        Raises
+        ------
+        SystemDescriptionError
+            Unless each component is named once.
+        """
+        present = [component.name for component in self.components]
+        if sorted(names) != sorted(present):
+            msg = f"The order {', '.join(names)} must name each of {', '.join(present)} once."
+            raise SystemDescriptionError(msg)
+        return replace(self, components=tuple(self.component(name) for name in names))
+
+    def with_sample_time(self, sample_time: float) -> "System":
+        """Set the step and every ``sample_time``, s."""
+        values = {f"{c.name}.{SAMPLE_TIME}": sample_time for c in self.components if c.sample_time is not None}
+        return replace(self.set(values), step=sample_time)
+
+    def stability(
+        self, step: float | None = None, algorithm: "str | Algorithm" = "gauss-seidel", *, at: float = 0.0
+    ) -> "Verdict":
+        """Whether an algorithm is stable at a step, s, around a time, s; see `orchestration.analysis.stability`."""
+        from orchestration.analysis.stability.verdict import stability
+
+        return stability(self, step, algorithm, at=at)
+
+    def unconnected_inputs(self) -> list[str]:
+        """Inputs that keep their start value, as ``component.input``."""
+        driven = {(c.target, c.input) for c in self.connections}
+        return [
+            f"{component.name}.{variable.name}"
+            for component in self.components
+            for variable in component.description.of_causality("input")
+            if (component.name, variable.name) not in driven
+        ]
+
+    def resolve(self, path: str) -> tuple[Component, Variable]:
+        """Component and variable of ``component.variable``."""
+        name, dot, variable = path.partition(".")
+        if not dot:
+            first = self.components[0]
+            example = f"{first.name}.{next(iter(first.description.variables), 'x')}"
+            msg = f"{path!r} is no component.variable, such as {example}."
+            raise SystemDescriptionError(msg)
+        component = self.component(name)
+        return component, component.variable(variable)
+
+    def steps_per_tick(self, step: float) -> dict[str, int]:
+        """How many steps each sampled component's period takes.
+
+        Raises
+        ------
+        SystemDescriptionError
+            If a period is no integer multiple of the step.
+        """
+        ratios = {}
+        for component in self.components:
+            period = component.sample_time
+            if period is None:
+                continue
+            if not (math.isfinite(period) and period > 0):
+                msg = f"{component.name}: sample time {period:g} s is not positive; use {step:g} s, the step."
+                raise SystemDescriptionError(msg)
+            ratio = period / step
+            nearest = round(ratio)
+            if nearest < 1 or abs(ratio - nearest) > RATIO_TOLERANCE * ratio:
+                below = period / max(1, -(-period // step))
+                msg = (
+                    f"{component.name}: sample time {period:g} s is no multiple of the step {step:g} s;"
+                    f" use a step of {below:.6g} s, or a sample time of {max(1, nearest) * step:.6g} s."
+                )
+                raise SystemDescriptionError(msg)
+            ratios[component.name] = nearest
+        return ratios
+
+
+def sources_of(components: Sequence[Component], target: Component, name: str) -> list[Component]:
+    """Components other than the target with an output of that name."""
+    return [c for c in components if _has_output(c, name) and c is not target]
+
+
+def _has_output(component: Component, name: str) -> bool:
+    variable = component.description.variables.get(name)
+    return variable is not None and variable.causality == "output"

@@ -1,0 +1,221 @@
+"""Verdicts against maps made by hand.
+
+Unless it says otherwise, a radius is compared within 1e-9: identified maps of these linear units are good to
+1e-12, and their eigenvalues are simple, with condition numbers below 1e2 for q >= 1e-4.
+"""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+
+from orchestration import System, SystemDescriptionError, simulate
+from orchestration.analysis.stability.verdict import stability
+from orchestration.master.algorithm import NEWTON, PARALLEL, Algorithm, Correction
+from tests.reference.problems import PROBLEMS, damper_pair, force_displacement, wall
+from tests.unit.orchestration.units import H, system
+
+M_WALL, K_WALL = 1.0, 100.0
+ACCURACY = 1e-9
+
+
+def radius(M: np.ndarray) -> float:
+    return float(np.abs(np.linalg.eigvals(M)).max())
+
+
+def at_wall(h: float) -> System:
+    return wall.system(h, 1.0, m=M_WALL, k=K_WALL)
+
+
+@pytest.mark.parametrize("q", [1e-4, 1e-3, 1e-2])
+@pytest.mark.parametrize(("algorithm", "share"), [("gauss-seidel", 0.25), ("jacobi", 0.75)])
+def test_a_wall_grows_as_theory_says(algorithm: str, share: float, q: float) -> None:
+    h = np.sqrt(q * M_WALL / K_WALL)
+    verdict = stability(at_wall(h), algorithm=algorithm)
+    assert not verdict.stable
+    assert verdict.radius == pytest.approx(wall.growth(algorithm, h, M_WALL, K_WALL), abs=ACCURACY)
+    assert verdict.radius - 1 == pytest.approx(share * q, rel=0.02)
+    assert verdict.growth_rate == pytest.approx(share * q / h, rel=0.02)
+    assert verdict.largest_stable_step is None
+    assert "no step is stable" in verdict.advice[0]
+
+
+@pytest.mark.parametrize(
+    "algorithm",
+    [
+        Algorithm("held"),
+        Algorithm("line", order=1),
+        Algorithm("old parabola", PARALLEL, 2),
+        Algorithm("implicit parabola", PARALLEL, 2, Correction(NEWTON)),
+        Algorithm("two sweeps", PARALLEL, correction=Correction(sweeps=2)),
+    ],
+    ids=lambda algorithm: algorithm.name,
+)
+def test_the_verdict_is_what_a_run_shows(algorithm: Algorithm) -> None:
+    h, n = 2e-2, 1500
+    verdict = stability(at_wall(h), algorithm=algorithm)
+    run = simulate(at_wall(h), stop_time=n * h, algorithm=algorithm)
+    energy = wall.energy(run, m=M_WALL, k=K_WALL)
+    # Energy swings within a period; the largest in ten periods catches its peak within 1 %, over log E of 0.1 at least.
+    window = round(10 * 2 * np.pi / 10 / h)
+    measured = np.log(energy[-window:].max() / energy[:window].max()) / (2 * (n + 1 - window))
+    assert measured == pytest.approx(np.log(verdict.radius), rel=0.02)
+
+
+@pytest.mark.parametrize("algorithm", ["gauss-seidel", "jacobi"])
+@pytest.mark.parametrize("h", [1e-3, 1e-2, 0.1])
+def test_two_masses_match_their_exact_map(algorithm: str, h: float) -> None:
+    verdict = stability(force_displacement.system(h, 1.0), algorithm=algorithm)
+    expected = radius(force_displacement.step_map(algorithm, h))
+    assert verdict.radius == pytest.approx(expected, abs=ACCURACY)
+    assert verdict.threshold < 1e-8
+
+
+@pytest.mark.parametrize("algorithm", ["gauss-seidel", "jacobi"])
+def test_a_stiff_damper_limits_the_step(algorithm: str) -> None:
+    m1, d_c, ratio = 1.0, 1e3, 10.0
+
+    def excess(q: float) -> float:
+        E = np.exp(-q / ratio)
+        M = np.array([[(1 - q) * E]]) if algorithm == "gauss-seidel" else np.array([[E, -q], [E, 0]])
+        return radius(M) - 1
+
+    limit = float(brentq(excess, 0.5, 5.0, full_output=False)) * m1 / d_c  # type: ignore[arg-type]
+    made = damper_pair.system(1e-3, 1.0, k1=0.0)
+    for step in (0.3e-3, 5e-3):
+        verdict = stability(made, step, algorithm)
+        assert verdict.stable == (step < limit)
+        assert verdict.largest_stable_step == pytest.approx(limit, rel=0.011)  # found within 1 %
+
+
+def test_a_step_too_long_to_see_the_instability_is_told() -> None:
+    verdict = stability(damper_pair.system(4e-2, 1.0))
+    assert verdict.stable  # q = 40 > 35.6: stable and wrong, says the problem
+    assert verdict.largest_stable_step == pytest.approx(2.25e-3, rel=0.02)
+    assert "too long to see" in verdict.advice[0]
+
+
+@pytest.mark.parametrize(("algorithm", "power"), [("gauss-seidel", 1.0), ("jacobi", 0.5)])
+def test_an_algebraic_loop_is_repeated_step_by_step(algorithm: str, power: float) -> None:
+    # b = 0 takes the state out of the loop; all zero, so that initialization finds its solution at once
+    made = PROBLEMS["feedthrough"].system(1e-2, 1.0, d=1.5, g=-2.0, b=0.0, r=0.0, x=0.0)
+    verdict = stability(made, algorithm=algorithm)
+    assert verdict.radius == pytest.approx(3.0**power, abs=ACCURACY)
+    assert verdict.largest_stable_step is None
+    assert any(sentence.startswith("newton with order 0 is stable") for sentence in verdict.advice)
+
+
+def implicit(order: int, h: float) -> np.ndarray:
+    """(x, v) over a step with the force of its end, or on the line from that of its start."""
+    w = K_WALL / M_WALL
+    start, end = ((0.0, 0.5), (0.0, 1.0)) if order == 0 else ((1 / 3, 1 / 6), (1 / 2, 1 / 2))
+    left = np.array([[1 + w * h**2 * start[1], 0], [w * h * end[1], 1]])
+    right = np.array([[1 - w * h**2 * start[0], h], [-w * h * end[0], 1]])
+    return np.linalg.solve(left, right)
+
+
+@pytest.mark.parametrize("order", [0, 1])
+@pytest.mark.parametrize("correction", [Correction(), Correction(NEWTON)])
+def test_corrected_inputs_are_those_of_the_end(order: int, correction: Correction) -> None:
+    h = 1e-2
+    for exchange in (PARALLEL, "sequential"):
+        verdict = stability(at_wall(h), algorithm=Algorithm("own", exchange, order, correction))
+        assert verdict.radius == pytest.approx(radius(implicit(order, h)), abs=ACCURACY)
+        assert verdict.stable
+        q, x_of_F = K_WALL * h**2 / M_WALL, (1 / 2, 1 / 6)[order]
+        contraction = q * x_of_F  # F -> x -> F once round; two sweeps if both are assumed
+        expected = np.sqrt(contraction) if exchange == PARALLEL else contraction
+        assert verdict.contraction == pytest.approx(expected, abs=ACCURACY)
+
+
+def lagrange(nodes: list[float], h: float) -> np.ndarray:
+    """Powers of time, coefficients in rows, of the polynomial through values at `nodes` h, s."""
+    return np.linalg.inv(np.vander(np.array(nodes) * h, increasing=True))
+
+
+@pytest.mark.parametrize("order", [1, 2])
+def test_extrapolated_inputs_continue_the_past(order: int) -> None:
+    h, n = 1e-2, order + 1
+    verdict = stability(at_wall(h), algorithm=Algorithm("own", order=order))
+    # z = (v, x_0, ..., x_-p, F_0, ..., F_-(p-1)): the wall sees x through the past, the mass F through F_1 as well
+    unit = np.eye(1 + n + order)
+    v, x, F = unit[0], unit[1 : 1 + n], unit[1 + n :]
+    powers = h ** np.arange(n)
+    F_new = -K_WALL * powers @ lagrange([-float(a) for a in range(n)], h) @ x
+    course = lagrange([1.0, *(-float(a) for a in range(order))], h) @ np.vstack([F_new, F])  # of F, by power
+    a = np.arange(n)
+    v_new = v + (powers * h / (a + 1)) @ course / M_WALL
+    x_new = x[0] + h * v + (powers * h**2 / (a + 1) / (a + 2)) @ course / M_WALL
+    expected = np.vstack([v_new, x_new, x[:-1], F_new, F[:-1]])
+    assert verdict.radius == pytest.approx(radius(expected), abs=ACCURACY)
+
+
+@pytest.mark.parametrize(("order", "first"), [("relay plant", True), ("plant relay", False)])
+def test_ticks_every_second_step(small: dict[str, Path], order: str, first: bool) -> None:
+    units = {"relay": "Relay", "plant": "Integrator"}
+    links = "plant.x -> relay.u\nrelay.y -> plant.u"
+    made = system(small, {name: units[name] for name in order.split()}, links)
+    h = H / 2
+    plant, relay = np.array([[1, h], [0, 1]]), np.array([[1, 0], [2, 0]])  # of (x, y), y = 2 x at the tick
+    tick = plant @ relay if first else relay @ plant
+    verdict = stability(made, h)
+    assert verdict.radius == pytest.approx(np.sqrt(radius(plant @ tick)), abs=ACCURACY)
+
+
+def test_what_weighs_and_what_helps() -> None:
+    verdict = stability(at_wall(1e-2))
+    assert {str(connection) for connection, _ in verdict.blame[:2]} == {"mass.x -> wall.x", "wall.F -> mass.F"}
+    h, q = 1e-2, 1e-2
+    assert verdict.blame[0][1] == pytest.approx(q / 4, rel=0.02)  # rho - 1 = k h^2 / (4 m) is linear in the gain
+    assert verdict.blame[2][1] == pytest.approx(0, abs=1e-6)  # v moves nothing: there is no damper
+    assert any("newton or iterative with order 0 is stable" in sentence for sentence in verdict.advice)
+    text = str(verdict)
+    assert f"gauss-seidel with a step of {h:g} s is UNSTABLE" in text
+    assert "none is stable" in text
+    assert "wall.F -> mass.F" in text
+
+
+def test_a_verdict_at_a_later_time() -> None:
+    now, later = stability(at_wall(1e-2)), stability(at_wall(1e-2), at=0.5)
+    assert later.radius == pytest.approx(now.radius, abs=ACCURACY)
+
+
+def test_free_masses_are_no_instability() -> None:
+    made = force_displacement.system(1e-2, 1.0, k1=0.0, k2=0.0, d_c=2.0)
+    verdict = stability(made, algorithm=Algorithm("own", PARALLEL, 1, Correction(NEWTON)))
+    # Lines through both ends of a step carry a common motion exactly: a double eigenvalue 1, which the noise,
+    # 1e-13, splits by its root.
+    assert verdict.stable
+    assert verdict.radius == pytest.approx(1, abs=1e-5)
+    assert verdict.threshold < 1e-4
+    # Held positions lag by h v: a force on what moves along, and unstable by the exact map as well.
+    held = stability(made)
+    expected = radius(force_displacement.step_map("gauss-seidel", 1e-2, k1=0.0, k2=0.0, d_c=2.0))
+    assert expected > 1 + 1e-4
+    assert held.radius == pytest.approx(expected, abs=1e-7)
+    assert not held.stable
+
+
+def test_what_is_not_coupled_back_cannot_grow(small: dict[str, Path]) -> None:
+    verdict = stability(system(small, {"a": "Integrator", "b": "Integrator"}, "a.x -> b.u"), H)
+    assert verdict.radius == 0
+    assert verdict.largest_stable_step == np.inf
+
+
+def test_fig2_settles_as_its_target_impedance(fig2: System) -> None:
+    verdict = stability(fig2)
+    assert verdict.stable
+    # Target: 2 kg, 4000 N/m, critically damped: a double pole at 44.7/s. The arm moves while it is probed, by
+    # 2 rad/s * 13 * 0.1 ms = 0.3 %, which splits a double pole by sqrt(0.003) = 6 % of it.
+    assert -verdict.growth_rate == pytest.approx(np.sqrt(4000 / 2), rel=0.1)
+    assert verdict.largest_stable_step is not None
+    assert verdict.largest_stable_step > 1e-3
+
+
+def test_nonsense_is_refused() -> None:
+    for step in (0.0, -1.0, np.nan):
+        with pytest.raises(SystemDescriptionError, match="must be positive"):
+            stability(at_wall(1e-2), step)
+    with pytest.raises(SystemDescriptionError, match="There is no algorithm"):
+        stability(at_wall(1e-2), algorithm="magic")

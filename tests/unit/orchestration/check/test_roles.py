@@ -1,0 +1,247 @@
+"""The role's interface: what a controller, plant, sensor, actuator or trajectory must show."""
+
+import re
+from collections.abc import Mapping
+from pathlib import Path
+
+import pytest
+
+from orchestration.check import Report, Severity, check
+from orchestration.check.closed_loop import Loop, Ride, judge
+from orchestration.check.findings import LOOP, ROLE
+from orchestration.check.roles import ROLES, UNITS
+from orchestration.system.system import System
+from tests.unit.orchestration.checked import Edit, assert_found, edited, swap
+
+ERROR, WARNING, NOTE = Severity.ERROR, Severity.WARNING, Severity.NOTE
+TORQUE = r'<Unit name="N.m">\s*<BaseUnit kg="1" m="2" s="-2"/>'
+
+
+def base(exponents: str) -> Edit:
+    """An edit of what a newton metre is."""
+    return swap(TORQUE, f'<Unit name="N.m"><BaseUnit {exponents}/>')
+
+
+def renamed(old: str, new: str) -> Edit:
+    """An edit of a variable's name."""
+    return lambda xml: xml.replace(f'name="{old}"', f'name="{new}"')
+
+
+CONTROLLER: dict[str, tuple[Edit, Severity, str]] = {
+    "a torque is missing": (
+        renamed("tau_cmd[2]", "torque"),
+        *(ERROR, r"The output tau_cmd\[2\] in N.m of the controller is missing"),
+    ),
+    "factor": (
+        base('kg="1" m="2" s="-2" factor="1000"'),
+        *(ERROR, r"tau_cmd\[1\] of the controller has the unit N.m \(1000 kg m2 s-2\); N.m \(kg m2 s-2\) is needed\."),
+    ),
+    "convertible": (
+        lambda xml: base('kg="1" m="2" s="-2" factor="1000"')(xml).replace('"N.m"', '"kN.m"'),
+        *(NOTE, r"tau_cmd\[1\] of the controller is in kN.m \(1000 kg m2 s-2\), not N.m; adaptimp converts it"),
+    ),
+    "dimension": (
+        base('kg="1" m="1" s="-2"'),
+        *(ERROR, r"tau_cmd\[1\] of the controller has the unit N.m \(kg m s-2\); N.m \(kg m2 s-2\) is needed\."),
+    ),
+    "radian": (
+        base('kg="1" m="2" s="-2" rad="-1"'),
+        *(WARNING, r"tau_cmd\[1\] of the controller .*they differ in rad alone"),
+    ),
+    "no base unit": (
+        swap(TORQUE, '<Unit name="N.m">'),
+        *(WARNING, r"tau_cmd\[1\] of the controller has the unit N.m without a BaseUnit"),
+    ),
+    "no unit": (
+        swap(r'(name="q\[1\]".*?<Real) declaredType="Angle" unit="rad"', r"\1"),
+        *(WARNING, r"q\[1\] of the controller declares no unit; rad is needed"),
+    ),
+    "other unit": (
+        swap(r'(name="q\[1\]".*?<Real) declaredType="Angle" unit="rad"', r'\1 unit="m"'),
+        *(ERROR, r"q\[1\] of the controller has the unit m \(m\); rad \(rad\) is needed"),
+    ),
+    "causality": (
+        swap(r'(name="q\[1\]".*?)causality="input"', r'\1causality="local"'),
+        *(ERROR, r"q\[1\] of the controller has causality local; input is needed"),
+    ),
+    "type": (
+        swap(
+            r'(name="q\[1\]".*?)variability="continuous">\s*<Real[^>]*/>',
+            r'\1variability="discrete"><Integer start="1"/>',
+        ),
+        *(ERROR, r"q\[1\] of the controller is of type Integer; Real is needed"),
+    ),
+    "element": (
+        renamed("q[2]", "q2"),
+        *(ERROR, r"q\[1\] is there, but q\[2\] of the controller's q is missing"),
+    ),
+    "stranger": (
+        renamed("q[2]", "q2"),
+        *(WARNING, r"The input q2 keeps its start value"),
+    ),
+    "unused input": (
+        lambda xml: renamed("ddq[1]", "a[1]")(renamed("ddq[2]", "a[2]")(xml)),
+        *(NOTE, r"The input ddq\[1\], ddq\[2\] in rad/s2 of the controller is missing; its connection is dropped"),
+    ),
+    "unread output": (
+        lambda xml: renamed("e[1]", "err[1]")(renamed("e[2]", "err[2]")(xml)),
+        *(NOTE, r"The output e\[1\], e\[2\] in m of the controller is missing"),
+    ),
+    "sampling period": (
+        swap(r'(name="sample_time".*?) unit="s"', r'\1 unit="m"'),
+        *(ERROR, r"sample_time of the controller has the unit m \(m\); s \(s\) is needed"),
+    ),
+}
+
+
+def test_units_are_those_of_the_si() -> None:
+    """A newton is one kg m/s2; a torque is a force times a length; rates are per second."""
+    powers = {name: dict(unit.exponents) for name, unit in UNITS.items()}
+    assert powers["N"] == {"kg": 1, "m": 1, "s": -2}
+    assert powers["N.m"] == powers["N"] | {"m": 2}
+    for of, name in (("m", "m/s"), ("rad", "rad/s"), ("m/s", "m/s2"), ("rad/s", "rad/s2")):
+        assert powers[name] == powers[of] | {"s": powers[of].get("s", 0) - 1}
+
+
+@pytest.mark.parametrize("fault", list(CONTROLLER))
+def test_a_wrong_controller(fmu_folder: Path, tmp_path: Path, fault: str) -> None:
+    edit, severity, message = CONTROLLER[fault]
+    report = check(edited(fmu_folder / "HoganImpedance.fmu", tmp_path, edit))
+    assert report.role == "controller"
+    assert_found(report, ROLE, severity, message)
+
+
+@pytest.mark.parametrize(
+    ("unit", "role"),
+    [
+        ("Plant", "plant"),
+        ("ForceSensor", "sensor"),
+        ("Actuator", "actuator"),
+        ("VirtualTrajectory", "trajectory"),
+        ("HoganImpedance", "controller"),
+    ],
+)
+def test_every_unit_in_every_role(fmu_folder: Path, unit: str, role: str) -> None:
+    """A unit keeps the interface of its own role, and that of no other."""
+    for other in ROLES:
+        report = check(fmu_folder / f"{unit}.fmu", other)
+        assert report.role == other
+        assert report.failed == (other != role), other
+        assert other == role or any(other in f.message for f in report.findings if f.rule == ROLE)
+
+
+def test_no_role_is_guessed_without_its_output(fmu_folder: Path, tmp_path: Path) -> None:
+    def without(xml: str) -> str:
+        return xml.replace('name="tau_cmd[', 'name="torque[')
+
+    path = edited(fmu_folder / "HoganImpedance.fmu", tmp_path, without)
+    assert check(path).role is None
+    assert_found(check(path, "controller"), ROLE, ERROR, r"The output tau_cmd\[1\], tau_cmd\[2\] in N.m")
+
+
+FOREIGN = {"tau_cmd": "Torque", "q": "JointAngle", "M[1]": "Inertia"}
+
+
+def foreign(fmu_folder: Path, tmp_path: Path) -> Path:
+    """Our controller under other names, with torques in N.mm."""
+
+    def edit(xml: str) -> str:
+        xml = xml.replace('"tau_cmd[', '"Torque[').replace('"q[', '"JointAngle[').replace('"M[1]"', '"Inertia"')
+        return base('kg="1" m="2" s="-2" factor="0.001"')(xml).replace('"N.m"', '"N.mm"')
+
+    return edited(fmu_folder / "HoganImpedance.fmu", tmp_path, edit)
+
+
+def test_other_names_are_mapped(fmu_folder: Path, tmp_path: Path, fig2: System) -> None:
+    """The torques are a thousandth of what the loop needs, but for the tip's weight: it is left behind."""
+    path = foreign(fmu_folder, tmp_path)
+    assert check(path).role is None
+    report = check(path, mapping={**FOREIGN, "Gamma": "q"}, loop=lambda _: Loop(fig2, (500.0, 300.0)))
+    assert report.role == "controller"
+    assert_found(report, ROLE, ERROR, "There is no variable q, which should be the Gamma")
+    report = check(path, mapping=FOREIGN, loop=lambda _: Loop(fig2, (500.0, 300.0)))
+    assert_found(report, ROLE, NOTE, r"tau_cmd\[2\] of the controller is in N.mm")
+    assert_found(report, LOOP, WARNING, r"The tip misses the virtual trajectory by 0\.\d+ m")
+    assert not [f for f in report.findings if "limit" in f.message], "limits are in N.m"
+    assert re.search(r"max \|tau_cmd\| = 0\.\d+ and 0\.\d+ N.m", report.facts[-1])
+
+
+def test_names_that_only_others_have_are_no_obstacle(fmu_folder: Path, fig2: System) -> None:
+    """A mapping for Fig. 5 names gains that the controller of this loop lacks."""
+    mapping = {"Gamma": "p_hat"}
+    report = check(fmu_folder / "HoganImpedance.fmu", mapping=mapping, loop=lambda _: Loop(fig2, (500.0, 300.0)))
+    assert not report.failed
+    assert_found(report, LOOP, NOTE, "Mapping Gamma=p_hat: the loop's own controller has no Gamma")
+    assert report.facts[-1].startswith("Closed loop")
+
+
+def looped(
+    path: Path,
+    system: System,
+    limits: tuple[float, float] = (500.0, 300.0),
+    mapping: Mapping[str, str] | None = None,
+) -> Report:
+    """A report with the closed loop."""
+    return check(path, mapping=mapping, loop=lambda joints: Loop(system, limits) if joints == 2 else None)
+
+
+def test_a_controller_in_the_loop(fmu_folder: Path, fig2: System) -> None:
+    report = looped(fmu_folder / "HoganImpedance.fmu", fig2)
+    assert report.findings == ()
+    found = re.search(r"max \|x - x_v\| = (\S+) m, (\S+) m with", report.facts[-1])
+    assert found is not None
+    assert found[1] == found[2], "it is the loop's own controller"
+    assert 0 < float(found[1]) < 1e-4
+
+
+def test_a_controller_with_names_of_its_own(fmu_folder: Path, fig2: System, tmp_path: Path) -> None:
+    """Whole arrays, a single element and a scalar are mapped; the report is that of our names."""
+
+    def foreign(xml: str) -> str:
+        for our, their in (("tau_cmd[", "Torque["), ("K[", "Stiffness["), ("q[2]", "Elbow"), ("gravity", "g")):
+            xml = xml.replace(f'name="{our}', f'name="{their}')
+        return xml
+
+    path = edited(fmu_folder / "HoganImpedance.fmu", tmp_path, foreign)
+    mapping = {"tau_cmd": "Torque", "K": "Stiffness", "q[2]": "Elbow", "gravity": "g"}
+    report, ours = looped(path, fig2, mapping=mapping), looped(fmu_folder / "HoganImpedance.fmu", fig2)
+    assert (report.role, report.findings) == ("controller", ())
+    assert report.facts == ours.facts
+    less = {name: mapping[name] for name in ("tau_cmd", "K")}
+    assert_found(looped(path, fig2, mapping=less), ROLE, ERROR, r"but q\[2\] of the controller's q is missing")
+
+
+def test_a_mapping_of_what_is_not_there(fmu_folder: Path) -> None:
+    for their in ("Torque", "tau"):
+        report = check(fmu_folder / "HoganImpedance.fmu", mapping={"tau_cmd": their})
+        assert_found(report, ROLE, ERROR, f"There is no variable {their}, which should be the tau_cmd")
+
+
+def test_a_controller_that_fails_in_the_loop(fmu_folder: Path, fig2: System) -> None:
+    """The adaptive one is not strictly positive real with the damping of Fig. 2, and says so."""
+    report = looped(fmu_folder / "CraigAdaptiveImpedance.fmu", fig2)
+    assert_found(report, LOOP, ERROR, r"The loop does not run: controller: .*strict positive realness")
+
+
+def test_a_controller_for_another_arm(fmu_folder: Path, fig2: System) -> None:
+    report = looped(fmu_folder / "HoganImpedance3R.fmu", fig2)
+    assert report.findings == ()
+    assert report.facts == ("The closed loop was not tried.",)
+
+
+def test_a_controller_that_is_left_behind(fmu_folder: Path, fig2: System) -> None:
+    """Without its reference it stays where it starts, and the virtual trajectory moves 0.6 m in 0.2 s."""
+    loose = tuple(c for c in fig2.connections if c.source != "trajectory")
+    system = System("loose", fig2.components, loose, fig2.step, fig2.stop_time)
+    report = looped(fmu_folder / "HoganImpedance.fmu", system)
+    assert_found(report, LOOP, WARNING, r"The tip misses the virtual trajectory by 0\.\d+ m within 0\.2 s")
+
+
+def test_verdicts_on_a_ride(fig2: System) -> None:
+    loop = Loop(fig2, (10.0, 10.0))
+    assert judge(Ride(0.09, (9.0, 9.0)), loop) == []
+    assert [f.severity for f in judge(Ride(0.5, (9.0, 9.0)), loop)] == [WARNING]
+    assert [f.severity for f in judge(Ride(5.0, (9.0, 9.0)), loop)] == [ERROR]
+    assert [f.severity for f in judge(Ride(float("nan"), (9.0, 9.0)), loop)] == [ERROR]
+    (found,) = judge(Ride(0.0, (9.0, 11.0)), loop)
+    assert found.message == "tau_cmd[2] reaches 11 N.m, beyond the limit 10 N.m."

@@ -1,0 +1,61 @@
+"""Evidence that a full disk loses nothing that was there before, and says so."""
+
+import gc
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+
+from orchestration import OrchestrationError
+from orchestration.results.storage import ParquetSink
+from tests.unit.orchestration.stored import NAMES, files, sample, stream
+
+WHOLE = 5000  # bytes of a file that may be written where a disk is full
+
+
+@contextmanager
+def full_disk() -> Iterator[None]:
+    """No file may be longer than `WHOLE` bytes: writing fails as on a full disk.
+
+    Within a block only, for the file that a test run's own output goes to is no exception.
+    """
+    resource = pytest.importorskip("resource", reason="Windows has no limit on the size of files")
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (WHOLE, hard))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+
+
+@pytest.mark.parametrize("suffix", [".csv", ".parquet"])
+def test_a_full_disk_leaves_nothing_but_the_old_file(tmp_path: Path, suffix: str) -> None:
+    (tmp_path / f"x{suffix}").write_text("old")
+    message = rf"x{suffix}: the result cannot be written: File too large\.$"
+    with full_disk(), pytest.raises(OrchestrationError, match=message):
+        sample(5000).write(tmp_path / f"x{suffix}")
+    gc.collect()  # a writer that is left open would write once more, and complain
+    assert files(tmp_path) == [f"x{suffix}"]
+    assert (tmp_path / f"x{suffix}").read_text() == "old"
+
+
+@pytest.mark.usefixtures("small_groups")
+def test_a_disk_that_fills_up_ends_the_stream(tmp_path: Path) -> None:
+    sink = ParquetSink(tmp_path / "x.parquet", NAMES)
+    message = r"x\.parquet: the result cannot be written: File too large\.$"
+    with full_disk(), pytest.raises(OrchestrationError, match=message):
+        stream(sink, sample(5000), 1)
+    gc.collect()
+    assert 64 < sink.count < 5000
+    assert (sink.written, files(tmp_path)) == (None, [])
+
+
+def test_a_partial_file_that_does_not_fit_does_not_hide_the_failure(tmp_path: Path) -> None:
+    with full_disk(), pytest.raises(ValueError, match="diverged") as caught:
+        stream(ParquetSink(tmp_path / "x.parquet", NAMES), sample(5000), 5000, ValueError("diverged"))
+    gc.collect()
+    assert caught.value.__notes__ == [
+        f"{tmp_path / 'x.parquet'}: the result cannot be written: File too large. Nothing is kept."
+    ]
+    assert files(tmp_path) == []

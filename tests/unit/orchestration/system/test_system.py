@@ -1,0 +1,139 @@
+"""Evidence for `System`: what it refuses, with both sides and the known names, and what its methods keep."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from adaptimp_fmu import SampledModel, build
+from orchestration import (
+    Component,
+    Connection,
+    Options,
+    System,
+    SystemDescriptionError,
+    UnconnectedInputWarning,
+    simulate,
+)
+from orchestration.fmi.instance import read_description
+from tests.unit.orchestration.units import H, chain, system
+
+
+def linked(fmus: dict[str, Path], line: str) -> System:
+    """Two units and one connection."""
+    return system(fmus, {"source": "Source", "relay": "Relay", "plant": "Integrator"}, line)
+
+
+@pytest.mark.parametrize(
+    ("line", "message"),
+    [
+        ("source.z -> relay.u", r"source has no variable z; it has sample_time, u, n, even"),
+        (
+            "source.u -> relay.z",
+            r"relay has no variable z; it has sample_time, offset, u, n, even, y, m, odd",
+        ),
+        ("spring.u -> relay.u", r"System small has no component spring; it has source, relay, plant"),
+        ("source.u -> spring.u", r"System small has no component spring; it has source, relay, plant"),
+        ("relay.u -> plant.u", r"Connection relay\.u -> plant\.u: u has causality input, not output"),
+        ("source.u -> relay.y", r"Connection source\.u -> relay\.y: y has causality output, not input"),
+        ("source.u -> relay.n", r"Connection source\.u -> relay\.n: types Real and Integer differ"),
+        ("source.n -> relay.even", r"Connection source\.n -> relay\.even: types Integer and Boolean differ"),
+        ("source.even -> relay.u", r"types Boolean and Real differ"),
+        (
+            "source.u -> relay.u\nplant.x -> relay.u",
+            r"Connection plant\.x -> relay\.u: relay\.u already has a source",
+        ),
+    ],
+)
+def test_wrong_connections_are_refused(small: dict[str, Path], line: str, message: str) -> None:
+    with pytest.raises(SystemDescriptionError, match=message):
+        linked(small, line)
+
+
+def test_units_must_agree(fig2: System) -> None:
+    connections = tuple(c for c in fig2.connections if c.target != "sensor")
+    wrong = Connection("plant", "x[1]", "sensor", "F_ext[1]")
+    with pytest.raises(
+        SystemDescriptionError,
+        match=r"^Connection plant\.x\[1\] -> sensor\.F_ext\[1\]: units m and N differ\.$",
+    ):
+        replace(fig2, connections=(*connections, wrong))
+
+
+def test_equal_units_of_other_names_agree(small: dict[str, Path], tmp_path: Path) -> None:
+    model = SampledModel("Joules", "Torque in J", sample_time=H)
+    model.output(
+        "work",
+        model.parameter("w", 1.0, unit="J", description="Work"),
+        unit="J",
+        description="Work",
+        scalar=True,
+    )
+    sink = SampledModel("Sink", "Takes N.m", sample_time=H)
+    sink.output("y", sink.input("u", 0.0, unit="N.m", description="Torque"), unit="N.m", description="u", scalar=True)
+    fmus = {**small, "Joules": build(model, tmp_path), "Sink": build(sink, tmp_path)}
+    result = simulate(system(fmus, {"a": "Joules", "b": "Sink"}, "a.work -> b.u"), H)
+    assert result["b.y"][0] == 1.0
+    with pytest.raises(SystemDescriptionError, match=r"units m and N\.m differ"):
+        system(fmus, {"a": "Source", "b": "Sink"}, "a.u -> b.u")
+
+
+@pytest.mark.parametrize("name", ["", "a.b", "twice"])
+def test_component_names_must_be_clear(small: dict[str, Path], name: str) -> None:
+    description = read_description(small["Source"])
+    with pytest.raises(SystemDescriptionError, match=f"component name '{name}' is empty, has a dot, or is used twice"):
+        System("s", (Component("twice", description), Component(name, description)))
+
+
+def test_a_system_needs_components() -> None:
+    with pytest.raises(SystemDescriptionError, match="System empty has no components"):
+        System("empty", ())
+
+
+def test_unconnected_inputs_warn_or_fail(small: dict[str, Path]) -> None:
+    loose = linked(small, "source.u -> relay.u")
+    sentence = r"^Unconnected inputs keep their start values: relay\.n, relay\.even, plant\.u\.$"
+    with pytest.warns(UnconnectedInputWarning, match=sentence):
+        simulate(loose, H)
+    with pytest.raises(SystemDescriptionError, match=sentence):
+        simulate(loose, H, options=Options(strict=True))
+    simulate(chain(small, 2), H, options=Options(strict=True))
+
+
+def test_sample_time_sets_step_and_every_period(fig2: System) -> None:
+    changed = fig2.with_sample_time(2e-5)
+    assert changed.step == 2e-5
+    assert {c.name: c.sample_time for c in changed.components if c.sample_time is not None} == dict.fromkeys(
+        ("trajectory", "sensor", "controller", "actuator"), 2e-5
+    )
+    assert changed.steps_per_tick(1e-5) == dict.fromkeys(("trajectory", "sensor", "controller", "actuator"), 2)
+    assert "dt_max" not in changed.component("plant").start
+
+
+@pytest.mark.parametrize(
+    ("period", "step", "message"),
+    [
+        (3e-4, 2e-4, r"time 0\.0003 s is no multiple of the step 0\.0002 s; use a step of 0\.00015 s"),
+        (1e-4, 3e-4, r"use a step of 0\.0001 s, or a sample time of 0\.0003 s"),
+        (0.0, 1e-4, r"source: sample time 0 s is not positive"),
+        (-1e-4, 1e-4, r"source: sample time -0\.0001 s is not positive"),
+        (float("inf"), 1e-4, r"source: sample time inf s is not positive"),
+    ],
+)
+def test_period_must_be_a_multiple_of_the_step(
+    small: dict[str, Path], period: float, step: float, message: str
+) -> None:
+    with pytest.raises(SystemDescriptionError, match=message):
+        system(small, {"source": "Source"}).set({"source.sample_time": period}).steps_per_tick(step)
+
+
+def test_connecting_by_name_refuses_two_sources(small: dict[str, Path]) -> None:
+    twins = {"a": small["Source"], "b": small["Source"], "relay": small["Relay"]}
+    with pytest.raises(SystemDescriptionError, match=r"relay\.u could come from a or b; connect it by hand"):
+        System.connected_by_name("s", twins)
+    single = System.connected_by_name("s", {"relay": small["Relay"], "a": small["Source"]}, step=H)
+    assert {str(c) for c in single.connections} == {
+        "a.u -> relay.u",
+        "a.n -> relay.n",
+        "a.even -> relay.even",
+    }
