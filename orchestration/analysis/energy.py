@@ -25,7 +25,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from orchestration.errors import SystemDescriptionError
-from orchestration.fmi.instance import INTERPOLATES
+from orchestration.fmi.codes import INTERPOLATES
 from orchestration.master.algorithm import SEQUENTIAL, Algorithm, find_algorithm
 from orchestration.results.result import Result
 from orchestration.system.component import unit_scale

@@ -10,7 +10,8 @@ from dataclasses import dataclass, field
 
 from orchestration.check.findings import ROLE, Finding, error, note, shown, warning
 from orchestration.check.static.document import Declared, Document, Unit
-from orchestration.fmi.instance import BOOLEAN, REAL, SAMPLE_TIME
+from orchestration.fmi.codes import BOOLEAN, REAL
+from orchestration.fmi.instance import SAMPLE_TIME
 
 JOINT, PLANE, SCALAR, OPEN = "joint", "plane", "scalar", "open"  # how many elements a signal has
 _VECTOR = re.compile(r"(.+)\[(\d{1,9})\]")

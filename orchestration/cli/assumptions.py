@@ -4,7 +4,7 @@ import typer
 from rich.table import Column, Table
 
 from orchestration.cli.commands import console
-from orchestration.fmi.instance import BOOLEAN
+from orchestration.fmi.codes import BOOLEAN
 from orchestration.system.system import System
 
 

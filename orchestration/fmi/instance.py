@@ -15,20 +15,15 @@ from typing import TYPE_CHECKING, Any
 from weakref import WeakValueDictionary
 
 from orchestration.errors import ArchiveError, InitializationError, SystemDescriptionError
+from orchestration.fmi.codes import BOOLEAN, CAPABILITIES, INTEGER, STRING, WORST_ACCEPTED, status_name
 from orchestration.fmi.units import BASE_UNITS, Linear, UnitDefinition, defined
 from orchestration.sandbox.archive import screen
 
 if TYPE_CHECKING:
     from orchestration.fmi.input_scaling import ScaledInputs
 
-REAL, INTEGER, BOOLEAN, STRING = "Real", "Integer", "Boolean", "String"
-STATUS_NAMES = ("fmi2OK", "fmi2Warning", "fmi2Discard", "fmi2Error", "fmi2Fatal", "fmi2Pending")
 SAMPLE_TIME = "sample_time"
-WORST_ACCEPTED = 1  # fmi2Warning
 KEPT_MESSAGES = 5
-SAVES_STATE, SERIALIZES_STATE = "canGetAndSetFMUstate", "canSerializeFMUstate"
-INTERPOLATES, DIFFERENTIATES = "canInterpolateInputs", "providesDirectionalDerivative"
-_CAPABILITIES = (SAVES_STATE, SERIALIZES_STATE, INTERPOLATES, DIFFERENTIATES)
 _LOADING = threading.Lock()  # fmpy changes the working directory while it loads a library
 _IDENTIFIER = re.compile(r"[A-Za-z_]\w*", re.ASCII)
 
@@ -154,7 +149,7 @@ def _read_description(path: Path, modified: int, size: int) -> Description:  # n
     direct = {x.variable.name for x in raw.outputs if _depends_on_input(x)}
     variables = {v.name: _variable(v, direct) for v in raw.modelVariables}
     units = {u.name: _unit(u) for u in raw.unitDefinitions}
-    capabilities = frozenset(name for name in _CAPABILITIES if getattr(raw.coSimulation, name, False))
+    capabilities = frozenset(name for name in CAPABILITIES if getattr(raw.coSimulation, name, False))
     return Description(path, raw.modelName, identifier, raw.guid, variables, units, capabilities)
 
 
@@ -326,9 +321,8 @@ class Instance:
 
     def failure(self, function: str, status: int, where: str = "") -> str:
         """The sentence that says which call returned what, and the instance's last message."""
-        name = STATUS_NAMES[status] if 0 <= status < len(STATUS_NAMES) else f"status {status}"
         last = f'its last message: "{self.messages[-1]}"' if self.messages else "it logged nothing"
-        return f"{self.name}: {function} returned {name}{where}; {last}."
+        return f"{self.name}: {function} returned {status_name(status)}{where}; {last}."
 
     def close(self) -> None:
         """Free the instance and the library."""

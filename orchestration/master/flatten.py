@@ -6,7 +6,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from orchestration.errors import SystemDescriptionError
-from orchestration.fmi.instance import BOOLEAN, INTEGER, REAL, STRING, Instance
+from orchestration.fmi.codes import BOOLEAN, INTEGER, REAL, STRING
+from orchestration.fmi.instance import Instance
 from orchestration.master.kernel import flat_system
 from orchestration.master.kernel.flat_system import Plan
 from orchestration.system.system import Component, Connection, System

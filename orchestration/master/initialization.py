@@ -7,7 +7,8 @@ from contextlib import ExitStack, contextmanager
 import numpy as np
 
 from orchestration.errors import InitializationError
-from orchestration.fmi.instance import BOOLEAN, INTEGER, REAL, WORST_ACCEPTED, Instance, needed_to_run
+from orchestration.fmi.codes import BOOLEAN, INTEGER, REAL, WORST_ACCEPTED
+from orchestration.fmi.instance import Instance, needed_to_run
 from orchestration.master.algebraic_loops import solve_loops
 from orchestration.master.flatten import Assembly
 from orchestration.master.kernel.flat_system import (

@@ -31,7 +31,8 @@ from orchestration.errors import (
     SimulationError,
     SystemDescriptionError,
 )
-from orchestration.fmi.instance import WORST_ACCEPTED, Instance
+from orchestration.fmi.codes import WORST_ACCEPTED
+from orchestration.fmi.instance import Instance
 from orchestration.master.algorithm import SEQUENTIAL, Algorithm
 from orchestration.master.failure_text import failure_message
 from orchestration.master.flatten import Assembly, assemble

@@ -19,7 +19,8 @@ from zipfile import BadZipFile
 import numpy as np
 
 from orchestration.errors import OrchestrationError, SystemDescriptionError
-from orchestration.fmi.instance import SAVES_STATE, SERIALIZES_STATE, Instance
+from orchestration.fmi.codes import SAVES_STATE, SERIALIZES_STATE
+from orchestration.fmi.instance import Instance
 from orchestration.system.system import System
 
 FORMAT = 1

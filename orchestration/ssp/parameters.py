@@ -11,7 +11,7 @@ from math import isnan, nan
 from typing import Any
 
 from orchestration.errors import SystemDescriptionError
-from orchestration.fmi.instance import REAL
+from orchestration.fmi.codes import REAL
 from orchestration.fmi.units import AS_IS, Linear, UnitDefinition, conversion, defined
 from orchestration.ssp.connectors import Arrival, Element, Wiring
 from orchestration.ssp.schema import (

@@ -9,7 +9,8 @@ from typing import Any, TypeVar
 from lxml import etree
 
 from orchestration.errors import SystemDescriptionError
-from orchestration.fmi.instance import BOOLEAN, INTEGER, REAL, Variable
+from orchestration.fmi.codes import BOOLEAN, INTEGER, REAL
+from orchestration.fmi.instance import Variable
 from orchestration.fmi.units import UnitDefinition
 from orchestration.ssp.schema import (
     ASSUMPTIONS_ANNOTATION,

@@ -6,16 +6,8 @@ from contextlib import suppress
 from dataclasses import dataclass, field, replace
 
 from orchestration.errors import SystemDescriptionError
-from orchestration.fmi.instance import (
-    BOOLEAN,
-    INTEGER,
-    REAL,
-    SAMPLE_TIME,
-    STRING,
-    Description,
-    Variable,
-    parse_value,
-)
+from orchestration.fmi.codes import BOOLEAN, INTEGER, REAL, STRING
+from orchestration.fmi.instance import SAMPLE_TIME, Description, Variable, parse_value
 from orchestration.fmi.units import Linear, conversion
 
 SETTABLE = ("parameter", "input")

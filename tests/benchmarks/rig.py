@@ -14,7 +14,8 @@ from typing import Any, Self
 
 import numpy as np
 
-from orchestration.fmi.instance import BOOLEAN, INTEGER, REAL, SAVES_STATE, Instance
+from orchestration.fmi.codes import BOOLEAN, INTEGER, REAL, SAVES_STATE
+from orchestration.fmi.instance import Instance
 from orchestration.master.flatten import Assembly, assemble
 from orchestration.master.initialization import initialize, opened
 from orchestration.master.kernel import fixed_step, flat_system

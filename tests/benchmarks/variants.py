@@ -7,7 +7,8 @@ from typing import Self
 
 import numpy as np
 
-from orchestration.fmi.instance import BOOLEAN, INTEGER, REAL, Instance
+from orchestration.fmi.codes import BOOLEAN, INTEGER, REAL
+from orchestration.fmi.instance import Instance
 from orchestration.master.kernel import flat_system
 from orchestration.system.system import Component, System
 from tests.benchmarks.native import COMPONENTS, BareUnits

@@ -11,7 +11,8 @@ from contextlib import ExitStack, contextmanager
 import numpy as np
 
 from orchestration.errors import SimulationError, SystemDescriptionError
-from orchestration.fmi.instance import INTERPOLATES, REAL, SAVES_STATE, WORST_ACCEPTED, Instance
+from orchestration.fmi.codes import INTERPOLATES, REAL, SAVES_STATE, WORST_ACCEPTED
+from orchestration.fmi.instance import Instance
 from orchestration.fmi.native_calls import call_do_step, call_rates, call_state, call_transfer
 from orchestration.master.flatten import Assembly, assemble
 from orchestration.master.initialization import initialize, opened

@@ -25,7 +25,7 @@ from orchestration.analysis.stability.operating_point import operating_point
 from orchestration.analysis.stability.step_limit import ABOVE, BELOW, FLOOR, GRID, Examined, Point, Search, radius_of
 from orchestration.analysis.stability.step_map import Coupled
 from orchestration.errors import SystemDescriptionError
-from orchestration.fmi.instance import REAL
+from orchestration.fmi.codes import REAL
 from orchestration.master.algorithm import (
     MAX_ORDER,
     NEWTON,

@@ -11,7 +11,7 @@ from orchestration.check.dynamic.bitwise_runs import STEPS, Yield, infinite, mov
 from orchestration.check.dynamic.derivatives import derivatives
 from orchestration.check.dynamic.instance import Binary, Instance
 from orchestration.check.findings import error, listed, shown, warning
-from orchestration.fmi.instance import DIFFERENTIATES, SAVES_STATE, SERIALIZES_STATE
+from orchestration.fmi.codes import DIFFERENTIATES, SAVES_STATE, SERIALIZES_STATE
 
 LIVES = 50
 MANY_LIVES = f"{LIVES} lives"

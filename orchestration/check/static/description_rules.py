@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from orchestration.check.findings import Finding, error, shown, warning
 from orchestration.check.static.archive_rules import Package
 from orchestration.check.static.document import APPROX, CALCULATED, EXACT, Declared
-from orchestration.fmi.instance import REAL, SERIALIZES_STATE
+from orchestration.fmi.codes import REAL, SERIALIZES_STATE
 
 _ANY = frozenset({EXACT, APPROX, CALCULATED})
 _COMPUTED = frozenset({APPROX, CALCULATED})

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
-from orchestration.fmi.instance import INTEGER, REAL
+from orchestration.fmi.codes import INTEGER, REAL
 
 BASE_UNITS = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
 CALCULATED, EXACT, APPROX = "calculated", "exact", "approx"

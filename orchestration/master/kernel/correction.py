@@ -12,7 +12,7 @@ as it serves.
 import numpy as np
 from numba import njit
 
-from orchestration.fmi.instance import WORST_ACCEPTED
+from orchestration.fmi.codes import WORST_ACCEPTED
 from orchestration.fmi.native_calls import call_direction
 from orchestration.master.kernel.coupling import (
     GET_DIRECTION,

@@ -7,7 +7,7 @@ fmi2Status of that call of component `subject`.
 import numpy as np
 from numba import njit
 
-from orchestration.fmi.instance import WORST_ACCEPTED
+from orchestration.fmi.codes import WORST_ACCEPTED
 from orchestration.fmi.native_calls import call_do_step, call_rates, call_state
 from orchestration.master.kernel.coupling import (
     ASSUMED,

@@ -11,7 +11,7 @@ Nothing here allocates, raises or sees a Python object. `run` is compiled; witho
 import numpy as np
 from numba import njit
 
-from orchestration.fmi.instance import WORST_ACCEPTED
+from orchestration.fmi.codes import WORST_ACCEPTED
 from orchestration.fmi.native_calls import call_do_step, call_transfer
 from orchestration.master.kernel.flat_system import Plan, record
 from orchestration.master.kernel.step_program import (

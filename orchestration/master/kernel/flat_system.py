@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from orchestration.fmi.instance import WORST_ACCEPTED
+from orchestration.fmi.codes import WORST_ACCEPTED
 from orchestration.fmi.native_calls import call_transfer, copy_run
 
 # Columns of the table: the instance, fmi2DoStep, the ranges of the links into the component, then

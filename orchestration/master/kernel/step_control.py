@@ -17,7 +17,7 @@ from math import isfinite
 import numpy as np
 from numba import njit
 
-from orchestration.fmi.instance import WORST_ACCEPTED
+from orchestration.fmi.codes import WORST_ACCEPTED
 from orchestration.master.kernel.correction import corrected_step
 from orchestration.master.kernel.coupling import (
     HAS_JACOBIAN,

@@ -7,7 +7,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from orchestration import Component, System
-from orchestration.fmi.instance import BOOLEAN, INTEGER, REAL, Variable
+from orchestration.fmi.codes import BOOLEAN, INTEGER, REAL
+from orchestration.fmi.instance import Variable
 
 TYPES = {REAL: 0, INTEGER: 1, BOOLEAN: 2}  # as driver.c has them
 

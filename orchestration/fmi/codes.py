@@ -1,0 +1,35 @@
+"""Names and numbers that FMI 2.0 defines: types of variables, statuses of calls, capability flags."""
+
+from enum import IntEnum
+
+REAL, INTEGER, BOOLEAN, STRING = "Real", "Integer", "Boolean", "String"
+"""Types of variables; an Enumeration is treated as an Integer."""
+
+SAVES_STATE, SERIALIZES_STATE = "canGetAndSetFMUstate", "canSerializeFMUstate"
+INTERPOLATES, DIFFERENTIATES = "canInterpolateInputs", "providesDirectionalDerivative"
+CAPABILITIES = (SAVES_STATE, SERIALIZES_STATE, INTERPOLATES, DIFFERENTIATES)
+"""Capability flags of an FMU for co-simulation that a master asks for."""
+
+
+class Status(IntEnum):
+    """The fmi2Status that a call returns, from best to worst."""
+
+    OK = 0
+    WARNING = 1
+    DISCARD = 2
+    ERROR = 3
+    FATAL = 4
+    PENDING = 5
+
+    def __str__(self) -> str:
+        """The name in the standard, such as ``fmi2Error``."""
+        return "fmi2OK" if self is Status.OK else f"fmi2{self.name.capitalize()}"
+
+
+WORST_ACCEPTED = int(Status.WARNING)
+"""A call with a status up to this one did its work."""
+
+
+def status_name(status: int) -> str:
+    """Name of a status in the standard; an unknown number is named by its value."""
+    return str(Status(status)) if status in iter(Status) else f"status {status}"
