@@ -8,7 +8,7 @@ BLOCK_BYTES = 2**22  # of the rows that are handed on at a time, if they are not
 
 
 class Sink(Protocol):
-    """Takes rows; `orchestration.results.storage.ParquetSink` is one."""
+    """Takes rows; `orchestration.results.parquet_file.ParquetSink` is one."""
 
     def append(self, time: np.ndarray, rows: np.ndarray) -> object:
         """Take times, s, shape (n,), and rows, shape (n, n_columns)."""
