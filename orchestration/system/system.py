@@ -12,7 +12,16 @@ from typing import TYPE_CHECKING
 
 from orchestration.errors import SystemDescriptionError
 from orchestration.fmi.instance import SAMPLE_TIME, Variable, read_description
-from orchestration.system.component import Component, Connection, checked_connection, number, require_settable
+from orchestration.system.component import (
+    Component,
+    Connection,
+    checked_connection,
+    number,
+    require_settable,
+    sources_of,
+)
+from orchestration.system.registry import analysis, reader, writer
+from orchestration.system.replacement import replaced
 
 if TYPE_CHECKING:
     from orchestration.analysis.stability.verdict import Verdict
@@ -106,16 +115,12 @@ class System:
 
     @classmethod
     def read(cls, path: str | Path) -> "System":
-        """Read an SSP package; see `orchestration.ssp`."""
-        from orchestration.ssp import read_ssp
-
-        return read_ssp(Path(path))
+        """Read a system from a file, such as an SSP package; see `orchestration.system.registry`."""
+        return reader(Path(path))(Path(path))
 
     def write(self, path: str | Path) -> Path:
-        """Write an SSP package; see `orchestration.ssp`."""
-        from orchestration.ssp import write_ssp
-
-        return write_ssp(self, Path(path))
+        """Write the system to a file, such as an SSP package; see `orchestration.system.registry`."""
+        return writer(Path(path))(self, Path(path))
 
     def component(self, name: str) -> Component:
         """A component by name.
@@ -171,8 +176,6 @@ class System:
             If the new FMU lacks an output that is connected, a mapped name is unknown, or a unit cannot
             be converted.
         """
-        from orchestration.system.replacement import replaced
-
         return replaced(self, name, Path(fmu), mapping or {})
 
     def ordered(self, names: Sequence[str]) -> "System":
@@ -198,9 +201,7 @@ class System:
         self, step: float | None = None, algorithm: "str | Algorithm" = "gauss-seidel", *, at: float = 0.0
     ) -> "Verdict":
         """Whether an algorithm is stable at a step, s, around a time, s; see `orchestration.analysis.stability`."""
-        from orchestration.analysis.stability.verdict import stability
-
-        return stability(self, step, algorithm, at=at)
+        return analysis("stability")(self, step, algorithm, at=at)
 
     def unconnected_inputs(self) -> list[str]:
         """Inputs that keep their start value, as ``component.input``."""
@@ -250,13 +251,3 @@ class System:
                 raise SystemDescriptionError(msg)
             ratios[component.name] = nearest
         return ratios
-
-
-def sources_of(components: Sequence[Component], target: Component, name: str) -> list[Component]:
-    """Components other than the target with an output of that name."""
-    return [c for c in components if _has_output(c, name) and c is not target]
-
-
-def _has_output(component: Component, name: str) -> bool:
-    variable = component.description.variables.get(name)
-    return variable is not None and variable.causality == "output"
