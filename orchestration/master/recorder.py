@@ -120,7 +120,7 @@ def not_finite(columns: tuple[str, ...], times: np.ndarray, rows: np.ndarray, *,
         Index of the row and a sentence for the user; None if all values are finite.
     """
     with np.errstate(over="ignore", invalid="ignore"):
-        if np.isfinite(rows.sum()):  # NaN and infinity stay in a sum; finite values whose sum overflows are tested below
+        if np.isfinite(rows.sum()):  # NaN and infinity stay in a sum; a sum that overflows is looked at below
             return None
     finite = np.isfinite(rows)
     if finite.all():

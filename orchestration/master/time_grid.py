@@ -151,7 +151,7 @@ def _points(span: tuple[float, float], step: float) -> np.ndarray:
 
 
 def _ratios(system: System, steps: np.ndarray, *, stale: bool) -> Mapping[str, int]:
-    """Return the steps per tick of each sampled component; empty if the inputs may be stale and a ratio is not whole."""
+    """Return the steps per tick of each sampled component; empty if inputs may be stale and a ratio is not whole."""
     if stale:
         try:
             return system.steps_per_tick(float(steps[0]))

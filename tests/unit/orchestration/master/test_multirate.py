@@ -66,8 +66,8 @@ def test_a_slow_continuous_unit_shows_what_is_past(small: dict[str, Path]) -> No
         ({"sensor": 3}, "sensor: steps of 3 communication steps must fit its sample time and the run of 200 equal"),
         ({"plant": 3}, "plant: steps of 3 communication steps must fit its sample time and the run of 200 equal"),
         ({"sensor": 2}, "sensor: steps of 2 communication steps must fit"),  # a tick in between
-        ({"sensor": 0}, "sensor: the ratio 0 of its step to the communication step is no positive integer"),
-        ({"sensor": 2.5}, "sensor: the ratio 2.5 of its step to the communication step is no positive integer"),
+        ({"sensor": 0}, "sensor: the ratio 0 of its step to the communication step is not a positive integer"),
+        ({"sensor": 2.5}, "sensor: the ratio 2.5 of its step to the communication step is not a positive integer"),
         ({"nobody": 2}, "nobody"),
     ],
 )

@@ -215,7 +215,7 @@ def test_only_points_ahead_can_be_run_to(noisy: System) -> None:
     with run_of(noisy, ADAPTIVE) as simulation:
         simulation.run(MIDDLE)
         for until in (MIDDLE - SAMPLE_TIME, MIDDLE + 0.4 * SAMPLE_TIME, 10.0, np.nan):
-            with pytest.raises(SystemDescriptionError, match="is no communication point ahead"):
+            with pytest.raises(SystemDescriptionError, match="is not a communication point ahead"):
                 simulation.run(until)
         simulation.run(MIDDLE)  # is where it is already
         assert simulation.time == MIDDLE
