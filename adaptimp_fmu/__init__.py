@@ -3,19 +3,13 @@
 Declare a `ContinuousModel` or a `SampledModel`, then `build` it.
 """
 
+from adaptimp_fmu.continuous_model import ContinuousModel
 from adaptimp_fmu.documentation import present
 from adaptimp_fmu.errors import DefinitionError, ToolchainError
 from adaptimp_fmu.icon import Icon, Stroke
-from adaptimp_fmu.model import (
-    ANY,
-    NOT_NEGATIVE,
-    POSITIVE,
-    ContinuousModel,
-    Limits,
-    Model,
-    SampledModel,
-)
+from adaptimp_fmu.model import ANY, NOT_NEGATIVE, POSITIVE, Limits, Model
 from adaptimp_fmu.package import build, default_cache
+from adaptimp_fmu.sampled_model import SampledModel
 from adaptimp_fmu.toolchain import PLATFORMS, Platform, host_platform
 from adaptimp_fmu.variables import Role, Type, Variable
 

@@ -9,7 +9,8 @@ import casadi as ca
 import jinja2
 
 from adaptimp_fmu.lowering import Lowered, lower
-from adaptimp_fmu.model import Model, SampledModel
+from adaptimp_fmu.model import Model
+from adaptimp_fmu.sampled_model import SampledModel
 from adaptimp_fmu.variables import Variable, element_names
 
 GUID_PLACEHOLDER = "{guid}"

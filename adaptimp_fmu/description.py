@@ -9,7 +9,8 @@ from typing import Any
 from lxml import etree
 
 from adaptimp_fmu.errors import DefinitionError
-from adaptimp_fmu.model import Model, SampledModel
+from adaptimp_fmu.model import Model
+from adaptimp_fmu.sampled_model import SampledModel
 from adaptimp_fmu.structure import dependencies
 from adaptimp_fmu.units import QUANTITIES, base_exponents
 from adaptimp_fmu.variables import Role, Type, Variable

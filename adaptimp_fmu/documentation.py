@@ -13,10 +13,12 @@ from dataclasses import dataclass
 import jinja2
 
 from adaptimp_fmu.codegen import runtime_sources
+from adaptimp_fmu.continuous_model import ContinuousModel
 from adaptimp_fmu.description import number
 from adaptimp_fmu.errors import DefinitionError
 from adaptimp_fmu.icon import Icon
-from adaptimp_fmu.model import ContinuousModel, Model, SampledModel
+from adaptimp_fmu.model import Model
+from adaptimp_fmu.sampled_model import SampledModel
 from adaptimp_fmu.variables import Role, Type, Variable
 
 INDEX = "index.html"

@@ -12,8 +12,10 @@ from dataclasses import dataclass
 import casadi as ca
 
 from adaptimp_fmu.columns import inputs, parameters, stack
+from adaptimp_fmu.continuous_model import ContinuousModel
 from adaptimp_fmu.errors import DefinitionError
-from adaptimp_fmu.model import ContinuousModel, Model, SampledModel
+from adaptimp_fmu.model import Model
+from adaptimp_fmu.sampled_model import SampledModel
 from adaptimp_fmu.sensitivity import sensitivity_functions
 
 
