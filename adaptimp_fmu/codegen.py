@@ -16,6 +16,8 @@ from adaptimp_fmu.variables import Variable, element_names
 GUID_PLACEHOLDER = "{guid}"
 MAIN_SOURCE = "model.c"
 EQUATIONS_SOURCE = "equations.h"
+RUNTIME_LICENSE = "runtime_license.txt"
+"""File in ``sources/`` with the license of the runtime, which is part of every FMU whoever owns the model."""
 
 # C parameters of each function of the seam (runtime/model.h): name of the CasADi argument or
 # result, and its C declaration.
@@ -53,6 +55,12 @@ def runtime_sources() -> dict[str, str]:
     folder = importlib.resources.files("adaptimp_fmu") / "runtime"
     names = sorted(entry.name for entry in folder.iterdir() if entry.name.endswith((".c", ".h")))
     return {name: (folder / name).read_text(encoding="utf-8") for name in names}
+
+
+def runtime_license() -> str:
+    """License of the runtime and of this toolchain, as one text."""
+    path = importlib.resources.files("adaptimp_fmu") / "templates" / "license.txt"
+    return path.read_text(encoding="utf-8")
 
 
 def generate(model: Model) -> dict[str, str]:

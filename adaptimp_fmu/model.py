@@ -14,6 +14,7 @@ import casadi as ca
 
 from adaptimp_fmu.errors import DefinitionError
 from adaptimp_fmu.icon import Icon
+from adaptimp_fmu.metadata import Experiment, Ownership
 from adaptimp_fmu.variables import INTEGER_LIMIT, Role, Type, Variable, element_names
 
 Start = float | Sequence[float]
@@ -72,6 +73,10 @@ class Model:
         Texts with the equations by title, for the documentation in the FMU.
     icon
         The FMU's picture.
+    ownership
+        Author, version, copyright and license; by default the FMU claims none of them.
+    experiment
+        Default experiment; by default the FMU suggests none.
     """
 
     name: str
@@ -86,6 +91,8 @@ class Model:
     time: ca.SX = field(default_factory=lambda: ca.SX.sym("t"))
     documentation: Mapping[str, str] = field(default_factory=dict)
     icon: Icon = field(default_factory=Icon)
+    ownership: Ownership = field(default_factory=Ownership)
+    experiment: Experiment = field(default_factory=Experiment)
 
     def parameter(
         self,
