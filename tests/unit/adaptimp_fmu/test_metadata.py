@@ -17,7 +17,9 @@ LICENSE = "documentation/licenses/license.txt"
 
 def gain(ownership: Ownership | None = None, experiment: Experiment | None = None) -> SampledModel:
     """A model that multiplies by two."""
-    model = SampledModel("Gain", "Multiplies", ownership=ownership or Ownership(), experiment=experiment or Experiment())
+    model = SampledModel(
+        "Gain", "Multiplies", ownership=ownership or Ownership(), experiment=experiment or Experiment()
+    )
     model.output("y", 2 * model.input("u", 1.0, description="Input"), description="Output")
     return model
 
@@ -54,7 +56,12 @@ def test_what_a_model_states_is_in_the_fmu(tmp_path: Path) -> None:
     with zipfile.ZipFile(build(model, tmp_path, cache=tmp_path / "cache")) as archive:
         assert archive.read(LICENSE) == b"Ask Ada first.\n"
     text = page(model)
-    for shown in ("Version: 2.1", "Author: Ada &lt;Example&gt;", "Copyright: (c) 2026 Ada &amp; Co", "Confidential, in <a"):
+    for shown in (
+        "Version: 2.1",
+        "Author: Ada &lt;Example&gt;",
+        "Copyright: (c) 2026 Ada &amp; Co",
+        "Confidential, in <a",
+    ):
         assert shown in text
 
 
