@@ -54,8 +54,8 @@ def lower(model: Model) -> Lowered:
     Raises
     ------
     DefinitionError
-        If the name is no C identifier, there are no outputs, a state has no evolution, or a value
-        depends on a symbol that the model does not declare.
+        If the name is no C identifier, there are no outputs, a state has no evolution, a divisor or a seed is
+        no suitable parameter, or a value depends on a symbol that the model does not declare.
     """
     _require_complete(model)
     p, x = parameters(model), stack([state.symbol for state in model.states])
@@ -148,6 +148,8 @@ def _require_complete(model: Model) -> None:
         if state.evolution is None:
             msg = f"{model.name}: state {state.name} has no derivative or update."
             raise DefinitionError(msg)
+    if isinstance(model, SampledModel):
+        model.require_named_parameters()
 
 
 def _function(name: str, arguments: dict[str, ca.SX], results: dict[str, ca.SX]) -> ca.Function:

@@ -7,6 +7,7 @@ import casadi as ca
 
 from adaptimp_fmu.errors import DefinitionError
 from adaptimp_fmu.model import POSITIVE, Model
+from adaptimp_fmu.variables import Role, Type, Variable
 
 
 @dataclass(frozen=True)
@@ -52,12 +53,21 @@ class SampledModel(Model):
         Parameters
         ----------
         divisor
-            Name of the Integer parameter n, the same for all slow states of the model.
+            Name of the Integer parameter n, the same for all slow states of the model. The minimum of n must be at
+            least 1. The parameter may be declared later.
+
+        Raises
+        ------
+        DefinitionError
+            If the model has another divisor, or n is no such parameter (when the model is built, if n is declared
+            later).
         """
         if self.divisor_name not in (None, divisor):
             names = f"{self.divisor_name} and {divisor}"
             msg = f"{self.name}: slow states have the divisors {names}; one serves all."
             raise DefinitionError(msg)
+        if self._has(divisor):
+            self._require_divisor(divisor)
         self.divisor_name = divisor
         self._evolve(state, value)
         next(s for s in self.states if s.symbol is state).slow = True
@@ -72,18 +82,61 @@ class SampledModel(Model):
         active
             The noise is zero, and costs nothing, unless this function of parameters is positive.
         seed
-            Name of the Integer parameter that is the generator's key.
+            Name of the Integer parameter that is the generator's key. The parameter may be declared later.
 
         Returns
         -------
         SX
             The noise, shape (n,).
+
+        Raises
+        ------
+        DefinitionError
+            If the model already has noise, or the key is no such parameter (when the model is built, if the key is
+            declared later).
         """
         if self.noise is not None:
             msg = f"{self.name} already declares noise."
             raise DefinitionError(msg)
+        if self._has(seed):
+            self._require_integer(seed, f"the seed {seed} of the noise must be an Integer parameter")
         uniforms = ca.SX.sym("uniforms", 4)
         drawn = ca.vec(ca.SX(value(uniforms)))
         symbol = ca.SX.sym("noise", drawn.numel())
         self.noise = Noise(symbol, uniforms, drawn, ca.SX(active), seed)
         return symbol
+
+    def require_named_parameters(self) -> None:
+        """Refuse a divisor or a seed with which the runtime could not calculate.
+
+        Raises
+        ------
+        DefinitionError
+            If a name is unknown, or its variable is not a parameter of the right type and range.
+        """
+        if self.divisor_name is not None:
+            self._require_divisor(self.divisor_name)
+        if self.noise is not None:
+            seed = self.noise.seed_name
+            self._require_integer(seed, f"the seed {seed} of the noise must be an Integer parameter")
+
+    def _has(self, name: str) -> bool:
+        return any(variable.name == name for variable in self.variables)
+
+    def _require_divisor(self, name: str) -> None:
+        demand = f"the divisor {name} of slow states must be an Integer parameter with a minimum of at least 1"
+        variable = self._require_integer(name, demand)
+        if not variable.minimum >= 1:
+            msg = f"{self.name}: {demand}; its minimum is {variable.minimum:.0f}."
+            raise DefinitionError(msg)
+
+    def _require_integer(self, name: str, demand: str) -> Variable:
+        """The Integer parameter of that name; `demand` begins the error if there is none."""
+        variable = self.ordered_variables()[self.reference(name)]
+        if not variable.role.is_parameter:
+            msg = f"{self.name}: {demand}; {name} is an {'input' if variable.role is Role.INPUT else 'output'}."
+            raise DefinitionError(msg)
+        if variable.type is not Type.INTEGER:
+            msg = f"{self.name}: {demand}; {name} is a {variable.type.value}."
+            raise DefinitionError(msg)
+        return variable
