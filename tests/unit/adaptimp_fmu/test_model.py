@@ -189,7 +189,7 @@ DIVISORS = [
 
 @pytest.mark.parametrize(("declaration", "reason"), DIVISORS)
 def test_a_divisor_that_could_be_zero_is_refused(declaration: dict[str, Any], reason: str) -> None:
-    """n = 0 would be a division by zero in C, which ends the host."""
+    """A divisor of zero would be a division by zero in C, which ends the host."""
     with pytest.raises(DefinitionError, match=f"divisor n .*Integer parameter .* at least 1; {reason}"):
         slow(late=False, description="Ticks", **declaration)
     model = slow(late=True, description="Ticks", **declaration)
