@@ -11,7 +11,7 @@ import jinja2
 from adaptimp_fmu.lowering import Lowered, lower
 from adaptimp_fmu.model import Model
 from adaptimp_fmu.sampled_model import SampledModel
-from adaptimp_fmu.variables import Variable, element_names
+from adaptimp_fmu.variables import Role, Type, Variable, element_names
 
 GUID_PLACEHOLDER = "{guid}"
 MAIN_SOURCE = "model.c"
@@ -87,6 +87,7 @@ def generate(model: Model) -> dict[str, str]:
         functions=[_adapter(function) for function in lowered.functions],
         seed=_seed_reference(model),
         divisor=_divisor_reference(model),
+        integer_outputs=any(v.type is Type.INTEGER for v in model.with_role(Role.OUTPUT)),
     )
     return {MAIN_SOURCE: main, EQUATIONS_SOURCE: _equations(lowered.functions), **runtime_sources()}
 
