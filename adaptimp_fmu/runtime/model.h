@@ -11,6 +11,10 @@
 #ifndef MODEL_H
 #define MODEL_H
 
+#if defined(__FAST_MATH__) || defined(_M_FP_FAST) || (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__)
+#error "Compile without -ffast-math, -Ofast, -ffinite-math-only and /fp:fast. They remove the tests for NaN and infinity, so that an FMU would go on with numbers that mean nothing."
+#endif
+
 #include <stddef.h>
 #include <stdint.h>
 
