@@ -36,6 +36,7 @@ from tests.interop.foreign.builders import (
     python_slave,
     without_pythonfmu,
 )
+from tests.untested import needs
 
 LIMITS = {"q": 1e-14, "dq": 1e-12, "x": 2e-14, "F_ext": 4e-9, "tau_cmd": 8e-9}  # rad, rad/s, m, N, N.m
 N_MM = 1e-3  # N.m
@@ -106,7 +107,7 @@ def assert_only(report: Report, known: set[tuple[str, str]], notes: tuple[str, .
 @pytest.mark.parametrize("compiler", ["gcc", "clang"])
 def test_a_c_file_with_units_of_its_own(fig5: System, conventional: Result, tmp_path: Path, compiler: str) -> None:
     if compiler not in compilers():
-        pytest.skip(f"this machine has no {compiler}")
+        pytest.skip(needs(f"{compiler} is not installed", compiler))
     system = fig5.replace("controller", hand_written(tmp_path, compiler=compiler), MAPPING)
     assert dropped(system) == GAINS | FRICTION | UNUSED
     assert system.component("controller").start["K[1]"] == 4.0, "N/mm"
