@@ -8,7 +8,10 @@ import pytest
 
 from adaptimp_fmu import build
 from fmus.catalog import UNITS
+from tests import selection
 from tests.driver import Driver
+from tests.sharing import made_once
+from tests.untested import pytest_terminal_summary  # noqa: F401, pytest finds it by its name
 
 ORCHESTRATION = Path(__file__).parents[1] / "orchestration"
 COMPILED = (ORCHESTRATION / "fmi", ORCHESTRATION / "master" / "kernel")
@@ -26,13 +29,20 @@ def pytest_configure() -> None:
                 index.unlink()
 
 
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Mark the tests that are quick, and those that have to do with processes."""
+    selection.mark(items)
+
+
 @pytest.fixture(scope="session")
 def fmu_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Folder with every unit's FMU, built for this machine."""
-    folder = tmp_path_factory.mktemp("fmus")
-    for declare in UNITS.values():
-        build(declare(), folder)
-    return folder
+
+    def build_all(folder: Path) -> None:
+        for declare in UNITS.values():
+            build(declare(), folder)
+
+    return made_once(tmp_path_factory, "fmus", build_all)
 
 
 @pytest.fixture

@@ -37,7 +37,10 @@ WIDTH = 180  # characters of the table
 LONGEST = 600.0  # s; the control takes about 60
 UNITS = ("ForceSensor", "CraigAdaptiveImpedance", "Actuator", "Plant")
 COPIED = ("adaptimp_fmu", "fmus", "orchestration", "tests/conformance")
-COPIED_FILES = ("LICENSE", "pyproject.toml", "tests/__init__.py", "tests/conftest.py", "tests/driver.py")
+COPIED_FILES = (
+    *("LICENSE", "pyproject.toml"),
+    *(f"tests/{name}.py" for name in ("__init__", "conftest", "driver", "selection", "sharing", "untested")),
+)
 NOT_COPIED = shutil.ignore_patterns("__pycache__", "platforms", "sanitizers", "mutations.py", "mutants.py")
 # Slow modules last: only faults that the others do not notice get there.
 MODULES = tuple(
@@ -173,7 +176,7 @@ def environment(tree: Path) -> dict[str, str]:
 def pytest(tree: Path, modules: Sequence[str]) -> subprocess.CompletedProcess[str]:
     """Some of the conformance tests in a tree, in the order of their modules, up to the first failure."""
     command = [
-        *(sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", "--tb=short"),
+        *(sys.executable, "-m", "pytest", "-n0", "-x", "-q", "-p", "no:cacheprovider", "--tb=short"),
         *("--basetemp", str(tree / "scratch"), "-k", f"not ({' or '.join(DESELECTED)})"),
         *(f"tests/conformance/{module}.py" for module in modules),
     ]

@@ -13,6 +13,7 @@ import pytest
 from adaptimp_fmu.toolchain import fmi_headers
 from tests.conformance.replay import assert_reproduces
 from tests.driver import Driver
+from tests.untested import needs
 
 # MSVC has no arrays of variable length, and refuses what is no C11.
 STRICT = ("-std=c11", "-Wall", "-Wextra", "-Wpedantic", "-Wvla", "-Werror", "-O2", "-fPIC")
@@ -21,10 +22,10 @@ PATH = os.pathsep.join([str(Path(sys.executable).parent), os.environ.get("PATH",
 COMPILERS = {"gcc": ("gcc",), "clang": ("clang",), "zig cc": (sys.executable, "-m", "ziglang", "cc")}
 COMPILER = next((name for name in ("cc", "gcc", "clang") if shutil.which(name)), None)
 
-needs_compiler = pytest.mark.skipif(COMPILER is None, reason="no C compiler on this machine")
+needs_compiler = pytest.mark.skipif(COMPILER is None, reason=needs("no C compiler is installed", "gcc"))
 needs_cmake = pytest.mark.skipif(
     shutil.which("cmake", path=PATH) is None or not any(map(shutil.which, ("c++", "g++", "clang++"))),
-    reason="fmpy compile needs cmake, and its CMakeLists.txt a C++ compiler too",
+    reason=needs("fmpy compile needs cmake, and its CMakeLists.txt a C++ compiler too", "cmake", "g++"),
 )
 
 

@@ -139,15 +139,17 @@ def test_a_crash_and_a_hang_are_entries(fmus: dict[str, Path], tmp_path: Path, m
     tool = module("fmpy_simulate").TOOL
     for call, failure in {
         "import os, signal; os.kill(os.getpid(), signal.SIGSEGV)": "the process ends with SIGSEGV",
-        "import time; time.sleep(60)": "no result after 1 s",
+        HANG: "no result after 1 s",
         "import sys; sys.exit('/somewhere/a b/ VirtualTrajectory.so is bad')": "b/ X.so is bad",
         "": "exit code 0",
     }.items():
         monkeypatch.setattr(runner, "_python", lambda _, call=call: [*PYTHON, call])
-        assert ask(tool, unit, timeout=1.0).failure.endswith(failure)
+        answer = ask(tool, unit, timeout=1.0 if call == HANG else 600.0)
+        assert answer.failure.endswith(failure)
 
 
 PYTHON = (sys.executable, "-c")
+HANG = "import time; time.sleep(3600)"
 
 
 def test_a_wrong_input_is_noticed(fmus: dict[str, Path], tmp_path: Path) -> None:

@@ -1,8 +1,10 @@
 """FMUs that are wrong in one way each: descriptions of ours edited, and small binaries that misbehave."""
 
+import functools
 import re
 import subprocess
 import sys
+import time
 import warnings
 import zipfile
 from collections.abc import Callable, Mapping
@@ -11,6 +13,7 @@ from pathlib import Path
 from adaptimp_fmu.toolchain import fmi_headers, host_platform
 from orchestration.check import Report, Severity
 
+PATIENT = 600.0  # s that `check` waits for units that do not hang; they need a fraction of a second
 DESCRIPTION = "modelDescription.xml"
 SOURCE = Path(__file__).with_name("misbehaving.c")
 Edit = Callable[[str], str]
@@ -32,6 +35,14 @@ MISBEHAVING = f"""<?xml version="1.0" encoding="UTF-8"?>
   </ModelStructure>
 </fmiModelDescription>
 """
+
+
+@functools.cache
+def hasty() -> float:
+    """Time that `check` may wait for a unit that hangs, s: ten times what a worker needs to start here and now."""
+    started = time.monotonic()
+    subprocess.run([sys.executable, "-c", "import orchestration.check.dynamic.experiments"], check=True)
+    return round(max(1.5, 10 * (time.monotonic() - started)), 1)
 
 
 def compiled(folder: Path, name: str, *flags: str) -> Path:
