@@ -9,7 +9,11 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from adaptimp_fmu.toolchain import fmi_headers, host_platform
+from orchestration import check as general
 from orchestration.check import Report, Severity
+from orchestration.check.dynamic.supervision import TIMEOUT
+from orchestration.paper.closed_loop import Loop, in_loop
+from orchestration.paper.roles import ROLES, role_named
 
 DESCRIPTION = "modelDescription.xml"
 SOURCE = Path(__file__).with_name("misbehaving.c")
@@ -32,6 +36,20 @@ MISBEHAVING = f"""<?xml version="1.0" encoding="UTF-8"?>
   </ModelStructure>
 </fmiModelDescription>
 """
+
+
+def check(
+    path: Path,
+    role: str | None = None,
+    *,
+    mapping: Mapping[str, str] | None = None,
+    loop: Callable[[int], Loop | None] | None = None,
+    timeout: float = TIMEOUT,
+) -> Report:
+    """A check with the paper's roles and, if it is given, a loop, as the command line makes it."""
+    wanted = ROLES.values() if role is None else role_named(role)
+    trial = None if loop is None else in_loop(loop)
+    return general.check(path, wanted, mapping=mapping, trial=trial, timeout=timeout)
 
 
 def compiled(folder: Path, name: str, *flags: str) -> Path:
