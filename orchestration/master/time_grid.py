@@ -53,10 +53,8 @@ class Grid:
         return k
 
 
-def fixed_grid(
-    system: System, span: tuple[float, float], step: float, times: np.ndarray | None, *, stale: bool
-) -> Grid:
-    """The points t0 + k step, or the given ones.
+def fixed_grid(system: System, span: tuple[float, float], step: float, *, stale: bool) -> Grid:
+    """The points t0 + k step.
 
     Parameters
     ----------
@@ -70,20 +68,27 @@ def fixed_grid(
     SystemDescriptionError
         If the run is no multiple of the step, or a sampling period is not.
     """
-    if times is None:
-        _require_positive(step)
-        lengths = np.array([step], dtype=float)
-        ratios = _ratios(system, lengths, stale=stale)
-        points = _points(span, step)
-    else:
-        points = np.array(times, dtype=float)
-        shaped = points.ndim == 1 and points.size > 1
-        if not (shaped and np.isfinite(points).all() and (np.diff(points) > 0).all()):
-            msg = "The communication points must be at least two finite, increasing times."
-            raise SystemDescriptionError(msg)
-        lengths = np.diff(points)
-        ratios = _ratios(system, lengths, stale=stale)
-    return Grid(points, lengths, float(lengths[0]), ratios)
+    _require_positive(step)
+    lengths = np.array([step], dtype=float)
+    ratios = _ratios(system, lengths, stale=stale)
+    return Grid(_points(span, step), lengths, float(step), ratios)
+
+
+def given_grid(system: System, times: np.ndarray, *, stale: bool) -> Grid:
+    """Points that the caller chose, s, shape (n + 1,); `stale` as of `fixed_grid`.
+
+    Raises
+    ------
+    SystemDescriptionError
+        If there are fewer than two points, they do not increase, or the steps do not fit a sampling period.
+    """
+    points = np.array(times, dtype=float)
+    shaped = points.ndim == 1 and points.size > 1
+    if not (shaped and np.isfinite(points).all() and (np.diff(points) > 0).all()):
+        msg = "The communication points must be at least two finite, increasing times."
+        raise SystemDescriptionError(msg)
+    lengths = np.diff(points)
+    return Grid(points, lengths, float(lengths[0]), _ratios(system, lengths, stale=stale))
 
 
 def tick_grid(system: System, span: tuple[float, float], step: float) -> Grid:
