@@ -25,7 +25,7 @@ from orchestration.master.algorithm import ALGORITHMS, Algorithm, find_algorithm
 from orchestration.master.options import Options, Progress
 from orchestration.master.provenance import provenance
 from orchestration.master.simulation import Simulation
-from orchestration.master.time_grid import Grid, fixed_grid, tick_grid
+from orchestration.master.time_grid import Grid, fixed_grid, given_grid, tick_grid
 from orchestration.results.result import Result
 from orchestration.system.system import System
 
@@ -53,10 +53,10 @@ def simulate(
     system
         Components, start values and connections.
     stop_time
-        End of the run, s. Default: the stop time of the system. The duration must be a multiple of the
-        step.
+        End of the run, s. Default: the stop time of the system, which must then have one. The duration must be
+        a multiple of the step.
     step
-        Communication step, s. Default: the step of the system.
+        Communication step, s. Default: the step of the system, which must then have one.
     algorithm
         Name of one of `ALGORITHMS`, or an `Algorithm`.
     order
@@ -178,14 +178,16 @@ def _grid(
     options: Options,
 ) -> Grid:
     stop_time, step, times = wanted
-    span = (options.start_time, system.stop_time if stop_time is None else stop_time)
-    step = system.step if step is None else step
-    if algorithm.control is not None:
-        if times is not None:
-            msg = f"Algorithm {algorithm.name} chooses its communication points itself; do not give times."
-            raise SystemDescriptionError(msg)
-        return tick_grid(system, span, step)
-    grid = fixed_grid(system, span, step, times, stale=options.allow_stale_inputs)
+    if algorithm.control is not None and times is not None:
+        msg = f"Algorithm {algorithm.name} chooses its communication points itself; do not give times."
+        raise SystemDescriptionError(msg)
+    if times is None:
+        span, step = (options.start_time, system.run_stop_time(stop_time)), system.run_step(step)
+        if algorithm.control is not None:
+            return tick_grid(system, span, step)
+        grid = fixed_grid(system, span, step, stale=options.allow_stale_inputs)
+    else:
+        grid = given_grid(system, times, stale=options.allow_stale_inputs)
     for name, ratio in options.ratios.items():
         if ratio >= 1 and (grid.n % ratio or grid.steps_per_tick.get(name, ratio) % ratio or grid.lengths.size > 1):
             msg = (

@@ -55,44 +55,46 @@ class Grid:
         return k
 
 
-def fixed_grid(
-    system: System, span: tuple[float, float], step: float, times: np.ndarray | None, *, stale: bool
-) -> Grid:
-    """Return the communication points of a run with fixed steps: t0 + k step, or the given times.
+def fixed_grid(system: System, span: tuple[float, float], step: float, *, stale: bool) -> Grid:
+    """Return the communication points of a run with fixed steps: t0 + k step.
 
     Parameters
     ----------
     system
         System whose sampling periods must fit.
     span
-        Start and stop time, s. Ignored if `times` is given.
+        Start and stop time, s.
     step
-        Communication step, s. Ignored if `times` is given.
-    times
-        Communication points, s, shape (n + 1,), increasing; None for equal steps.
+        Communication step, s.
     stale
         Whether sampling periods need not be multiples of the step.
 
     Raises
     ------
     SystemDescriptionError
-        If the step or the times are not usable, or if the duration or a sampling period is not a
-        multiple of the step.
+        If the step is not positive, or if the duration or a sampling period is not a multiple of the step.
     """
-    if times is None:
-        _require_positive(step)
-        lengths = np.array([step], dtype=float)
-        ratios = _ratios(system, lengths, stale=stale)
-        points = _points(span, step)
-    else:
-        points = np.array(times, dtype=float)
-        shaped = points.ndim == 1 and points.size > 1
-        if not (shaped and np.isfinite(points).all() and (np.diff(points) > 0).all()):
-            msg = "The communication points must be at least two finite, increasing times."
-            raise SystemDescriptionError(msg)
-        lengths = np.diff(points)
-        ratios = _ratios(system, lengths, stale=stale)
-    return Grid(points, lengths, float(lengths[0]), ratios)
+    _require_positive(step)
+    lengths = np.array([step], dtype=float)
+    ratios = _ratios(system, lengths, stale=stale)
+    return Grid(_points(span, step), lengths, float(step), ratios)
+
+
+def given_grid(system: System, times: np.ndarray, *, stale: bool) -> Grid:
+    """Points that the caller chose, s, shape (n + 1,); `stale` as of `fixed_grid`.
+
+    Raises
+    ------
+    SystemDescriptionError
+        If there are fewer than two points, they do not increase, or the steps do not fit a sampling period.
+    """
+    points = np.array(times, dtype=float)
+    shaped = points.ndim == 1 and points.size > 1
+    if not (shaped and np.isfinite(points).all() and (np.diff(points) > 0).all()):
+        msg = "The communication points must be at least two finite, increasing times."
+        raise SystemDescriptionError(msg)
+    lengths = np.diff(points)
+    return Grid(points, lengths, float(lengths[0]), _ratios(system, lengths, stale=stale))
 
 
 def tick_grid(system: System, span: tuple[float, float], step: float) -> Grid:

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+from orchestration import System
 from tests.faults.cli import Command
 
 SHORT = ("--stop", "0.01")
@@ -161,3 +162,19 @@ def test_failed_run_keeps_its_rows_apart(adaptimp: Command, tmp_path: Path) -> N
     lines = (tmp_path / "x.partial.csv").read_text().splitlines()
     assert len(lines) == step + 2  # names, rows 0 to `step`
     assert f"wrote x.partial.csv: the {step + 1} rows before the failure" in outcome.err
+
+
+def test_a_package_without_step_or_stop_time(adaptimp: Command, fmu_folder: Path, tmp_path: Path) -> None:
+    """As packages of other tools are; what is missing is asked for, and then the run is made."""
+    System.connected_by_name("lone", {"plant": fmu_folder / "Plant.fmu"}).write(tmp_path / "lone.ssp")
+    outcome = adaptimp("run", "lone.ssp", *SHORT)
+    assert (outcome.code, outcome.sentence) == (
+        2,
+        "System lone has no communication step; give one, in s, as `step` or --step.",
+    )
+    outcome = adaptimp("run", "lone.ssp", "--step", "1e-3")
+    assert (outcome.code, outcome.sentence) == (
+        2,
+        "System lone has no stop time; give one, in s, as `stop_time` or --stop.",
+    )
+    assert adaptimp("run", "lone.ssp", "--step", "1e-3", *SHORT).code == 0
