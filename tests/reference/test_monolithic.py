@@ -93,8 +93,8 @@ def segment_by_solve_ivp(plant, y, tau, duration):
 
 @pytest.mark.parametrize(("D_f", "pull", "count"), [(0.0, 0.0, 2), (0.5, 0.0, 2), (10.0, 300.0, 3)])
 def test_bounce_agrees_with_solve_ivp(D_f, pull, count):
-    # A bounce alone never makes the damped wall pull, because the wall is passive. 300 N outward make the wall pull. Then
-    # there are three events: contact begins, the push ends, contact ends.
+    # A bounce alone never makes the damped wall pull, because the wall is passive. 300 N outward make the wall pull.
+    # Then there are three events: contact begins, the push ends, contact ends.
     plant = plant_of(Setup(D_f=D_f, mu=0.3, viscous=(0.5, 0.3), gravity=9.81, friction_velocity=0.1))
     q = np.array([1.9, 1.2])
     J = jacobian(plant.arm, q)
