@@ -177,6 +177,7 @@ def _grid(
     algorithm: Algorithm,
     options: Options,
 ) -> Grid:
+    """Return the communication points of a run, and refuse ratios that do not fit them."""
     stop_time, step, times = wanted
     if algorithm.control is not None and times is not None:
         msg = f"Algorithm {algorithm.name} chooses its communication points itself; do not give times."
@@ -199,6 +200,7 @@ def _grid(
 
 
 def _report_unconnected(system: System, options: Options) -> None:
+    """Warn of unconnected inputs, or refuse them if the run is strict."""
     inputs = system.unconnected_inputs()
     if not inputs:
         return
