@@ -21,7 +21,8 @@ from orchestration.errors import SimulationError
 from orchestration.paper.built_fmus import fmus
 from orchestration.paper.laboratory import Job, Laboratory
 from orchestration.paper.measure import Summary, contact
-from orchestration.paper.scenarios import NOISE_SHARE, SCENARIOS, TORQUE_SHARE, VARIANTS
+from orchestration.paper.numbers import NOISE_SHARE, TORQUE_SHARE
+from orchestration.paper.scenarios import SCENARIOS, VARIANTS
 
 SEARCH_SEEDS = 6
 PERIODS = (1e-4, 5e-5, 2e-5)  # s

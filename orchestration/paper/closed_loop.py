@@ -17,7 +17,8 @@ from orchestration.check.findings import Finding, error, note, shown, warning
 from orchestration.errors import OrchestrationError
 from orchestration.fmi.units import AS_IS, Linear
 from orchestration.paper.built_fmus import fmus
-from orchestration.paper.scenarios import TORQUE_LIMITS, VARIANTS
+from orchestration.paper.numbers import TORQUE_LIMITS
+from orchestration.paper.scenarios import VARIANTS
 from orchestration.sandbox.process import work
 from orchestration.sandbox.worker import Announce, Write
 from orchestration.system.system import System

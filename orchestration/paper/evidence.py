@@ -6,20 +6,18 @@ from functools import cached_property
 
 import numpy as np
 
-from orchestration.errors import SimulationError
-from orchestration.paper.laboratory import SEEDS, Job, Laboratory
-from orchestration.paper.measure import ESTIMATE, TRUE_M2, Summary
-from orchestration.paper.scenarios import SCENARIOS
+from orchestration.paper.laboratory import SEEDS, Job, Laboratory, Outcome
+from orchestration.paper.measure import ESTIMATE, Summary
+from orchestration.paper.numbers import PSI, TRUE_M2
+from orchestration.paper.scenarios import SCENARIOS, UNSATURATED
 from orchestration.results.result import Result
 
-PSI_GRID = tuple(100.0 * 10.0 ** (k / 3) for k in range(-3, 4))  # 1/s, two decades
+PSI_GRID = tuple(PSI * 10.0 ** (k / 3) for k in range(-3, 4))  # 1/s, two decades
 GAMMA_GRID_FACTORS = tuple(10.0 ** (k / 3) for k in range(-3, 4))  # of the scenario's gain
 K_D_GRID = (30.0, 100.0, 300.0, 1000.0, 3000.0)  # N.s/m
 DIVISORS = (1, 10, 100)
 PERIODS = (4e-5, 2e-5, 1e-5)  # s
 TOUCH = ("plant.F_ext", "plant.x")  # what `contact` needs
-
-Outcomes = list[Summary | SimulationError | ValueError]
 
 
 @dataclass(frozen=True)
@@ -71,7 +69,7 @@ class Evidence:
                         "controller.Psi[1]": psi,
                         "controller.Psi[2]": psi,
                         gain: factor * nominal,
-                        **_UNSATURATED,
+                        **UNSATURATED,
                     },
                 )
                 for psi, factor in grid
@@ -115,7 +113,7 @@ class Evidence:
     def _damped(self, changes: Mapping[str, float]) -> list[Result]:
         record = [f"{n}[{i}]" for n in ("controller.s", "controller.e", "plant.q", *TOUCH) for i in (1, 2)]
         jobs = [
-            Job("fig7", {"controller.K_d[1]": gain, "controller.K_d[2]": gain, **_UNSATURATED, **changes})
+            Job("fig7", {"controller.K_d[1]": gain, "controller.K_d[2]": gain, **UNSATURATED, **changes})
             for gain in K_D_GRID
         ]
         return self.laboratory.results(jobs, [*record, ESTIMATE])
@@ -126,10 +124,7 @@ class Evidence:
         return SCENARIOS[name].values[path].number
 
 
-_UNSATURATED = {"actuator.tau_max[1]": 1e9, "actuator.tau_max[2]": 1e9}
-
-
-def _required(outcome: Summary | SimulationError | ValueError) -> Summary:
+def _required(outcome: Outcome) -> Summary:
     if isinstance(outcome, Summary):
         return outcome
     raise outcome

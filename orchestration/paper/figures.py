@@ -14,8 +14,9 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from orchestration.paper.measure import ESTIMATE, TRUE_M2, at_ticks, contact
-from orchestration.paper.scenarios import SCENARIOS, TORQUE_LIMITS, WALL_OFFSET
+from orchestration.paper.measure import ESTIMATE, at_ticks, contact
+from orchestration.paper.numbers import TORQUE_LIMITS, TORQUE_SHARE, TRUE_M2, WALL_OFFSET
+from orchestration.paper.scenarios import SCENARIOS
 from orchestration.paper.theory import wall_points
 from orchestration.results.result import Result
 
@@ -108,7 +109,7 @@ def _torque_figure(one: Result, two: Result) -> Figure:
                 command = f"controller.tau_cmd[{row + 1}]"
                 curve = result.tick_times(command), result.at_ticks(command)
                 axis.plot(*(curve if column else _envelope(*curve)), lw=0.8, label=name)
-            axis.axhline(limit, color="tab:red", ls=":", label="75 % of the largest")
+            axis.axhline(limit, color="tab:red", ls=":", label=f"{100 * TORQUE_SHARE:g} % of the largest")
             axis.axhline(-limit, color="tab:red", ls=":")
             title = f"({'abcd'[2 * row + column]}) Joint {row + 1}{', in contact' if column else ''}"
             _time_axis(axis, one, title, "torque (N m)")

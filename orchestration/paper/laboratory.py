@@ -10,11 +10,12 @@ import numpy as np
 
 from orchestration.errors import SimulationError
 from orchestration.master.simulate import Options, simulate
-from orchestration.paper.measure import ESTIMATE, RECORDED, Summary, summarize
+from orchestration.paper.measure import ESTIMATE, RECORDED, NoContactError, Summary, summarize
 from orchestration.paper.scenarios import SCENARIOS, VARIANTS
 from orchestration.results.result import Result
 
 SEEDS = tuple(range(1, 31))
+Outcome = Summary | SimulationError | NoContactError
 
 
 @dataclass(frozen=True)
@@ -62,15 +63,13 @@ class Laboratory:
         with ThreadPoolExecutor(os.cpu_count()) as pool:
             return list(pool.map(lambda job: self.run(job, record), jobs))
 
-    def summaries(
-        self, jobs: Sequence[Job], ideal_force: np.ndarray | None = None
-    ) -> list[Summary | SimulationError | ValueError]:
+    def summaries(self, jobs: Sequence[Job], ideal_force: np.ndarray | None = None) -> list[Outcome]:
         """Summaries of many jobs; a run that fails, or never touches the wall, gives its error."""
 
-        def work(job: Job) -> Summary | SimulationError | ValueError:
+        def work(job: Job) -> Outcome:
             try:
                 return summarize(self.run(job, (*RECORDED, ESTIMATE)), ideal_force)
-            except (SimulationError, ValueError) as error:
+            except (SimulationError, NoContactError) as error:
                 return error
 
         with ThreadPoolExecutor(os.cpu_count()) as pool:

@@ -17,11 +17,10 @@ from fmus.control.impedance import (
 from fmus.control.tirt import Impedance
 from fmus.mechanics.algebra import solve_2x2, solve_spd
 from fmus.mechanics.planar_arm import PlanarArm
-from orchestration.paper.scenarios import WALL_OFFSET
+from orchestration.paper.numbers import SEMI_AXIS, WALL_OFFSET
 
 N_STATES = 1000
 SEED = 1991
-SEMI_AXIS = (1.5, 1.0)  # m, V
 
 
 def wall_points() -> tuple[np.ndarray, np.ndarray]:

@@ -3,7 +3,7 @@
 import pytest
 
 from orchestration.paper.calibrate import laboratory, noise_bound, torque_limits
-from orchestration.paper.scenarios import NOISE_BOUND, TORQUE_LIMITS
+from orchestration.paper.numbers import NOISE_BOUND, TORQUE_LIMITS
 
 # The constants are committed to 1e-4 of their size.
 TOLERANCE = 1e-3

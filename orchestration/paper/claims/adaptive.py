@@ -7,7 +7,7 @@ import numpy as np
 from orchestration.paper.claims.claim import Finding, Question
 from orchestration.paper.evidence import Evidence
 from orchestration.paper.measure import Summary
-from orchestration.paper.scenarios import TORQUE_LIMITS, TORQUE_SHARE
+from orchestration.paper.numbers import TORQUE_LIMITS, TORQUE_SHARE
 
 FIGURES = ("fig5", "fig6", "fig7")
 SEEDS_TEXT = "seeds 1-30"

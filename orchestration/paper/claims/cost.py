@@ -14,7 +14,8 @@ from orchestration.master.kernel.step_program import operations_of_step
 from orchestration.paper.claims.claim import Finding, Question
 from orchestration.paper.evidence import DIVISORS, Evidence
 from orchestration.paper.measure import Summary
-from orchestration.paper.scenarios import ADAPTIVE_STEP, CRAIG, SLOTINE_LI
+from orchestration.paper.numbers import ADAPTIVE_STEP
+from orchestration.paper.scenarios import CRAIG, SLOTINE_LI
 from orchestration.system.system import Component, System, read_description
 
 _NOT_ARITHMETIC = (ca.OP_INPUT, ca.OP_OUTPUT, ca.OP_CONST, ca.OP_PARAMETER, ca.OP_ASSIGN)

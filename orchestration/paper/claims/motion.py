@@ -5,7 +5,7 @@ import numpy as np
 from orchestration.paper import theory
 from orchestration.paper.claims.claim import Finding, Question
 from orchestration.paper.evidence import Evidence
-from orchestration.paper.measure import START, at_ticks, contact, largest_norm, norms
+from orchestration.paper.measure import at_ticks, contact, distance_from_start, largest_norm, norms
 
 
 def _tirt_follows_virtual(evidence: Evidence) -> Finding:
@@ -24,7 +24,7 @@ def _true_mass_follows(evidence: Evidence) -> Finding:
     result = evidence.results["fig2"]
     e = largest_norm(at_ticks(result, "controller.e"))
     touch = contact(result)
-    end = float(np.linalg.norm(result.vector("plant.x")[-1] - START))
+    end = distance_from_start(result)
     a, b = theory.wall_points()
     at_a = float(np.linalg.norm(touch.enter - a))
     at_b = float(np.linalg.norm(touch.leave - b))

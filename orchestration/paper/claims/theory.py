@@ -14,8 +14,8 @@ from fmus.mechanics.planar_arm import PlanarArm
 from orchestration.paper import theory
 from orchestration.paper.claims.claim import Finding, Question
 from orchestration.paper.evidence import K_D_GRID, Evidence
-from orchestration.paper.measure import ESTIMATE, TRUE_M2, at_ticks, contact, norms
-from orchestration.paper.scenarios import NOISE_BOUND, TRUE_MASSES
+from orchestration.paper.measure import ESTIMATE, at_ticks, contact, norms
+from orchestration.paper.numbers import NOISE_BOUND, TRUE_M2, TRUE_MASSES
 from orchestration.results.result import Result
 
 
