@@ -1,4 +1,4 @@
-"""How the values that the paper leaves open for Figs. 5 to 7 were chosen; see docs/calibration.md.
+"""Chooses the values that the paper leaves open for Figs. 5 to 7; docs/calibration.md tells how.
 
     python -m orchestration.paper.calibrate            the committed constants, recomputed
     python -m orchestration.paper.calibrate --search   the search, a table of every candidate
@@ -6,10 +6,9 @@
     python -m orchestration.paper.calibrate --nudges   how far a last bit moves Fig. 6's torque limits
 
 The search varies one value at a time over its range, keeps what improves the score by at least
-`WORTHWHILE`, and ends when nothing does. A
-candidate's score is the largest ratio of a measured number to its limit among the claims C4, C5,
-C6, C8 and C9 (`ratios`), over `SEARCH_SEEDS` seeds: below 1 all of them hold. The other claims take
-no part in the choice.
+`WORTHWHILE`, and ends when nothing does. A candidate's score is the largest ratio of a measured number
+to its limit among the claims C4, C5, C6, C8 and C9 (`ratios`), over `SEARCH_SEEDS` seeds: below 1 all of
+them hold. The other claims take no part in the choice.
 """
 
 import argparse
@@ -49,20 +48,20 @@ NUDGES = tuple(1e-14 * k for k in range(-20, 21))  # rad, added to the arm's fir
 
 
 def laboratory() -> Laboratory:
-    """A laboratory with the FMUs of all scenarios."""
+    """A laboratory that has the FMUs of all scenarios."""
     scenarios = (*SCENARIOS.values(), *VARIANTS.values())
     return Laboratory(fmus(sorted({i for scenario in scenarios for i in scenario.units.values()})))
 
 
 def noise_bound(lab: Laboratory) -> float:
-    """15 % of the peak |F_ext| of fig5 without noise, N."""
+    """The bound of the sensor's error, N: 15 % of the peak |F_ext| of fig5 without noise."""
     silent = {"sensor.noise_std": 0.0, "sensor.noise_bound": 0.0, "controller.noise_bound": 0.0}
     result = lab.run(Job("fig5", silent), ("plant.F_ext[1]", "plant.F_ext[2]", "plant.x[1]", "plant.x[2]"))
     return NOISE_SHARE * contact(result).peak
 
 
 def torque_limits(lab: Laboratory, changes: Mapping[str, float] | None = None) -> tuple[float, float]:
-    """75 % of each joint's largest |tau_cmd| of fig5, N.m, with some start values changed."""
+    """The torque limits, N.m: 75 % of each joint's largest |tau_cmd| of fig5 with some start values changed."""
     result = lab.run(Job("fig5", changes or {}), ("controller.tau_cmd[1]", "controller.tau_cmd[2]"))
     largest = np.abs(result.vector("controller.tau_cmd")).max(axis=0)
     return float(TORQUE_SHARE * largest[0]), float(TORQUE_SHARE * largest[1])
@@ -96,7 +95,7 @@ def ratios(one: Sequence[Summary], two: Sequence[Summary]) -> dict[str, float]:
 
 
 def score(lab: Laboratory, values: Mapping[str, float]) -> tuple[float, dict[str, float]]:
-    """Largest ratio and all ratios of a candidate; infinite if a run fails."""
+    """The largest ratio of a candidate, and all its ratios; infinite and none if a run fails."""
     psi = {"controller.Psi[1]": values["Psi"], "controller.Psi[2]": values["Psi"]}
     damping = {"controller.K_d[1]": values["K_d"], "controller.K_d[2]": values["K_d"]}
     craig = {
@@ -117,7 +116,7 @@ def score(lab: Laboratory, values: Mapping[str, float]) -> tuple[float, dict[str
 
 
 def search(lab: Laboratory, console: Console) -> dict[str, float]:
-    """Coordinate search from `FIRST_GUESS`; prints every candidate."""
+    """Search for the best values from `FIRST_GUESS` on, one coordinate after the other, and print every candidate."""
     best, (lowest, found) = dict(FIRST_GUESS), score(lab, FIRST_GUESS)
     console.print(_row("start", "", lowest, found), highlight=False)
     improved = True
@@ -150,7 +149,7 @@ def _row(name: str, value: str, total: float, found: Mapping[str, float]) -> str
 
 
 def main() -> None:
-    """Recompute the committed constants, or search."""
+    """Do what the command line asks for."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--search", action="store_true", help="search for the values of Figs. 5 to 7")
     parser.add_argument("--periods", action="store_true", help="compare sampling periods")

@@ -1,4 +1,4 @@
-"""The runs that the claims are measured on, made once."""
+"""Makes the runs that the claims are measured on, each once."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -22,7 +22,7 @@ TOUCH = ("plant.F_ext", "plant.x")  # what `contact` needs
 
 @dataclass(frozen=True)
 class Evidence:
-    """Results of the figures, and further runs made when they are first asked for.
+    """The runs that claims are measured on: those of the figures, and further ones that are made when first asked for.
 
     Attributes
     ----------
@@ -35,13 +35,13 @@ class Evidence:
 
     @cached_property
     def ideal_force(self) -> np.ndarray:
-        """F_ext with the true mass and a perfect sensor, N, shape (n_rows, 2)."""
+        """Contact force with the true mass and a perfect sensor, N, shape (n_rows, 2)."""
         record = ("plant.F_ext[1]", "plant.F_ext[2]")
         return self.laboratory.run(Job("ideal"), record).vector("plant.F_ext")
 
     @cached_property
     def noise(self) -> Mapping[str, list[Summary]]:
-        """Summaries over `SEEDS` of the adaptive scenarios.
+        """Summaries of the adaptive scenarios over the noise seeds `SEEDS`.
 
         Raises
         ------
@@ -56,7 +56,7 @@ class Evidence:
 
     @cached_property
     def sensitivity(self) -> Mapping[str, list[tuple[float, float, Summary | None]]]:
-        """(Psi, factor on Gamma, summary or None if the run failed) for both algorithms."""
+        """Summaries of both algorithms over Psi and a factor on Gamma; None instead of a summary if a run failed."""
         grid = [(psi, factor) for psi in PSI_GRID for factor in GAMMA_GRID_FACTORS]
         table = {}
         for name in ("fig5", "fig7"):
@@ -83,7 +83,7 @@ class Evidence:
 
     @cached_property
     def divisors(self) -> Mapping[str, list[Summary]]:
-        """Summaries at the update divisors 1, 10, 100 for both algorithms."""
+        """Summaries of both algorithms at the update divisors `DIVISORS`."""
         return {
             name: [
                 _required(s)
@@ -107,7 +107,7 @@ class Evidence:
 
     @cached_property
     def damped_from_true(self) -> list[Result]:
-        """The same, with the true mass known from the start."""
+        """Runs of fig7 as `damped_from_wrong`, with the true mass known from the start."""
         return self._damped({"controller.p_start[2]": TRUE_M2})
 
     def _damped(self, changes: Mapping[str, float]) -> list[Result]:
@@ -120,7 +120,7 @@ class Evidence:
 
     @staticmethod
     def scenario_value(name: str, path: str) -> float:
-        """A number of a scenario."""
+        """The start value of a variable in a scenario."""
         return SCENARIOS[name].values[path].number
 
 

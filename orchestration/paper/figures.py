@@ -1,4 +1,4 @@
-"""The paper's figures, with panels as in its captions.
+"""Draws the paper's figures, with panels as in its captions.
 
 They are drawn without pyplot, each on an Agg canvas of its own: a caller's backend and settings stay as they are.
 """
@@ -215,5 +215,5 @@ def _envelope(t: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _path(points: np.ndarray) -> np.ndarray:
-    """A smooth path thinned to some 10 `BINS` points, shape (2, n)."""
+    """A smooth path, thinned to about 10 `BINS` points, shape (2, n)."""
     return points[:: max(1, len(points) // (10 * BINS))].T

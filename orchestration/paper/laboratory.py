@@ -1,4 +1,4 @@
-"""Many runs of the scenarios with varied numbers, two at a time: the hot loop releases the GIL."""
+"""Runs scenarios with varied numbers, one on each core: the compiled loop releases the GIL."""
 
 import os
 from collections.abc import Collection, Mapping, Sequence
@@ -20,7 +20,7 @@ Outcome = Summary | SimulationError | NoContactError
 
 @dataclass(frozen=True)
 class Job:
-    """A scenario with some start values changed, by ``component.variable``.
+    """A run to make: a scenario with some start values changed, by ``component.variable``.
 
     Attributes
     ----------
@@ -35,7 +35,7 @@ class Job:
 
 @dataclass(frozen=True)
 class Laboratory:
-    """Runs jobs on FMU files by model identifier."""
+    """Runs jobs, with FMU files by model identifier."""
 
     fmus: Mapping[str, Path]
 
@@ -64,7 +64,7 @@ class Laboratory:
             return list(pool.map(lambda job: self.run(job, record), jobs))
 
     def summaries(self, jobs: Sequence[Job], ideal_force: np.ndarray | None = None) -> list[Outcome]:
-        """Summaries of many jobs; a run that fails, or never touches the wall, gives its error."""
+        """Summaries of many jobs; in the place of a run that fails, or never touches the wall, stands its error."""
 
         def work(job: Job) -> Outcome:
             try:

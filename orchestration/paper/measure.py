@@ -1,4 +1,4 @@
-"""Quantities that figures and claims read off a run."""
+"""Reads quantities off a run that figures and claims show: contact, errors, estimates."""
 
 from dataclasses import dataclass
 
@@ -17,7 +17,7 @@ class NoContactError(OrchestrationError):
 
 @dataclass(frozen=True)
 class Contact:
-    """When and where the tip touched the wall.
+    """The time in which the tip touched the wall.
 
     Attributes
     ----------
@@ -43,7 +43,7 @@ class Contact:
 
 
 def contact(result: Result) -> Contact:
-    """The contact of a run.
+    """When and where the tip touched the wall in a run.
 
     Raises
     ------
@@ -101,7 +101,7 @@ ESTIMATE = "controller.p_hat[2]"
 
 @dataclass(frozen=True)
 class Summary:
-    """An adaptive run in numbers; errors of m2_hat in kg, times in s, lengths in m.
+    """A run with adaptation in numbers; errors of m2_hat in kg, times in s, lengths in m.
 
     Attributes
     ----------
@@ -140,7 +140,7 @@ class Summary:
 
 
 def summarize(result: Result, ideal_force: np.ndarray | None = None) -> Summary:
-    """Numbers of an adaptive run.
+    """Measure a run with adaptation.
 
     Parameters
     ----------

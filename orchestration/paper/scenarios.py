@@ -64,7 +64,7 @@ class Value:
 
 @dataclass(frozen=True)
 class Scenario:
-    """A run of the paper.
+    """A run that the paper shows or claims something about.
 
     Attributes
     ----------
@@ -87,7 +87,7 @@ class Scenario:
     stop_time: float = PERIOD  # s, V: one turn of the ellipse
 
     def system(self, fmus: Mapping[str, Path]) -> System:
-        """The system, from FMU files by model identifier; it says what of it is assumed."""
+        """The system that is run, with the reasons for its assumed values, from FMU files by model identifier."""
         files = {component: fmus[identifier] for component, identifier in self.units.items()}
         system = System.connected_by_name(self.name, files, step=self.step, stop_time=self.stop_time)
         numbers = {path: value.number for path, value in self.values.items()}

@@ -1,4 +1,4 @@
-"""What each unit is driven with alone: inputs, and tunable parameters, over time.
+"""Inputs and tunable parameters over time that each FMU is driven with when it runs alone.
 
 Motions are chosen so that the equations act: the plant runs into the wall, the actuators saturate, the
 sensor is noisy, and a controller sees a tip that deviates by millimetres while a noisy force sets in.
@@ -20,7 +20,7 @@ LIMITS = (500.0, 300.0, 100.0)  # N.m, of the actuators
 
 @dataclass(frozen=True)
 class Stimulus:
-    """Columns by variable at t_k = k step, k = 0 to n_steps; step in s.
+    """What an FMU is driven with: columns by variable at t_k = k step, k = 0 to n_steps; step in s.
 
     Attributes
     ----------

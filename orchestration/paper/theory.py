@@ -1,4 +1,4 @@
-"""Claims about equations, measured at random states of the arm (seeded)."""
+"""Evaluates equations of the paper at random states of the arm, which a seed fixes."""
 
 import math
 from functools import cache
@@ -24,7 +24,7 @@ SEED = 1991
 
 
 def wall_points() -> tuple[np.ndarray, np.ndarray]:
-    """Points a and b, m: where the ellipse crosses the wall, going down."""
+    """The points a and b at which the ellipse meets the wall and leaves it, m."""
     height = SEMI_AXIS[1] * math.sqrt(1 - (WALL_OFFSET / SEMI_AXIS[0]) ** 2)
     return np.array([-WALL_OFFSET, height]), np.array([-WALL_OFFSET, -height])
 

@@ -1,4 +1,4 @@
-"""Claims about the adaptive runs of Figs. 5 to 7, over 30 seeds: C4 to C10 and C16."""
+"""Measures the claims about adaptive control, Figs. 5 to 7, over 30 noise seeds: C4 to C10 and C16."""
 
 from collections.abc import Callable
 
@@ -17,7 +17,7 @@ ALL_SEEDS = "all seeds"
 
 
 def spread(summaries: list[Summary], value: Callable[[Summary], float]) -> tuple[float, float]:
-    """Median and largest value."""
+    """Median and largest of a value over runs."""
     values = [value(summary) for summary in summaries]
     return float(np.median(values)), float(max(values))
 

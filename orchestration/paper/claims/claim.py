@@ -1,4 +1,4 @@
-"""What a claim is, and how it is answered."""
+"""A claim of the paper: the question with its criteria, the measurement, and the answer."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -13,7 +13,7 @@ HOLDS, NOT_REPRODUCED, NOT_EVALUATED = "holds", "not reproduced", "not evaluated
 
 @dataclass(frozen=True)
 class Claim:
-    """A sentence of the paper and what came out.
+    """A sentence of the paper and what its measurement gave.
 
     Attributes
     ----------
@@ -72,7 +72,13 @@ class Question:
         return "; ".join([*map(str, self.criteria), *([self.scope] if self.scope else [])])
 
     def answer(self, evidence: Evidence) -> Claim:
-        """Measure; a criterion that was not measured is a KeyError."""
+        """Measure the claim and judge it.
+
+        Raises
+        ------
+        KeyError
+            If the measurement leaves a criterion out.
+        """
         finding = self.measurement(evidence)
         met = all([criterion.met(finding.values[criterion]) for criterion in self.criteria])
         verdict = HOLDS if met else NOT_REPRODUCED

@@ -1,4 +1,4 @@
-"""Claims about sensitivity and cost: C11 and C12.
+"""Measures the claims about sensitivity and computational cost: C11 and C12.
 
 Cost is counted, not timed: a count is the same on every machine. One operation is an addition, a subtraction,
 a multiplication, a comparison, a choice or the like; a costly one is a division, a square root, or a sine,

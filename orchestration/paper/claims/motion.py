@@ -1,4 +1,4 @@
-"""Claims about conventional control and the TIRT: C1 to C3 and C13."""
+"""Measures the claims about conventional control and the target-impedance reference trajectory: C1 to C3, C13."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""Claims about equations and Lyapunov functions: C14, C15, C17, C18.
+"""Measures the claims about equations and Lyapunov functions: C14, C15, C17, C18.
 
 The true p is known here, so V_c (17) and V_s can be evaluated along runs.
 """
@@ -42,7 +42,7 @@ def _rise(V: np.ndarray, counted: np.ndarray) -> float:
 
 @dataclass(frozen=True)
 class Bounds:
-    """The statements on s at one gain K_d; s in m/s.
+    """What a run with the gain K_d says about the sliding variable s, m/s.
 
     Attributes
     ----------
