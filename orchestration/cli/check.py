@@ -1,4 +1,4 @@
-"""What the command check does.
+"""Examines an FMU and prints the report: ``adaptimp check``.
 
 Exit codes: 0 no errors, 1 errors were found, 2 the file cannot be examined.
 """

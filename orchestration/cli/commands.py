@@ -1,4 +1,4 @@
-"""What the commands build and paper do; `orchestration.cli.run` has run."""
+"""Builds FMUs, reproduces the paper, exports scenarios: ``adaptimp build``, ``paper`` and ``export``."""
 
 import re
 import tempfile
@@ -40,7 +40,7 @@ def build_fmus(files: Sequence[Path], out: Path, platforms: Sequence[str]) -> No
 
 
 def reproduce_paper(out: Path, image: str, *, fresh: bool) -> None:
-    """Run, draw, measure; print the table of claims."""
+    """Reproduce the figures and claims of the paper, and print the table of claims."""
     from orchestration.paper.report import reproduce
 
     if image not in IMAGES:
@@ -61,7 +61,7 @@ def reproduce_paper(out: Path, image: str, *, fresh: bool) -> None:
 
 
 def require_folder(folder: Path) -> None:
-    """Make a folder, and refuse one that cannot be written to before the work is done."""
+    """Make a folder for results; refuse one that nothing can be written to before any work is done."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=folder):
@@ -87,7 +87,7 @@ def export_scenario(name: str, out: Path) -> None:
 
 
 def setting_of(option: str) -> Callable[[str], tuple[str, str]]:
-    """What splits the texts of an option NAME=VALUE."""
+    """A function that splits the texts NAME=VALUE of an option."""
 
     def split(text: str) -> tuple[str, str]:
         match = _SETTING.fullmatch(text)

@@ -1,4 +1,4 @@
-"""A controller in a closed loop: it runs, its tip follows the virtual trajectory, its torques stay within limits.
+"""Tries a controller in a closed loop: the loop must run, the tip follow its reference, torques stay within limits.
 
 `in_loop` makes this the trial of `orchestration.check.check`; `paper_loop` is the loop that the command
 ``adaptimp check`` uses.
@@ -17,7 +17,8 @@ from orchestration.check.findings import Finding, error, note, shown, warning
 from orchestration.errors import OrchestrationError
 from orchestration.fmi.units import AS_IS, Linear
 from orchestration.paper.built_fmus import fmus
-from orchestration.paper.scenarios import TORQUE_LIMITS, VARIANTS
+from orchestration.paper.numbers import TORQUE_LIMITS
+from orchestration.paper.scenarios import VARIANTS
 from orchestration.sandbox.process import work
 from orchestration.sandbox.worker import Announce, Write
 from orchestration.system.system import System
@@ -33,12 +34,12 @@ DIVERGED, LOST = 1.0, 0.1  # m by which the tip misses the virtual trajectory: h
 
 @dataclass(frozen=True)
 class Loop:
-    """Where a controller is tried.
+    """A closed loop in which a controller is tried.
 
     Attributes
     ----------
     system
-        With components trajectory, plant and controller; the latter is the one to compare with.
+        With components trajectory, plant and controller; the tried controller is compared with this one.
     limits
         Largest torque of each joint, N.m.
     """
@@ -49,7 +50,7 @@ class Loop:
 
 @dataclass(frozen=True)
 class Ride:
-    """What a run showed.
+    """What a run of a closed loop showed.
 
     Attributes
     ----------
@@ -112,7 +113,7 @@ def paper_loop(joints: int) -> Loop | None:
 def try_loop(
     path: Path, loop: Loop, mapping: Mapping[str, str], timeout: float = TIMEOUT
 ) -> tuple[list[Finding], list[str]]:
-    """Run the loop with its own controller and with another one, in a process of its own."""
+    """Run a loop with its own controller and with another one, in a child process; returns findings and facts."""
     bases = {name.partition("[")[0] for name in loop.system.component("controller").description.variables}
     known = {our: their for our, their in mapping.items() if our.partition("[")[0] in bases}
     ignored = [
@@ -144,7 +145,7 @@ def try_loop(
 
 
 def run(plan: Mapping[str, Any], write: Write, announce: Announce) -> None:  # noqa: ARG001 - nothing to announce
-    """In a process of its own: run both systems, and write what each run showed."""
+    """The job of the child process: run both systems, and write what each run showed."""
     from orchestration.master.options import Options
     from orchestration.master.simulate import simulate
 
@@ -170,13 +171,13 @@ def run(plan: Mapping[str, Any], write: Write, announce: Announce) -> None:  # n
 
 
 def _in_our_unit(system: System, output: str) -> Linear:
-    """What a command goes through on the way to the actuator, whose unit is the limits'."""
+    """The conversion of a command into the unit of the actuator, which is that of the limits."""
     ways = (c.scale for c in system.connections if (c.source, c.output) == ("controller", output))
     return next(ways, AS_IS)
 
 
 def judge(ride: Ride, loop: Loop) -> list[Finding]:
-    """What a ride says about the controller."""
+    """Findings about the controller that drove a loop."""
     findings = []
     if not ride.miss < LOST:
         said = f"The tip misses the virtual trajectory by {ride.miss:.3g} m within {DURATION:g} s"

@@ -1,6 +1,6 @@
-"""Claims of an earlier run with the same inputs: measuring them takes most of a minute.
+"""Keeps measured claims for a later run with the same inputs, for measuring takes most of a minute.
 
-The key is a hash of everything that decides them: the scenarios' SSP packages (FMUs and numbers), the
+The key is a hash of everything that decides the claims: the scenarios' SSP packages (FMUs and numbers), the
 source of all three packages, and the versions of the numerical libraries.
 """
 
@@ -22,7 +22,7 @@ LIBRARIES = ("casadi", "numba", "numpy", "fmpy")
 def claims_of(
     digests: Mapping[str, str], measure: Callable[[], list[Claim]], *, fresh: bool
 ) -> tuple[list[Claim], bool]:
-    """The kept claims, or new ones.
+    """The claims that an earlier run with the same inputs has measured, or new ones.
 
     Parameters
     ----------
@@ -34,7 +34,7 @@ def claims_of(
     Returns
     -------
     tuple
-        The claims, and whether they had been kept.
+        The claims, and whether an earlier run has measured them.
     """
     file = default_cache() / "claims" / f"{_key(digests)}.json"
     if file.exists() and not fresh:
