@@ -30,7 +30,7 @@ from orchestration.master.kernel.flat_system import (
 from orchestration.system.system import Component, System
 
 
-class Probe:
+class SavedComponent:
     """A unit with its state saved.
 
     Parameters
@@ -76,23 +76,23 @@ class Probe:
         ndarray or None
             Outputs at the end of each step, shape (n_steps, n_outputs); None if a step fails.
         """
-        unit = self.instance
+        instance = self.instance
         y = np.empty((len(steps), len(self.outputs)))
-        status = call_state(unit.address("fmi2SetFMUstate"), unit.component, self._state.value or 0)
-        set_, get, step = (unit.address(f"fmi2{name}") for name in ("SetReal", "GetReal", "DoStep"))
+        status = call_state(instance.address("fmi2SetFMUstate"), instance.component, self._state.value or 0)
+        set_, get, step = (instance.address(f"fmi2{name}") for name in ("SetReal", "GetReal", "DoStep"))
         references, watched = self._input_references, self._output_references
         for k, inputs in enumerate(steps):
             values = np.ascontiguousarray(inputs, float)
             if references.size and status <= WORST_ACCEPTED:
                 status = call_transfer(
-                    set_, unit.component, references.ctypes.data, references.size, values.ctypes.data
+                    set_, instance.component, references.ctypes.data, references.size, values.ctypes.data
                 )
                 if len(values) > 1 and status <= WORST_ACCEPTED:
                     status = self._move(values[1:])
             if status <= WORST_ACCEPTED:
-                status = call_do_step(step, unit.component, self.time + k * h, h)
+                status = call_do_step(step, instance.component, self.time + k * h, h)
             if watched.size and status <= WORST_ACCEPTED:
-                status = call_transfer(get, unit.component, watched.ctypes.data, watched.size, y[k].ctypes.data)
+                status = call_transfer(get, instance.component, watched.ctypes.data, watched.size, y[k].ctypes.data)
             if status > WORST_ACCEPTED:
                 return None
         return y if np.isfinite(y).all() else None
@@ -121,7 +121,7 @@ class Probe:
 
 
 @contextmanager
-def operating_point(system: System, step: float, at: float) -> Iterator[list[Probe]]:
+def operating_point(system: System, step: float, at: float) -> Iterator[list[SavedComponent]]:
     """Probes of all components, in their order, `at` seconds into a run with steps of `step`.
 
     Parameters
@@ -150,12 +150,12 @@ def operating_point(system: System, step: float, at: float) -> Iterator[list[Pro
         initialize(system, instances, assembly, 0.0)
         for k in range(n):
             _step(instances, assembly, k * step, step)
-        probes = []
+        saved = []
         for component, instance in zip(system.components, instances, strict=True):
-            probes.append(Probe(instance, component, connected(system, component.name), n * step))
-            stack.callback(probes[-1].close)
-        _fill_inputs(system, probes, assembly)
-        yield probes
+            saved.append(SavedComponent(instance, component, connected(system, component.name), n * step))
+            stack.callback(saved[-1].close)
+        _fill_inputs(system, saved, assembly)
+        yield saved
 
 
 def connected(system: System, name: str) -> tuple[list[str], list[str]]:
@@ -167,12 +167,12 @@ def connected(system: System, name: str) -> tuple[list[str], list[str]]:
     return [n for n in reals if n in inputs], [n for n in reals if n in outputs]
 
 
-def _fill_inputs(system: System, probes: Sequence[Probe], assembly: Assembly) -> None:
-    """Let every probe's inputs be what their sources show."""
+def _fill_inputs(system: System, saved: Sequence[SavedComponent], assembly: Assembly) -> None:
+    """Let every one's inputs be what their sources show."""
     sources = {(c.target, c.input): f"{c.source}.{c.output}" for c in system.connections}
-    for probe in probes:
-        shown = [assembly.real_outputs[sources[probe.name, name]] for name in probe.inputs]
-        probe.u[:] = assembly.plan.reals[shown]
+    for one in saved:
+        shown = [assembly.real_outputs[sources[one.name, name]] for name in one.inputs]
+        one.u[:] = assembly.plan.reals[shown]
 
 
 def _step(instances: Sequence[Instance], assembly: Assembly, t: float, h: float) -> None:

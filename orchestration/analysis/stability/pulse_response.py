@@ -22,7 +22,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from orchestration.analysis.stability.eigensystem_realization import Pulses, Realization, realize
-from orchestration.analysis.stability.operating_point import Probe
+from orchestration.analysis.stability.operating_point import SavedComponent
 from orchestration.errors import SimulationError
 
 BLOCKS, MOST_BLOCKS = 6, 24  # s at first, and at most: doubled while the states fill the Hankel matrix
@@ -33,7 +33,7 @@ EPS = float(np.finfo(float).eps)
 
 
 @dataclass(frozen=True)
-class UnitModel:
+class ComponentModel:
     """A unit's step map, linear about its operating point.
 
     Attributes
@@ -57,17 +57,17 @@ class UnitModel:
     pulses: Pulses
     map: Realization
 
-    def shaken(self, random: np.random.Generator) -> "UnitModel":
+    def shaken(self, random: np.random.Generator) -> "ComponentModel":
         """A model with as many states that the noise allows as well."""
         return replace(self, map=realize(self.pulses.shaken(random), self.map.A.shape[0]))
 
-    def later(self) -> "UnitModel":
+    def later(self) -> "ComponentModel":
         """The model some steps later."""
         pulses = replace(self.pulses, H=self.pulses.later)
         return replace(self, map=realize(pulses, self.map.A.shape[0]))
 
 
-def identify(probe: Probe, h: float, order: int = 0) -> UnitModel:
+def identify(saved: SavedComponent, h: float, order: int = 0) -> ComponentModel:
     """The map of a step of h, s, or of a tick if the unit is sampled.
 
     Parameters
@@ -80,32 +80,34 @@ def identify(probe: Probe, h: float, order: int = 0) -> UnitModel:
     SimulationError
         If the unit cannot be stepped from where it is.
     """
-    period, order = probe.component.sample_time, order if probe.interpolates else 0
+    period, order = saved.component.sample_time, order if saved.interpolates else 0
     blocks = BLOCKS
     while True:
-        pulses = _pulses(probe, h if period is None else period, order, blocks)
+        pulses = _pulses(saved, h if period is None else period, order, blocks)
         map_ = realize(pulses)
         if not map_.full or blocks >= MOST_BLOCKS:
-            return UnitModel(probe.name, probe.component.continuous, probe.inputs, probe.outputs, order, pulses, map_)
+            return ComponentModel(
+                saved.name, saved.component.continuous, saved.inputs, saved.outputs, order, pulses, map_
+            )
         blocks *= 2
 
 
-def _pulses(probe: Probe, h: float, order: int, blocks: int) -> Pulses:
+def _pulses(saved: SavedComponent, h: float, order: int, blocks: int) -> Pulses:
     """Responses to pulses in all channels."""
-    n_inputs, n = len(probe.inputs), 2 * blocks + 1
-    H = np.zeros((n, len(probe.outputs), (order + 1) * n_inputs))
+    n_inputs, n = len(saved.inputs), 2 * blocks + 1
+    H = np.zeros((n, len(saved.outputs), (order + 1) * n_inputs))
     later, noise = H.copy(), np.zeros((2, *H.shape[1:]))
     if H.size:
         held = np.zeros((n + blocks, order + 1, n_inputs))
-        held[:, 0] = probe.u
-        base = probe.run(h, held)
+        held[:, 0] = saved.u
+        base = saved.run(h, held)
         if base is None:
-            raise SimulationError(_failure(probe, h, "its inputs held"))
+            raise SimulationError(_failure(saved, h, "its inputs held"))
         for j in range(H.shape[2]):
             # a derivative moves the input, over the step, by about as much as its value does
             degree, i = divmod(j, n_inputs)
-            scale = max(1.0, abs(probe.u[i])) * math.factorial(degree) / h**degree
-            channel = _Channel(probe, h, held, (degree, i), scale, np.abs(base).max(axis=0))
+            scale = max(1.0, abs(saved.u[i])) * math.factorial(degree) / h**degree
+            channel = _Channel(saved, h, held, (degree, i), scale, np.abs(base).max(axis=0))
             H[:, :, j], noise[:, :, j], later[:, :, j] = channel.column(blocks)
     return Pulses(H, noise, later)
 
@@ -114,7 +116,7 @@ def _pulses(probe: Probe, h: float, order: int, blocks: int) -> Pulses:
 class _Channel:
     """One channel to be moved: derivative `place[0]` of input `place[1]`, by about `scale`."""
 
-    probe: Probe
+    saved: SavedComponent
     h: float
     held: np.ndarray
     place: tuple[int, int]
@@ -134,7 +136,7 @@ class _Channel:
         best = _best_decade(lambda d: self.disagreement(d, response(d), response(d + 1)))
         H, neighbour = response(best), response(best + 1)
         if H is None:
-            raise SimulationError(_failure(self.probe, self.h, f"{self.probe.inputs[self.place[1]]} moved"))
+            raise SimulationError(_failure(self.saved, self.h, f"{self.saved.inputs[self.place[1]]} moved"))
         noise = np.tile(self.rounding(best), (2, 1))
         if neighbour is not None:
             noise = np.maximum(noise, _largest(H - neighbour))
@@ -152,7 +154,7 @@ class _Channel:
         for sign in (1, -1):
             moved = self.held[:n].copy()
             moved[when, *self.place] += sign * delta
-            runs.append(self.probe.run(self.h, moved))
+            runs.append(self.saved.run(self.h, moved))
             if runs[-1] is None:
                 return None
         return (runs[0] - runs[1]) / (2 * delta)
@@ -191,6 +193,6 @@ def _best_decade(disagreement: Callable[[int], float]) -> int:
     return best
 
 
-def _failure(probe: Probe, h: float, what: str) -> str:
-    last = probe.instance.messages[-1] if probe.instance.messages else "it logged nothing"
-    return f'{probe.name}: steps of {h:g} s from t = {probe.time:g} s fail with {what}; its last message: "{last}".'
+def _failure(saved: SavedComponent, h: float, what: str) -> str:
+    last = saved.instance.messages[-1] if saved.instance.messages else "it logged nothing"
+    return f'{saved.name}: steps of {h:g} s from t = {saved.time:g} s fail with {what}; its last message: "{last}".'

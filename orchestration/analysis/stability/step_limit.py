@@ -18,7 +18,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from orchestration.analysis.stability.operating_point import Probe, operating_point
+from orchestration.analysis.stability.operating_point import SavedComponent, operating_point
 from orchestration.analysis.stability.pulse_response import identify
 from orchestration.analysis.stability.step_map import Coupled
 from orchestration.errors import SimulationError
@@ -61,22 +61,22 @@ class Examined:
     system: System
     step: float
     at: float
-    probes: list[Probe]
+    saved: list[SavedComponent]
     algorithm: Algorithm
 
     def coupled(self, h: float, order: int) -> Coupled:
         """The linear system at a step of h, s; its sample times follow in proportion."""
-        with self._probes(h) as (system, probes):
-            return Coupled.of(system, [identify(probe, h, order) for probe in probes], h)
+        with self._saved_at(h) as (system, saved):
+            return Coupled.of(system, [identify(one, h, order) for one in saved], h)
 
     def judged(self, coupled: Coupled, h: float) -> Point:
         """Radius, and threshold by models that noise and drift allow as well."""
         radius, random = radius_of(coupled, self.algorithm, h), np.random.default_rng(SEED)
         off = [
-            radius_of(replace(coupled, units=tuple(u.shaken(random) for u in coupled.units)), self.algorithm, h)
+            radius_of(replace(coupled, models=tuple(m.shaken(random) for m in coupled.models)), self.algorithm, h)
             for _ in range(SAMPLES)
         ]
-        later = radius_of(replace(coupled, units=tuple(u.later() for u in coupled.units)), self.algorithm, h)
+        later = radius_of(replace(coupled, models=tuple(m.later() for m in coupled.models)), self.algorithm, h)
         spread = max(abs(r - radius) for r in off) if math.isfinite(radius) else 0.0
         drift = abs(later - radius) if math.isfinite(radius) else 0.0
         return Point(h, radius, FLOOR + 3 * spread + drift)
@@ -94,15 +94,15 @@ class Examined:
         return {c.name: c.sample_time for c in self.system.components if c.sample_time is not None}
 
     @contextmanager
-    def _probes(self, h: float) -> Iterator[tuple[System, list[Probe]]]:
+    def _saved_at(self, h: float) -> Iterator[tuple[System, list[SavedComponent]]]:
         periods = self._periods()
         if h == self.step or not periods:
-            yield self.system, self.probes
+            yield self.system, self.saved
             return
         scaled = {f"{name}.{SAMPLE_TIME}": period * h / self.step for name, period in periods.items()}
         system = self.system.set(scaled)
-        with operating_point(system, h, self.at) as probes:
-            yield system, probes
+        with operating_point(system, h, self.at) as saved:
+            yield system, saved
 
 
 @dataclass

@@ -19,7 +19,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from orchestration.analysis.stability.pulse_response import UnitModel
+from orchestration.analysis.stability.pulse_response import ComponentModel
 from orchestration.master.algorithm import FIXED_POINT, SEQUENTIAL, Algorithm
 from orchestration.system.system import Connection, System
 
@@ -56,23 +56,23 @@ class Coupled:
         Steps per tick of each unit; 1 for continuous ones.
     """
 
-    units: tuple[UnitModel, ...]
+    models: tuple[ComponentModel, ...]
     links: tuple[Link, ...]
     ratios: tuple[int, ...]
 
     @classmethod
-    def of(cls, system: System, units: Sequence[UnitModel], step: float) -> "Coupled":
+    def of(cls, system: System, models: Sequence[ComponentModel], step: float) -> "Coupled":
         """The units of a system with its Real connections."""
-        places = {unit.name: i for i, unit in enumerate(units)}
+        places = {model.name: i for i, model in enumerate(models)}
         links = []
         for c in system.connections:
-            source, target = units[places[c.source]], units[places[c.target]]
+            source, target = models[places[c.source]], models[places[c.target]]
             if c.output in source.outputs and c.input in target.inputs:
                 ends = (places[c.source], source.outputs.index(c.output))
                 ends += (places[c.target], target.inputs.index(c.input))
                 links.append(Link(c, *ends, smooth=source.continuous and target.continuous))
         ratios = system.steps_per_tick(step)
-        return cls(tuple(units), tuple(links), tuple(ratios.get(unit.name, 1) for unit in units))
+        return cls(tuple(models), tuple(links), tuple(ratios.get(model.name, 1) for model in models))
 
     def radius(self, algorithm: Algorithm, h: float, gains: np.ndarray | None = None) -> float:
         """Spectral radius per step of h, s, with every link multiplied by its gain, shape (n_links,)."""
@@ -87,7 +87,7 @@ class Coupled:
 
     def contraction(self, algorithm: Algorithm, h: float) -> float | None:
         """Spectral radius of the unrelaxed repetition of sweeps; None if nothing is corrected."""
-        J = transition(self, algorithm, h, (True,) * len(self.units))[1]
+        J = transition(self, algorithm, h, (True,) * len(self.models))[1]
         return None if J is None else spectral_radius(J)
 
     def ordered(self, order: Sequence[int]) -> "Coupled":
@@ -96,7 +96,7 @@ class Coupled:
         links = tuple(
             Link(x.connection, place[x.source], x.output, place[x.target], x.input, x.smooth) for x in self.links
         )
-        return Coupled(tuple(self.units[i] for i in order), links, tuple(self.ratios[i] for i in order))
+        return Coupled(tuple(self.models[i] for i in order), links, tuple(self.ratios[i] for i in order))
 
 
 def spectral_radius(M: np.ndarray) -> float:
@@ -134,7 +134,7 @@ def transition(
     if sweeps == 1 or not assumed:
         return rows.after(past), None
     first = {j: rows.shown(coupled.links[j]) for j in assumed}
-    smooth = [unit.continuous for unit in coupled.units]
+    smooth = [model.continuous for model in coupled.models]
     rows.x = [start[i] if smooth[i] else x for i, x in enumerate(rows.x)]
     n, m = rows.width, len(assumed)
     rows.widen(m)
@@ -168,10 +168,10 @@ class _Rows:
 
     @classmethod
     def identity(cls, coupled: Coupled, algorithm: Algorithm, h: float, gains: np.ndarray) -> "_Rows":
-        units, order = coupled.units, algorithm.order
-        sizes = [unit.map.A.shape[0] for unit in units] + (order + 1) * [len(unit.outputs) for unit in units]
+        models, order = coupled.models, algorithm.order
+        sizes = [model.map.A.shape[0] for model in models] + (order + 1) * [len(model.outputs) for model in models]
         parts = np.split(np.eye(sum(sizes)), np.cumsum(sizes)[:-1])
-        n = len(units)
+        n = len(models)
         past = [parts[n * (age + 1) : n * (age + 2)] for age in range(order + 1)]
         return cls(coupled, algorithm, h, gains, parts[:n], list(past[0]), past)
 
@@ -190,15 +190,15 @@ class _Rows:
         inputs = {} if sequential else {i: self.inputs(i, ends) for i, now in enumerate(due) if now}
         for i, now in enumerate(due):
             if now:
-                U, map_ = inputs[i] if i in inputs else self.inputs(i, ends), self.coupled.units[i].map
+                U, map_ = inputs[i] if i in inputs else self.inputs(i, ends), self.coupled.models[i].map
                 self.y[i] = map_.C @ self.x[i] + map_.D @ U
                 self.x[i] = map_.A @ self.x[i] + map_.B @ U
 
     def inputs(self, i: int, ends: dict[int, np.ndarray] | None) -> np.ndarray:
         """Values and derivatives of the inputs of unit i, shape ((order + 1) n_inputs, width)."""
-        unit = self.coupled.units[i]
-        order = min(unit.order, self.algorithm.order)
-        U = np.zeros((unit.order + 1, len(unit.inputs), self.width))
+        model = self.coupled.models[i]
+        order = min(model.order, self.algorithm.order)
+        U = np.zeros((model.order + 1, len(model.inputs), self.width))
         for j, link in enumerate(self.coupled.links):
             if link.target != i:
                 continue
@@ -231,7 +231,7 @@ class _Rows:
 
     def extrapolated(self, link: Link) -> np.ndarray:
         """The value that is assumed first at the end of the step."""
-        if min(self.coupled.units[link.target].order, self.algorithm.order) == 0:
+        if min(self.coupled.models[link.target].order, self.algorithm.order) == 0:
             return self.past[0][link.source][[link.output]]
         terms = (1.0, self.h, self.h**2 / 2)
         return sum((c * row for c, row in zip(terms, self.polynomial(link, None), strict=False)), np.zeros(1))

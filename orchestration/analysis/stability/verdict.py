@@ -130,8 +130,8 @@ def stability(
     if not (math.isfinite(step) and step > 0 and math.isfinite(at) and at >= 0):
         msg = f"The step {step!r} s must be positive, and the instant {at!r} s not negative."
         raise SystemDescriptionError(msg)
-    with operating_point(system, step, at) as probes:
-        examined = Examined(system, step, at, probes, algorithm)
+    with operating_point(system, step, at) as saved:
+        examined = Examined(system, step, at, saved, algorithm)
         coupled = examined.coupled(step, algorithm.order)
         here = examined.judged(coupled, step)
         search = Search(examined, here)
@@ -156,8 +156,8 @@ def stability(
 def is_stable(system: System, step: float | None = None, algorithm: str | Algorithm = "gauss-seidel") -> bool:
     """Whether deviations do not grow at the start: `stability` without the search for steps and advice."""
     algorithm, step = find_algorithm(algorithm), system.step if step is None else step
-    with operating_point(system, step, 0.0) as probes:
-        examined = Examined(system, step, 0.0, probes, algorithm)
+    with operating_point(system, step, 0.0) as saved:
+        examined = Examined(system, step, 0.0, saved, algorithm)
         return examined.judged(examined.coupled(step, algorithm.order), step).stable
 
 
@@ -211,7 +211,7 @@ def _named(algorithm: Algorithm, coupled: Coupled, h: float) -> str:
 
 def _orders(examined: Examined, coupled: Coupled, here: Point) -> Iterator[str]:
     """A sentence on the best order of the components, if it is better by far."""
-    names = [unit.name for unit in coupled.units]
+    names = [model.name for model in coupled.models]
     if len(names) > MOST_ORDERED:
         return
     trials = [

@@ -31,8 +31,8 @@ def cube() -> ContinuousModel:
 
 
 def probed(system: System, name: str, h: float = H, order: int = 0):
-    with operating_point(system, h, 0.0) as probes:
-        return identify(next(p for p in probes if p.name == name), h, order)
+    with operating_point(system, h, 0.0) as saved:
+        return identify(next(p for p in saved if p.name == name), h, order)
 
 
 def test_a_known_map_is_realized_up_to_its_coordinates() -> None:
@@ -99,12 +99,12 @@ def test_curvature_does_not_spoil_the_difference(small: dict[str, Path]) -> None
 
 def test_the_units_are_left_as_they_were() -> None:
     system = PROBLEMS["force-displacement"].system(H, 1.0)
-    with operating_point(system, H, 0.0) as probes:
-        probe = probes[0]
+    with operating_point(system, H, 0.0) as saved:
+        one = saved[0]
         inputs = np.full((5, 1, 1), 0.25)
-        before = probe.run(H, inputs)
-        identify(probe, H, 2)
-        after = probe.run(H, inputs)
+        before = one.run(H, inputs)
+        identify(one, H, 2)
+        after = one.run(H, inputs)
     assert before is not None
     assert after is not None
     np.testing.assert_array_equal(before, after)
@@ -119,17 +119,17 @@ def test_every_saved_state_is_freed(monkeypatch: pytest.MonkeyPatch) -> None:
         return status(self, function, *arguments)
 
     monkeypatch.setattr(Instance, "status", counted)
-    with operating_point(PROBLEMS["wall"].system(H, 1.0), H, 0.0) as probes:
-        identify(probes[0], H)
+    with operating_point(PROBLEMS["wall"].system(H, 1.0), H, 0.0) as saved:
+        identify(saved[0], H)
     assert calls.count("fmi2GetFMUstate") == 2
     assert calls[-4:] == ["fmi2SetFMUstate", "fmi2FreeFMUstate"] * 2
 
 
 def test_an_operating_point_later_in_the_run() -> None:
     system = PROBLEMS["wall"].system(H, 1.0)
-    with operating_point(system, H, 0.305) as probes:
-        assert probes[0].time == pytest.approx(0.30)
-        x, v = probes[0].u
+    with operating_point(system, H, 0.305) as saved:
+        assert saved[0].time == pytest.approx(0.30)
+        x, v = saved[0].u
     M = np.linalg.matrix_power([[1 - 0.5e-2, H], [-1.0, 1.0]], 30)  # q = k H^2 / m = 1e-2
     np.testing.assert_allclose([x, v], M @ [0.1, 0.0], rtol=1e-12)
 
@@ -157,13 +157,13 @@ def test_units_that_cannot_save_their_state_are_named(tmp_path: Path) -> None:
 def test_a_step_that_always_fails_is_an_error_with_the_reason(small: dict[str, Path]) -> None:
     looped = units_system(small, {"relay": "Relay", "plant": "Integrator"}, "plant.x -> relay.u\nrelay.y -> plant.u")
     with (
-        operating_point(looped, PERIOD, 0.0) as probes,
+        operating_point(looped, PERIOD, 0.0) as saved,
         pytest.raises(SimulationError, match=r"plant: steps of 1e\+07"),
     ):
-        identify(probes[1], 1e7)  # more than 1e7 sub-steps of dt_max
+        identify(saved[1], 1e7)  # more than 1e7 sub-steps of dt_max
 
 
 def test_the_reference_units_do_interpolate() -> None:
     system = force_displacement.system(H, 1.0)
-    with operating_point(system, H, 0.0) as probes:
-        assert all(probe.interpolates for probe in probes)
+    with operating_point(system, H, 0.0) as saved:
+        assert all(one.interpolates for one in saved)
