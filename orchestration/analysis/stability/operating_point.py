@@ -1,7 +1,8 @@
-"""Units at an operating point, to be stepped from there as often as one likes.
+"""The operating point of a coupled system: its components with saved states, for repeated experiments.
 
-The operating point is where the coupled system is after initialization, or after running on with
-Gauss-Seidel. Every unit's state is saved there (fmi2GetFMUstate), and freed at the end.
+The operating point is the state of the system after initialization, or after a run by the Gauss-Seidel
+algorithm. The state of every component is saved there (fmi2GetFMUstate). Every experiment starts from the
+saved state. All saved states are freed at the end.
 """
 
 import ctypes
@@ -31,16 +32,30 @@ from orchestration.system.system import Component, System
 
 
 class SavedComponent:
-    """A unit with its state saved.
+    """A component whose state is saved, so that an experiment can start from the same state many times.
 
     Parameters
     ----------
-    inputs, outputs
-        Names of the Real variables that are moved and watched.
+    instance
+        Running instance of the component's FMU.
+    component
+        Member of the system.
+    ports
+        Names of the Real inputs that an experiment changes, and of the Real outputs that it records.
     time
-        Of the saved state, s.
+        Time of the saved state, s.
+
+    Attributes
+    ----------
+    inputs, outputs
+        The two tuples of `ports`.
     u
-        Values of the inputs there, shape (n_inputs,).
+        Values of the inputs at the operating point, shape (n_inputs,), in the units of the inputs.
+
+    Raises
+    ------
+    SimulationError
+        If the FMU fails to save its state.
     """
 
     def __init__(
@@ -57,19 +72,19 @@ class SavedComponent:
 
     @property
     def name(self) -> str:
-        """Of the component."""
+        """Name of the component."""
         return self.component.name
 
-    def run(self, h: float, steps: Sequence[np.ndarray]) -> np.ndarray | None:
-        """Step from the saved state.
+    def run(self, h: float, steps: np.ndarray) -> np.ndarray | None:
+        """Run several steps from the saved state, and record the outputs.
 
         Parameters
         ----------
         h
             Step, s.
         steps
-            For each step the inputs' values, and if they are to move their first, second, ... derivatives
-            too: shape (order + 1, n_inputs).
+            Inputs of each step, shape (n_steps, order + 1, n_inputs): values at the start of the step,
+            then the first, second, ... derivatives in time. An order of 0 holds the inputs during a step.
 
         Returns
         -------
@@ -98,13 +113,13 @@ class SavedComponent:
         return y if np.isfinite(y).all() else None
 
     def close(self) -> None:
-        """Return to the saved state and free it."""
+        """Restore the saved state, and free the memory of the saved state."""
         if self._state.value:
             self.instance.status("fmi2SetFMUstate", self._state)
             self.instance.status("fmi2FreeFMUstate", ctypes.byref(self._state))
 
     def _move(self, rates: np.ndarray) -> int:
-        """Hand over derivatives, shape (order, n_inputs); returns the status."""
+        """Set the time derivatives of the inputs, shape (order, n_inputs), and return the FMI status."""
         order = np.repeat(np.arange(1, len(rates) + 1, dtype=np.int32), len(self.inputs))
         references = np.tile(self._input_references, len(rates))
         return call_rates(
@@ -117,30 +132,41 @@ class SavedComponent:
         )
 
     def _references(self, names: Sequence[str]) -> np.ndarray:
+        """Value references of variables, for the calls of the FMU."""
         return np.array([self.component.variable(name).reference for name in names], np.uint32)
 
 
 @contextmanager
 def operating_point(system: System, step: float, at: float) -> Iterator[list[SavedComponent]]:
-    """Probes of all components, in their order, `at` seconds into a run with steps of `step`.
+    """Bring a system to its operating point, and save the states of all components there.
 
     Parameters
     ----------
-    step, at
-        s; `at` is rounded down to an instant at which every sampled unit ticks.
+    system
+        System whose components can save their states.
+    step
+        Communication step of the run to the operating point, s.
+    at
+        Time of the operating point, s. It is rounded down to an instant at which every sampled component
+        ticks.
+
+    Yields
+    ------
+    list of SavedComponent
+        All components, in the order of the system. They can be used within the context only.
 
     Raises
     ------
     SystemDescriptionError
-        If a unit cannot save its state; naming all of these.
+        If a component cannot save its state; the message names all such components.
     SimulationError
-        If the run fails.
+        If the run to the operating point fails.
     """
     unable = [c.name for c in system.components if not c.description.can(SAVES_STATE)]
     if unable:
         msg = (
             f"{', '.join(unable)}: canGetAndSetFMUstate is false, so no step can be repeated from one state;"
-            " units that can save their state are needed."
+            " components that can save their state are needed."
         )
         raise SystemDescriptionError(msg)
     common = int(np.lcm.reduce([1, *system.steps_per_tick(step).values()]))
@@ -159,7 +185,7 @@ def operating_point(system: System, step: float, at: float) -> Iterator[list[Sav
 
 
 def connected(system: System, name: str) -> tuple[list[str], list[str]]:
-    """Connected Real inputs and outputs of a component, in the order of its variables."""
+    """Names of the connected Real inputs and outputs of a component, in the order of its variables."""
     variables = system.component(name).description.variables.values()
     inputs = {c.input for c in system.connections if c.target == name}
     outputs = {c.output for c in system.connections if c.source == name}
@@ -168,7 +194,7 @@ def connected(system: System, name: str) -> tuple[list[str], list[str]]:
 
 
 def _fill_inputs(system: System, saved: Sequence[SavedComponent], assembly: Assembly) -> None:
-    """Let every one's inputs be what their sources show."""
+    """Set the inputs `u` of every component to the connected outputs."""
     sources = {(c.target, c.input): f"{c.source}.{c.output}" for c in system.connections}
     for one in saved:
         shown = [assembly.real_outputs[sources[one.name, name]] for name in one.inputs]
@@ -176,7 +202,7 @@ def _fill_inputs(system: System, saved: Sequence[SavedComponent], assembly: Asse
 
 
 def _step(instances: Sequence[Instance], assembly: Assembly, t: float, h: float) -> None:
-    """One step of the coupled system, unit by unit."""
+    """Make one step of the coupled system by the Gauss-Seidel algorithm."""
     plan = assembly.plan
     for i, instance in enumerate(instances):
         row = plan.table[i]
