@@ -1,4 +1,4 @@
-"""What a run recorded."""
+"""The result of a run: recorded columns over time, with access by name, reading and writing."""
 
 from dataclasses import dataclass, fields
 from pathlib import Path
@@ -9,63 +9,82 @@ from orchestration.errors import OrchestrationError
 from orchestration.results import csv_file, formats, parquet_file
 from orchestration.results.columns import TIME, Columns
 
-TICK_TOLERANCE = 1e-9  # by which a row may miss a tick, in periods
+TICK_TOLERANCE = 1e-9  # largest distance of a row from a tick, in sampling periods
 
 
 @dataclass(frozen=True)
 class Result(Columns):
-    """Rows at the communication points.
+    """Recorded outputs of a run at its communication points.
 
-    Row 0 shows the components after initialization. A plant column in row k is the state at
-    ``time[k]``; a sampled column in row k + 1 is the value held over [time[k], time[k + 1]).
+    Row 0 holds the outputs after initialization. For a continuous component, row k holds the outputs at
+    ``time[k]``. For a sampled component, row k + 1 holds the outputs during [time[k], time[k + 1]).
 
-    The attributes are those of `orchestration.results.columns.Columns`.
+    All attributes come from `orchestration.results.columns.Columns`.
     """
 
     def __getitem__(self, name: str) -> np.ndarray:
-        """A column, float64, shape (n_rows,).
+        """Return the values of a column, float64, shape (n_rows,), in the unit of the column.
 
         Raises
         ------
         OrchestrationError
-            Listing the recorded columns.
+            If there is no such column. The message lists the recorded columns.
         """
         if name == TIME:
             return self.time
         return self.rows[:, self._index(name)]
 
     def vector(self, name: str) -> np.ndarray:
-        """The columns ``name[1]``, ``name[2]``, ... side by side, shape (n_rows, n)."""
+        """Return the columns ``name[1]``, ``name[2]``, ... of an array variable, shape (n_rows, n).
+
+        Raises
+        ------
+        OrchestrationError
+            If there is no such array. The message lists the recorded columns.
+        """
         count = sum(column.startswith(f"{name}[") for column in self.names)
         if count == 0:
             self._index(f"{name}[1]")
         return np.column_stack([self[f"{name}[{i + 1}]"] for i in range(count)])
 
     def at_ticks(self, name: str) -> np.ndarray:
-        """A column realigned to the instants at which its values came about.
+        """Return the values of a column at the ticks of its component.
+
+        A column of a sampled component is one row late in comparison with a column of a continuous component.
+        This method removes the delay.
 
         Returns
         -------
         ndarray
-            For a sampled component the value of tick j, which belongs to its time j * sample_time
-            (`tick_times`); for any other the value at the start of each step. Without realignment a
-            sampled column lags a plant column by one row.
+            For a sampled component: the values of all ticks, at the times `tick_times`. For a continuous
+            component: the values at the start of each step, shape (n_rows - 1,).
+
+        Raises
+        ------
+        OrchestrationError
+            If there is no such column, or not every tick was recorded.
         """
         column, rows = self[name], self._tick_rows(name)
         return column[:-1] if rows is None else column[rows + 1]
 
     def tick_times(self, name: str) -> np.ndarray:
-        """Times, s, of the values that `at_ticks` returns."""
-        rows = self._tick_rows(name)
-        return self.time[:-1] if rows is None else self.time[rows]
-
-    def _tick_rows(self, name: str) -> np.ndarray | None:
-        """Rows at the instants of ticks, without the last; None for a component that is not sampled.
+        """Return the times of the values of `at_ticks`, s.
 
         Raises
         ------
         OrchestrationError
-            If ticks were not recorded.
+            If not every tick was recorded.
+        """
+        rows = self._tick_rows(name)
+        return self.time[:-1] if rows is None else self.time[rows]
+
+    def _tick_rows(self, name: str) -> np.ndarray | None:
+        """Row numbers of all ticks before the last row; None for a component that is not sampled.
+
+        Raises
+        ------
+        OrchestrationError
+            If not every tick was recorded.
         """
         component = name.partition(".")[0]
         if component in self.steps_per_tick:
@@ -82,7 +101,7 @@ class Result(Columns):
         return rows
 
     def write(self, path: str | Path) -> None:
-        """Write all rows as CSV or Parquet, by the suffix of the path.
+        """Write all rows to a CSV or Parquet file, as the suffix of the path says.
 
         Raises
         ------
@@ -92,7 +111,7 @@ class Result(Columns):
         formats.write_columns(self, Path(path))
 
     def write_csv(self, path: str | Path) -> None:
-        """Write names and values, each with all its bits, one line per communication point.
+        """Write a CSV file with names and values, without loss of any bit of a value.
 
         Raises
         ------
@@ -102,7 +121,7 @@ class Result(Columns):
         csv_file.write_csv(self, Path(path))
 
     def write_parquet(self, path: str | Path) -> None:
-        """Write everything, units and metadata included.
+        """Write a Parquet file with values, units and metadata.
 
         Raises
         ------
@@ -113,17 +132,20 @@ class Result(Columns):
 
     @classmethod
     def read(cls, path: str | Path) -> "Result":
-        """Read a file that was written so; from CSV there are names and values only.
+        """Read a result from a CSV or Parquet file, as the suffix of the path says.
+
+        A CSV file gives names and values only: no units, no metadata and no ticks.
 
         Raises
         ------
         OrchestrationError
-            If the suffix is neither ``.csv`` nor ``.parquet``, or the file holds no result.
+            If the suffix is neither ``.csv`` nor ``.parquet``, or the file does not hold a result.
         """
         columns = formats.read_columns(Path(path))
         return cls(**{field.name: getattr(columns, field.name) for field in fields(Columns)})
 
     def _index(self, name: str) -> int:
+        """Index of a column; an error lists the recorded columns."""
         try:
             return self.names.index(name)
         except ValueError:

@@ -104,7 +104,7 @@ def test_other_bad_requests(adaptimp: Command, tmp_path: Path, arguments: tuple[
 def test_file_that_is_no_archive(adaptimp: Command, tmp_path: Path) -> None:
     (tmp_path / "notes.fmu").write_text("text")
     outcome = adaptimp("run", "fig2", "--controller", "notes.fmu")
-    assert re.search(r"notes\.fmu is no readable zip archive", outcome.sentence)
+    assert re.search(r"notes\.fmu is not a readable zip archive", outcome.sentence)
     assert outcome.code == 2
 
 

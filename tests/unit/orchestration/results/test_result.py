@@ -1,4 +1,4 @@
-"""Evidence for what a run records: any choice of columns gives the same bits, and a CSV keeps them."""
+"""Tests of recorded results: every choice of columns gives the same bits, and CSV files keep all bits."""
 
 import csv
 from pathlib import Path
@@ -16,7 +16,7 @@ IN_CONTACT = {"plant.wall_offset": -1.501, "trajectory.wall_offset": -1.501}  # 
 
 @pytest.fixture(scope="module")
 def awkward() -> Result:
-    """Numbers that are hard to print."""
+    """Result with numbers whose decimal digits are hard to print without loss."""
     values = np.random.default_rng(2).integers(0, 2**64, 4000, dtype=np.uint64, endpoint=False)
     numbers = values.view(np.float64)
     rows = numbers[np.isfinite(numbers)][:3000].reshape(-1, 3)

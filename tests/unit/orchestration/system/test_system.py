@@ -1,4 +1,4 @@
-"""Evidence for `System`: what it refuses, with both sides and the known names, and what its methods keep."""
+"""Tests of `System`: errors with both sides and the known names, and values that its methods keep."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -21,7 +21,7 @@ from tests.unit.orchestration.units import H, chain, system
 
 
 def linked(fmus: dict[str, Path], line: str) -> System:
-    """Two units and one connection."""
+    """System of three components with the given connections."""
     return system(fmus, {"source": "Source", "relay": "Relay", "plant": "Integrator"}, line)
 
 
