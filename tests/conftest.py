@@ -1,7 +1,6 @@
 """Fixtures shared by all tests."""
 
 from collections.abc import Callable, Iterator
-from contextlib import suppress
 from pathlib import Path
 
 import pytest
@@ -9,21 +8,6 @@ import pytest
 from adaptimp_fmu import build
 from fmus.catalog import UNITS
 from tests.driver import Driver
-
-ORCHESTRATION = Path(__file__).parents[1] / "orchestration"
-COMPILED = (ORCHESTRATION / "fmi", ORCHESTRATION / "master" / "kernel")
-
-
-def pytest_configure() -> None:
-    """Forget compiled code that is older than any of its sources.
-
-    numba looks at the file of a function alone, not at those of the functions that it calls.
-    """
-    newest = max(path.stat().st_mtime for folder in COMPILED for path in folder.glob("*.py"))
-    for index in ORCHESTRATION.rglob("__pycache__/*.nbi"):
-        with suppress(OSError):
-            if index.stat().st_mtime < newest:
-                index.unlink()
 
 
 @pytest.fixture(scope="session")

@@ -11,16 +11,8 @@ from orchestration.fmi.codes import BOOLEAN, INTEGER, REAL, WORST_ACCEPTED
 from orchestration.fmi.instance import Instance, needed_to_run
 from orchestration.master.algebraic_loops import solve_loops
 from orchestration.master.flatten import Assembly
-from orchestration.master.kernel.flat_system import (
-    CALL_NAMES,
-    END_DISCRETE,
-    END_REAL,
-    FIRST_DISCRETE,
-    FIRST_REAL,
-    copy_links,
-    get_outputs,
-    set_inputs,
-)
+from orchestration.master.kernel.codes import CALL_NAMES, Column
+from orchestration.master.kernel.flat_system import copy_links, get_outputs, set_inputs
 from orchestration.sandbox.archive import unpacked
 from orchestration.system.system import Component, System
 
@@ -116,7 +108,7 @@ def _propagate(system: System, instances: Sequence[Instance], assembly: Assembly
     def evaluate(i: int | None) -> None:
         for k in range(len(instances)) if i is None else (i,):
             row = plan.table[k]
-            copy_links(plan.discrete_links, row[FIRST_DISCRETE], row[END_DISCRETE], plan.discretes)
+            copy_links(plan.discrete_links, row[Column.FIRST_DISCRETE], row[Column.END_DISCRETE], plan.discretes)
             _raise_failure(instances[k], *set_inputs(plan.table, k))
             _raise_failure(instances[k], *get_outputs(plan.table, k))
 
@@ -132,8 +124,8 @@ def _transfer(assembly: Assembly, i: int) -> None:
     """Copy what the sources of component i show to its inputs."""
     plan = assembly.plan
     row = plan.table[i]
-    copy_links(plan.real_links, row[FIRST_REAL], row[END_REAL], plan.reals)
-    copy_links(plan.discrete_links, row[FIRST_DISCRETE], row[END_DISCRETE], plan.discretes)
+    copy_links(plan.real_links, row[Column.FIRST_REAL], row[Column.END_REAL], plan.reals)
+    copy_links(plan.discrete_links, row[Column.FIRST_DISCRETE], row[Column.END_DISCRETE], plan.discretes)
 
 
 def _get_all(instances: Sequence[Instance], assembly: Assembly) -> None:
@@ -148,4 +140,4 @@ def _same(a: np.ndarray, b: np.ndarray) -> bool:
 
 def _raise_failure(instance: Instance, call: int, status: int) -> None:
     if status > WORST_ACCEPTED:
-        raise InitializationError(instance.failure(CALL_NAMES[call], status, " during initialization"))
+        raise InitializationError(instance.failure(CALL_NAMES[Column(call)], status, " during initialization"))

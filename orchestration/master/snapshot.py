@@ -23,7 +23,7 @@ from orchestration.fmi.codes import SAVES_STATE, SERIALIZES_STATE
 from orchestration.fmi.instance import Instance
 from orchestration.system.system import System
 
-FORMAT = 1
+FORMAT = 2
 # What numpy, zipfile and json raise on bytes that are no archive of arrays, or a broken one.
 _DAMAGED = (
     ValueError,

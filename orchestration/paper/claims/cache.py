@@ -1,7 +1,8 @@
 """Claims of an earlier run with the same inputs: measuring them takes most of a minute.
 
 The key is a hash of everything that decides them: the scenarios' SSP packages (FMUs and numbers), the
-source of all three packages, and the versions of the numerical libraries.
+source of all three packages, and the versions of the numerical libraries. Machine code lies in a folder named
+by its sources (`orchestration.fmi.machine_code`), so numbers kept under a hash come from the source of that hash.
 """
 
 import hashlib
