@@ -28,11 +28,10 @@ if TYPE_CHECKING:
         SystemDescriptionError,
     )
     from orchestration.master.algorithm import Algorithm, Correction, StepControl, Tolerance
-    from orchestration.master.options import Options
+    from orchestration.master.options import Crossings, Options
     from orchestration.master.simulate import UnconnectedInputWarning, prepare, simulate, stream
     from orchestration.master.simulation import Simulation
     from orchestration.master.snapshot import Snapshot
-    from orchestration.master.step_arrays import Crossings
     from orchestration.results.result import Result
     from orchestration.system.system import Component, Connection, System
 
@@ -42,7 +41,7 @@ _HOME = {
     "Component": "system.system",
     "Connection": "system.system",
     "Correction": "master.algorithm",
-    "Crossings": "master.step_arrays",
+    "Crossings": "master.options",
     "InitializationError": "errors",
     "Ledger": "analysis.energy",
     "Options": "master.options",

@@ -1,7 +1,6 @@
 """Fixtures shared by all tests."""
 
 from collections.abc import Callable, Iterator
-from contextlib import suppress
 from pathlib import Path
 
 import pytest
@@ -12,21 +11,6 @@ from tests import selection
 from tests.driver import Driver
 from tests.sharing import made_once
 from tests.untested import pytest_terminal_summary  # noqa: F401, pytest finds it by its name
-
-ORCHESTRATION = Path(__file__).parents[1] / "orchestration"
-COMPILED = (ORCHESTRATION / "fmi", ORCHESTRATION / "master" / "kernel")
-
-
-def pytest_configure() -> None:
-    """Forget compiled code that is older than any of its sources.
-
-    numba looks at the file of a function alone, not at those of the functions that it calls.
-    """
-    newest = max(path.stat().st_mtime for folder in COMPILED for path in folder.glob("*.py"))
-    for index in ORCHESTRATION.rglob("__pycache__/*.nbi"):
-        with suppress(OSError):
-            if index.stat().st_mtime < newest:
-                index.unlink()
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

@@ -18,9 +18,9 @@ from orchestration.cli.codes import INTERRUPTED
 from orchestration.cli.commands import console, errors, require_folder, setting_of
 from orchestration.errors import OrchestrationError, RunInterrupted, SimulationError, SystemDescriptionError
 from orchestration.master.algorithm import Algorithm, Tolerance, find_algorithm
+from orchestration.master.options import Crossings
 from orchestration.master.options import Progress as Report
 from orchestration.master.simulate import Options, prepare
-from orchestration.master.step_arrays import Crossings
 from orchestration.results.result import Result
 from orchestration.system.system import System
 

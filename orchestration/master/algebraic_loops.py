@@ -11,7 +11,7 @@ import numpy as np
 
 from orchestration.errors import InitializationError
 from orchestration.master.flatten import Assembly
-from orchestration.master.kernel.flat_system import END_REAL, FIRST_REAL
+from orchestration.master.kernel.codes import Column
 
 MAX_ITERATIONS, MAX_HALVINGS = 50, 20
 TOLERANCE = 1e-12  # accepted |u - y(u)| / (1 + |y|); this is some hundred rounding errors
@@ -83,7 +83,7 @@ def _direction(assembly: Assembly, evaluate: Evaluate) -> np.ndarray:
     base = reals.copy()
     jacobian = -np.eye(len(links))
     for i, row in enumerate(plan.table):
-        for j in range(row[FIRST_REAL], row[END_REAL]):
+        for j in range(row[Column.FIRST_REAL], row[Column.END_REAL]):
             value = base[targets[j]]
             reals[targets[j]] = value + DISPLACEMENT * (1 + abs(value))
             evaluate(i)

@@ -11,16 +11,8 @@ from orchestration.fmi.codes import BOOLEAN, INTEGER, REAL, WORST_ACCEPTED
 from orchestration.fmi.instance import Instance, needed_to_run
 from orchestration.master.algebraic_loops import solve_loops
 from orchestration.master.flatten import Assembly
-from orchestration.master.kernel.flat_system import (
-    CALL_NAMES,
-    END_DISCRETE,
-    END_REAL,
-    FIRST_DISCRETE,
-    FIRST_REAL,
-    copy_links,
-    get_outputs,
-    set_inputs,
-)
+from orchestration.master.kernel.codes import CALL_NAMES, Column
+from orchestration.master.kernel.flat_system import copy_links, get_outputs, set_inputs
 from orchestration.sandbox.archive import unpacked
 from orchestration.system.system import Component, System
 
@@ -146,7 +138,7 @@ def _propagate(system: System, instances: Sequence[Instance], assembly: Assembly
     def evaluate(i: int | None) -> None:
         for k in range(len(instances)) if i is None else (i,):
             row = plan.table[k]
-            copy_links(plan.discrete_links, row[FIRST_DISCRETE], row[END_DISCRETE], plan.discretes)
+            copy_links(plan.discrete_links, row[Column.FIRST_DISCRETE], row[Column.END_DISCRETE], plan.discretes)
             _raise_failure(instances[k], *set_inputs(plan.table, k))
             _raise_failure(instances[k], *get_outputs(plan.table, k))
 
@@ -162,8 +154,8 @@ def _transfer(assembly: Assembly, i: int) -> None:
     """Copy the outputs that drive component i to the inputs of component i."""
     plan = assembly.plan
     row = plan.table[i]
-    copy_links(plan.real_links, row[FIRST_REAL], row[END_REAL], plan.reals)
-    copy_links(plan.discrete_links, row[FIRST_DISCRETE], row[END_DISCRETE], plan.discretes)
+    copy_links(plan.real_links, row[Column.FIRST_REAL], row[Column.END_REAL], plan.reals)
+    copy_links(plan.discrete_links, row[Column.FIRST_DISCRETE], row[Column.END_DISCRETE], plan.discretes)
 
 
 def _get_all(instances: Sequence[Instance], assembly: Assembly) -> None:
@@ -180,4 +172,4 @@ def _same(a: np.ndarray, b: np.ndarray) -> bool:
 def _raise_failure(instance: Instance, call: int, status: int) -> None:
     """Raise an error if a call returned a status worse than a warning."""
     if status > WORST_ACCEPTED:
-        raise InitializationError(instance.failure(CALL_NAMES[call], status, " during initialization"))
+        raise InitializationError(instance.failure(CALL_NAMES[Column(call)], status, " during initialization"))

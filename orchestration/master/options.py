@@ -1,12 +1,34 @@
 """Choices for a run beyond its system, duration, step and algorithm: rows, multirate, crossings."""
 
-from collections.abc import Callable, Collection, Mapping
+import math
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from orchestration.errors import SystemDescriptionError
-from orchestration.master.step_arrays import Crossings
 
 Progress = Callable[[int, int], None]
+
+
+@dataclass(frozen=True)
+class Crossings:
+    """Outputs whose change of sign ends a step.
+
+    Attributes
+    ----------
+    outputs
+        As ``component.variable``, Real.
+    tolerance
+        How closely the change is located, s.
+    """
+
+    outputs: Sequence[str] = ()
+    tolerance: float = 1e-9
+
+    def __post_init__(self) -> None:
+        """Refuse a tolerance that cannot be met."""
+        if not (math.isfinite(self.tolerance) and self.tolerance > 0):
+            msg = f"The tolerance of crossings, {self.tolerance!r} s, is not positive and finite."
+            raise SystemDescriptionError(msg)
 
 
 @dataclass(frozen=True)

@@ -23,7 +23,7 @@ from orchestration.fmi.codes import SAVES_STATE, SERIALIZES_STATE
 from orchestration.fmi.instance import Instance
 from orchestration.system.system import System
 
-FORMAT = 1
+FORMAT = 2
 # Exceptions of numpy, zipfile and json for bytes that are not an archive of arrays, or that are a damaged archive.
 _DAMAGED = (
     ValueError,

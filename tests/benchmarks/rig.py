@@ -14,11 +14,11 @@ from typing import Any, Self
 
 import numpy as np
 
-from orchestration.fmi.codes import BOOLEAN, INTEGER, REAL, SAVES_STATE
+from orchestration.fmi.codes import BOOLEAN, INTEGER, REAL, SAVES_STATE, WORST_ACCEPTED
 from orchestration.fmi.instance import Instance
 from orchestration.master.flatten import Assembly, assemble
 from orchestration.master.initialization import initialize, opened
-from orchestration.master.kernel import fixed_step, flat_system
+from orchestration.master.kernel import fixed_step
 from orchestration.master.kernel.step_program import operations_of_step
 from orchestration.system.system import Component, System
 from tests.benchmarks.native import CLoop
@@ -98,7 +98,7 @@ class Rig:
 
         def run(first: int, last: int) -> None:
             status = self.c.run((self.times, self.step), (first, last), self._room(first, every), every)
-            require(status <= flat_system.WORST_ACCEPTED, f"The C loop ended with status {status}.")
+            require(status <= WORST_ACCEPTED, f"The C loop ended with status {status}.")
 
         return self.pieces(n, run)
 

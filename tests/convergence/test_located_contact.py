@@ -5,7 +5,7 @@ import pytest
 
 from orchestration import Options, Result, simulate
 from orchestration.master.algorithm import NEWTON, Algorithm, Correction, StepControl, Tolerance
-from orchestration.master.step_arrays import Crossings
+from orchestration.master.options import Crossings
 from tests.reference.problems import wall
 
 STOP = 0.5  # s; contact begins at 0.05 s and ends half a period of 10 rad/s later

@@ -17,17 +17,9 @@ from orchestration.fmi.instance import Instance
 from orchestration.fmi.native_calls import call_do_step, call_rates, call_state, call_transfer
 from orchestration.master.flatten import Assembly, assemble
 from orchestration.master.initialization import initialize, opened
-from orchestration.master.kernel.flat_system import (
-    CALL_NAMES,
-    DO_STEP,
-    END_DISCRETE,
-    END_REAL,
-    FIRST_DISCRETE,
-    FIRST_REAL,
-    copy_links,
-    get_outputs,
-    set_inputs,
-)
+from orchestration.master.kernel import fixed_step
+from orchestration.master.kernel.codes import CALL_NAMES, Column
+from orchestration.master.kernel.step_program import operations_of_step
 from orchestration.system.system import Component, System
 
 
@@ -174,8 +166,8 @@ def operating_point(system: System, step: float, at: float) -> Iterator[list[Sav
     with opened(system) as instances, ExitStack() as stack:
         assembly = assemble(system, instances, None)
         initialize(system, instances, assembly, 0.0)
-        for k in range(n):
-            _step(instances, assembly, k * step, step)
+        if n > 0:
+            _run_on(instances, assembly, n, step)
         saved = []
         for component, instance in zip(system.components, instances, strict=True):
             saved.append(SavedComponent(instance, component, connected(system, component.name), n * step))
@@ -201,17 +193,12 @@ def _fill_inputs(system: System, saved: Sequence[SavedComponent], assembly: Asse
         one.u[:] = assembly.plan.reals[shown]
 
 
-def _step(instances: Sequence[Instance], assembly: Assembly, t: float, h: float) -> None:
-    """Make one step of the coupled system by the Gauss-Seidel algorithm."""
-    plan = assembly.plan
-    for i, instance in enumerate(instances):
-        row = plan.table[i]
-        copy_links(plan.real_links, row[FIRST_REAL], row[END_REAL], plan.reals)
-        copy_links(plan.discrete_links, row[FIRST_DISCRETE], row[END_DISCRETE], plan.discretes)
-        call, status = set_inputs(plan.table, i)
-        if status <= WORST_ACCEPTED:
-            call, status = DO_STEP, call_do_step(row[DO_STEP], instance.component, t, h)
-        if status <= WORST_ACCEPTED:
-            call, status = get_outputs(plan.table, i)
-        if status > WORST_ACCEPTED:
-            raise SimulationError(instance.failure(CALL_NAMES[call], status, f" at t = {t:.9g} s"))
+def _run_on(instances: Sequence[Instance], assembly: Assembly, n: int, step: float) -> None:
+    """Make n steps of the coupled system from t = 0 by the Gauss-Seidel algorithm, without a record."""
+    operations = operations_of_step(assembly.plan, sequential=True)
+    times, no_rows = step * np.arange(n + 1), np.empty((0, len(assembly.columns)))
+    k, j, status = fixed_step.run(operations, assembly.plan, (times, np.array([step])), (0, n), no_rows, n + 1)
+    if k < n:
+        failed = operations[int(j)]
+        name, where = CALL_NAMES[Column(failed.call)], f" at t = {times[k]:.9g} s"
+        raise SimulationError(instances[failed.subject].failure(name, status, where))

@@ -1,7 +1,8 @@
 """Keeps measured claims for a later run with the same inputs, for measuring takes most of a minute.
 
 The key is a hash of everything that decides the claims: the scenarios' SSP packages (FMUs and numbers), the
-source of all three packages, and the versions of the numerical libraries.
+source of all three packages, and the versions of the numerical libraries. Machine code lies in a folder named
+by its sources (`orchestration.fmi.machine_code`), so numbers under a hash come from the sources of that hash.
 """
 
 import hashlib

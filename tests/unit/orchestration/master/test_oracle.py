@@ -45,7 +45,7 @@ import numpy as np
 from orchestration import Options, System, simulate
 from orchestration.master.kernel import step_control
 from orchestration.master.algorithm import *
-from orchestration.master.step_arrays import Crossings
+from orchestration.master.options import Crossings
 assert not hasattr(step_control.run, "signatures"), "the loop is compiled"
 for name, algorithm, options in eval(sys.stdin.read()):
     system = System.read(f"{sys.argv[1]}/{name}.ssp")

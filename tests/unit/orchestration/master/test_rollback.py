@@ -18,7 +18,7 @@ from orchestration.master.algorithm import (
     StepControl,
     Tolerance,
 )
-from orchestration.master.step_arrays import Crossings
+from orchestration.master.options import Crossings
 from tests.reference.problems import PROBLEMS
 from tests.unit.orchestration.runs import SAMPLE_TIME, paper
 from tests.unit.orchestration.units import mixed

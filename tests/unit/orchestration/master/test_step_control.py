@@ -11,8 +11,7 @@ import pytest
 
 from orchestration import SimulationError, System, simulate
 from orchestration.master.algorithm import Algorithm, StepControl, Tolerance
-from orchestration.master.kernel.flat_system import DO_STEP
-from orchestration.master.kernel.step_program import CALL, FUNCTION, SUBJECT
+from orchestration.master.kernel.codes import Column
 from orchestration.master.simulate import prepare
 from orchestration.master.simulation import Simulation
 from tests.reference.problems import PROBLEMS
@@ -28,7 +27,7 @@ DO_STEP_TYPE = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p, ctypes.c_double, 
 def discarding(simulation: Simulation, component: int, longest: float, status: int = DISCARD) -> Iterator[list[float]]:
     """Make a component of a run refuse steps longer than `longest`, s; yield the list of the refused steps, s."""
     table, refused = simulation._assembly.plan.table, []
-    genuine = DO_STEP_TYPE(int(table[component, DO_STEP]))
+    genuine = DO_STEP_TYPE(int(table[component, Column.DO_STEP]))
 
     def do_step(instance: int, t: float, h: float, keep: int) -> int:
         if h > longest:
@@ -38,9 +37,9 @@ def discarding(simulation: Simulation, component: int, longest: float, status: i
 
     stand_in = DO_STEP_TYPE(do_step)
     operations = simulation._operations
-    steps = (operations[:, SUBJECT] == component) & (operations[:, CALL] == DO_STEP)
+    steps = (operations.subject == component) & (operations.call == Column.DO_STEP)
     address = ctypes.cast(stand_in, ctypes.c_void_p).value
-    table[component, DO_STEP] = operations[steps, FUNCTION] = address
+    table[component, Column.DO_STEP] = operations.function[steps] = address
     yield refused
 
 
