@@ -9,9 +9,10 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 
 from orchestration.check.findings import ROLE, Finding, error, note, shown, warning
-from orchestration.check.static.document import Declared, Document, Unit
 from orchestration.fmi.codes import BOOLEAN, REAL
-from orchestration.fmi.instance import SAMPLE_TIME
+from orchestration.fmi.description import SAMPLE_TIME
+from orchestration.fmi.document import Declared, Document
+from orchestration.fmi.units import Unit
 
 JOINT, PLANE, SCALAR, OPEN = "joint", "plane", "scalar", "open"  # how many elements a signal has
 _VECTOR = re.compile(r"(.+)\[(\d{1,9})\]")

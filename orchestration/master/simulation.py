@@ -42,7 +42,7 @@ from orchestration.master.kernel import fixed_step
 from orchestration.master.kernel.step_program import CALL, SUBJECT, operations_of_step
 from orchestration.master.options import Options
 from orchestration.master.recorder import Recorder, Sink, not_finite
-from orchestration.master.snapshot import Snapshot, free_states, identity, restore_state, save_state
+from orchestration.master.snapshot import Snapshot, identity
 from orchestration.master.step_arrays import Experiment, Layout, check_capabilities, check_crossings, layout
 from orchestration.master.time_grid import Grid
 from orchestration.results.result import Result
@@ -235,7 +235,7 @@ class Simulation:
         if self._recorder.streams:
             msg = f"System {self.system.name}: rows that go to a file cannot be taken back; keep them in memory."
             raise SystemDescriptionError(msg)
-        states = tuple(save_state(instance) for instance in self._instances)
+        states = tuple(instance.save() for instance in self._instances)
         work, plan = self._layout.work, self._assembly.plan
         times, rows = self._recorder.rows()
         arrays = {name: getattr(work, name).copy() for name in _SAVED_WORK}
@@ -265,7 +265,7 @@ class Simulation:
             msg = "The snapshot has states that live in another run; their units do not serialize."
             raise SystemDescriptionError(msg)
         for instance, state in zip(self._instances, snapshot.states, strict=True):
-            restore_state(instance, state)
+            instance.restore(state)
         work, plan = self._layout.work, self._assembly.plan
         for name in _SAVED_WORK:
             getattr(work, name)[...] = snapshot.arrays[name]
@@ -391,7 +391,8 @@ class Simulation:
 
     def _free_snapshots(self) -> None:
         for snapshot in self._kept:
-            free_states(self._instances, snapshot.states)
+            for instance, state in zip(self._instances, snapshot.states, strict=True):
+                instance.free_state(state)
         self._kept.clear()
 
 

@@ -4,7 +4,6 @@ A unit's state is serialized where the unit can do that, so a snapshot outlives 
 written to a file; else it stays with the instance.
 """
 
-import ctypes
 import hashlib
 import json
 import struct
@@ -18,9 +17,8 @@ from zipfile import BadZipFile
 
 import numpy as np
 
-from orchestration.errors import OrchestrationError, SystemDescriptionError
-from orchestration.fmi.codes import SAVES_STATE, SERIALIZES_STATE
-from orchestration.fmi.instance import Instance
+from orchestration.errors import OrchestrationError
+from orchestration.fmi.codes import SERIALIZES_STATE
 from orchestration.system.system import System
 
 FORMAT = 1
@@ -119,56 +117,3 @@ def identity(system: System, columns: Sequence[str], times: np.ndarray, chosen: 
     units = [(c.name, c.description.identifier, c.description.guid) for c in system.components]
     said = (units, [repr(connection) for connection in system.connections], tuple(columns), *chosen)
     return hashlib.sha256(repr(said).encode() + times.tobytes()).hexdigest()
-
-
-def save_state(instance: Instance) -> Any:
-    """The state of an instance: bytes if it serializes, else its fmi2FMUstate.
-
-    Raises
-    ------
-    SystemDescriptionError
-        If the unit saves no state.
-    SimulationError
-        If a call fails.
-    """
-    if not instance.description.can(SAVES_STATE):
-        msg = f"{instance.name}: {instance.description.path.name} does not declare {SAVES_STATE}; it cannot be saved."
-        raise SystemDescriptionError(msg)
-    state = ctypes.c_void_p()
-    instance.call("fmi2GetFMUstate", ctypes.byref(state))
-    if not instance.description.can(SERIALIZES_STATE):
-        return state
-    try:
-        size = ctypes.c_size_t()
-        instance.call("fmi2SerializedFMUstateSize", state, ctypes.byref(size))
-        buffer = ctypes.create_string_buffer(size.value)
-        instance.call("fmi2SerializeFMUstate", state, buffer, size)
-        return buffer.raw
-    finally:
-        instance.call("fmi2FreeFMUstate", ctypes.byref(state))
-
-
-def restore_state(instance: Instance, state: Any) -> None:
-    """Put an instance into a state that `save_state` returned.
-
-    Raises
-    ------
-    SimulationError
-        If a call fails, for example because the state is of another unit.
-    """
-    if not isinstance(state, bytes):
-        instance.call("fmi2SetFMUstate", state)
-        return
-    fresh = ctypes.c_void_p()
-    instance.call("fmi2DeSerializeFMUstate", state, ctypes.c_size_t(len(state)), ctypes.byref(fresh))
-    try:
-        instance.call("fmi2SetFMUstate", fresh)
-    finally:
-        instance.call("fmi2FreeFMUstate", ctypes.byref(fresh))
-
-
-def free_states(instances: Sequence[Instance], states: Sequence[Any]) -> None:
-    """Free the states that are not serialized."""
-    for instance, state in zip(instances, states, strict=True):
-        if not isinstance(state, bytes) and state:
-            instance.status("fmi2FreeFMUstate", ctypes.byref(state))

@@ -9,7 +9,8 @@ import numpy as np
 
 from orchestration.errors import SystemDescriptionError
 from orchestration.fmi.codes import DIFFERENTIATES, INTERPOLATES, REAL, SAVES_STATE
-from orchestration.fmi.instance import Instance, Variable
+from orchestration.fmi.description import Variable
+from orchestration.fmi.instance import Instance
 from orchestration.master.algorithm import DIRECTIONAL, NEWTON, SEQUENTIAL, Algorithm, Correction, StepControl
 from orchestration.master.flatten import Assembly
 from orchestration.master.kernel import coupling as c

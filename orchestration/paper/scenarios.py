@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from orchestration.fmi.instance import SAMPLE_TIME
+from orchestration.fmi.description import SAMPLE_TIME
 from orchestration.system.system import System
 
 TARGET_INERTIA = 2.0  # kg, V

@@ -16,7 +16,7 @@ import platformdirs
 from lxml import etree
 
 from orchestration.errors import ArchiveError, SystemDescriptionError
-from orchestration.fmi.units import BASE_UNITS, Linear, UnitDefinition
+from orchestration.fmi.units import BASE_UNITS, Linear, Unit, UnitDefinition
 from orchestration.sandbox.archive import file_hash, unpack
 
 _BASE = "http://ssp-standard.org/SSP1/SystemStructure"
@@ -135,7 +135,8 @@ def read_units(root: Any) -> dict[str, UnitDefinition]:
     for element in root.iterfind(f"{{*}}Units/{{{SSC}}}Unit"):
         base, name = element.find(f"{{{SSC}}}BaseUnit"), element.get("name")
         exponents = tuple((n, int(base.get(n))) for n in BASE_UNITS if int(base.get(n) or 0))
-        found[name] = UnitDefinition(name, exponents, float(base.get("factor") or 1), float(base.get("offset") or 0))
+        meaning = Unit(exponents, float(base.get("factor") or 1), float(base.get("offset") or 0))
+        found[name] = UnitDefinition(name, meaning if meaning.convertible else None)
     return found
 
 

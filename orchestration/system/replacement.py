@@ -5,7 +5,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from orchestration.errors import SystemDescriptionError
-from orchestration.fmi.instance import Description, read_description
+from orchestration.fmi.description import Description, read_description
 from orchestration.fmi.units import Linear
 from orchestration.system.component import SETTABLE, Component, Connection, unit_scale
 from orchestration.system.system import System, sources_of

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from orchestration import Options, System, UnconnectedInputWarning, simulate
-from orchestration.fmi.instance import read_description
+from orchestration.fmi.description import read_description
 from orchestration.paper.scenarios import SCENARIOS
 from orchestration.system.system import Component
 from tests.conformance.replay import options, table
