@@ -20,9 +20,11 @@ if TYPE_CHECKING:
         InitializationError,
         OrchestrationError,
         RunInterrupted,
+        SignalError,
         SimulationError,
         SystemDescriptionError,
     )
+    from orchestration.fmi.fmu import Fmu
     from orchestration.master.algorithm import Algorithm, Correction, StepControl, Tolerance
     from orchestration.master.options import Options
     from orchestration.master.simulate import UnconnectedInputWarning, prepare, simulate, stream
@@ -39,6 +41,7 @@ _HOME = {
     "Connection": "system.system",
     "Correction": "master.algorithm",
     "Crossings": "master.step_arrays",
+    "Fmu": "fmi.fmu",
     "InitializationError": "errors",
     "Ledger": "analysis.energy",
     "Options": "master.options",
@@ -46,6 +49,7 @@ _HOME = {
     "PowerBond": "analysis.energy",
     "Result": "results.result",
     "RunInterrupted": "errors",
+    "SignalError": "errors",
     "Simulation": "master.simulation",
     "SimulationError": "errors",
     "Snapshot": "master.snapshot",
@@ -68,6 +72,7 @@ __all__ = [
     "Connection",
     "Correction",
     "Crossings",
+    "Fmu",
     "InitializationError",
     "Ledger",
     "Options",
@@ -75,6 +80,7 @@ __all__ = [
     "PowerBond",
     "Result",
     "RunInterrupted",
+    "SignalError",
     "Simulation",
     "SimulationError",
     "Snapshot",

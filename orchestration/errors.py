@@ -20,6 +20,10 @@ class SystemDescriptionError(OrchestrationError):
     """A system is described wrongly."""
 
 
+class SignalError(OrchestrationError, ValueError):
+    """A name, a shape, a value or a time does not fit the FMU that is driven."""
+
+
 class SimulationError(OrchestrationError):
     """A run failed.
 
