@@ -10,6 +10,7 @@ import pytest
 
 from orchestration import ArchiveError, InitializationError, simulate
 from orchestration.check import check
+from orchestration.fmi import logging
 from orchestration.fmi.description import read_description
 from orchestration.fmi.instance import Instance
 from orchestration.fmi.library import library_path, needed_to_run
@@ -102,3 +103,17 @@ def test_another_platform_is_named(small: dict[str, Path], monkeypatch: pytest.M
         library_path(Path(), read_description(small["Source"]))
     findings = check(small["Source"]).findings
     assert [f.rule for f in findings if "freebsd14" in f.message] == ["6"]
+
+
+@pytest.mark.parametrize("content", [None, b"not a library"])
+def test_messages_do_without_a_proxy_that_is_missing_or_does_not_load(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, content: bytes | None
+) -> None:
+    """Linux on ARM has only that for another processor."""
+    proxy = tmp_path / "logging.so"
+    if content is not None:
+        proxy.write_bytes(content)
+    monkeypatch.setattr(logging, "fmpy_file", lambda *_: proxy)
+    assert logging._proxy.__wrapped__() is None
+    monkeypatch.undo()
+    assert logging._proxy.__wrapped__() is not None
