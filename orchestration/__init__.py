@@ -24,9 +24,11 @@ if TYPE_CHECKING:
         InitializationError,
         OrchestrationError,
         RunInterrupted,
+        SignalError,
         SimulationError,
         SystemDescriptionError,
     )
+    from orchestration.fmi.fmu import Fmu
     from orchestration.master.algorithm import Algorithm, Correction, StepControl, Tolerance
     from orchestration.master.options import Crossings, Options
     from orchestration.master.simulate import UnconnectedInputWarning, prepare, simulate, stream
@@ -42,6 +44,7 @@ _HOME = {
     "Connection": "system.system",
     "Correction": "master.algorithm",
     "Crossings": "master.options",
+    "Fmu": "fmi.fmu",
     "InitializationError": "errors",
     "Ledger": "analysis.energy",
     "Options": "master.options",
@@ -49,6 +52,7 @@ _HOME = {
     "PowerBond": "analysis.energy",
     "Result": "results.result",
     "RunInterrupted": "errors",
+    "SignalError": "errors",
     "Simulation": "master.simulation",
     "SimulationError": "errors",
     "Snapshot": "master.snapshot",
@@ -71,6 +75,7 @@ __all__ = [
     "Connection",
     "Correction",
     "Crossings",
+    "Fmu",
     "InitializationError",
     "Ledger",
     "Options",
@@ -78,6 +83,7 @@ __all__ = [
     "PowerBond",
     "Result",
     "RunInterrupted",
+    "SignalError",
     "Simulation",
     "SimulationError",
     "Snapshot",

@@ -51,6 +51,10 @@ class SystemDescriptionError(OrchestrationError):
     """Error in the description of a coupled system, its options or its algorithm."""
 
 
+class SignalError(OrchestrationError, ValueError):
+    """A name, a shape, a value or a time does not fit the FMU that is driven."""
+
+
 class SimulationError(OrchestrationError):
     """Error of a run that failed.
 

@@ -34,9 +34,9 @@ def open_fmu(fmu_folder: Path) -> Iterator[Callable[..., Driver]]:
     """Opens ``NAME.fmu`` as a `Driver`; everything opened is freed after the test."""
     drivers: list[Driver] = []
 
-    def open_one(name: str | Path, **options: object) -> Driver:
+    def open_one(name: str | Path) -> Driver:
         path = name if isinstance(name, Path) else fmu_folder / f"{name}.fmu"
-        drivers.append(Driver(path, **options))
+        drivers.append(Driver(path))
         return drivers[-1]
 
     yield open_one

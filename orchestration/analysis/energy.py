@@ -30,6 +30,7 @@ import numpy as np
 
 from orchestration.errors import SystemDescriptionError
 from orchestration.fmi.codes import INTERPOLATES
+from orchestration.fmi.units import Unit
 from orchestration.master.algorithm import SEQUENTIAL, Algorithm, find_algorithm
 from orchestration.results.result import Result
 from orchestration.system.component import unit_scale
@@ -187,15 +188,7 @@ def _jumps(system: System, bond: PowerBond, path: str, algorithm: Algorithm) -> 
         return True
     if component.description.can(INTERPOLATES) and algorithm.order > 0:
         return False  # an output with interpolated inputs changes continuously
-    import fmpy
-
-    raw = fmpy.read_model_description(str(component.description.path), validate=False)
-    inputs = {v.fmu_name for v in component.description.of_causality("input")}
-    for unknown in raw.outputs:
-        if unknown.variable is not None and unknown.variable.name == variable.fmu_name:
-            depends = inputs if unknown.dependencies is None else {v.name for v in unknown.dependencies}
-            return bool(depends & inputs)
-    return False
+    return variable.direct
 
 
 def _connection(system: System, bond: PowerBond, source: str, target: str) -> Connection:
@@ -225,12 +218,13 @@ def _watts(system: System, bond: PowerBond) -> float:
     factor, names = 1.0, []
     for path in (bond.effort, bond.flow):
         component, variable = system.resolve(path)
-        unit = component.description.units.get(variable.unit)
+        unit = component.description.unit(variable)
         names.append(variable.unit or "none")
         if unit is None:
             return factor
-        factor *= unit.factor
-        for name, exponent in ((unit.name, 1),) if unit.exponents is None else unit.exponents:
+        meaning = unit.meaning or Unit(((unit.name, 1),))
+        factor *= meaning.factor
+        for name, exponent in meaning.exponents:
             exponents[name] = exponents.get(name, 0) + exponent
     found = {name: exponent for name, exponent in exponents.items() if exponent and name != "rad"}
     if found != POWER:

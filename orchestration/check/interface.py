@@ -9,9 +9,10 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 
 from orchestration.check.findings import ROLE, Finding, error, note, shown, warning
-from orchestration.check.static.document import Declared, Document, Unit
 from orchestration.fmi.codes import REAL
-from orchestration.fmi.instance import SAMPLE_TIME
+from orchestration.fmi.description import SAMPLE_TIME
+from orchestration.fmi.document import Declared, Document
+from orchestration.fmi.units import Unit
 
 SCALAR, COUNTED, OPEN = 0, -1, -2  # sizes of a signal that are no number of elements
 LARGEST_COUNT = 99  # above it an index is a slip of the pen, not a number of elements

@@ -1,22 +1,20 @@
 """How the components of a system are instantiated and brought through the initialization mode of FMI 2.0."""
 
-import ctypes
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 
 import numpy as np
 
 from orchestration.errors import InitializationError
-from orchestration.fmi.codes import BOOLEAN, INTEGER, REAL, WORST_ACCEPTED
-from orchestration.fmi.instance import Instance, needed_to_run
+from orchestration.fmi.codes import REAL, WORST_ACCEPTED, accepted
+from orchestration.fmi.instance import Instance
+from orchestration.fmi.library import needed_to_run
 from orchestration.master.algebraic_loops import solve_loops
 from orchestration.master.flatten import Assembly
 from orchestration.master.kernel.codes import CALL_NAMES, Column
 from orchestration.master.kernel.flat_system import copy_links, get_outputs, set_inputs
 from orchestration.sandbox.archive import unpacked
 from orchestration.system.system import Component, System
-
-_C_TYPES = {REAL: ctypes.c_double, INTEGER: ctypes.c_int32, BOOLEAN: ctypes.c_int32}
 
 
 @contextmanager
@@ -81,14 +79,7 @@ def initialize(system: System, instances: Sequence[Instance], assembly: Assembly
     """
     for component, instance in zip(system.components, instances, strict=True):
         set_values(component, instance, component.start)
-        arguments = (
-            ctypes.c_int(0),
-            ctypes.c_double(0),
-            ctypes.c_double(t0),
-            ctypes.c_int(0),
-            ctypes.c_double(0),
-        )
-        instance.call("fmi2SetupExperiment", *arguments)
+        instance.set_up(t0)
         instance.call("fmi2EnterInitializationMode")
     _propagate(system, instances, assembly)
     for instance in instances:
@@ -115,10 +106,10 @@ def set_values(component: Component, instance: Instance, values: Mapping[str, fl
     """
     for name, value in values.items():
         variable = component.variable(name)
-        reference = ctypes.c_uint32(variable.reference)
         number = int(value) if variable.type != REAL else value
-        c_value = _C_TYPES[variable.type](number)
-        instance.call(f"fmi2Set{variable.type}", ctypes.byref(reference), ctypes.c_size_t(1), ctypes.byref(c_value))
+        status = instance.set(variable.type, [variable.reference], [number])
+        if not accepted(status):
+            raise InitializationError(instance.failure(f"fmi2Set{variable.type}", status))
 
 
 def _propagate(system: System, instances: Sequence[Instance], assembly: Assembly) -> None:

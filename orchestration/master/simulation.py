@@ -43,7 +43,7 @@ from orchestration.master.kernel.codes import Failure
 from orchestration.master.kernel.step_program import operations_of_step
 from orchestration.master.options import Options
 from orchestration.master.recorder import Recorder, Sink, not_finite
-from orchestration.master.snapshot import Snapshot, free_states, identity, restore_state, save_state
+from orchestration.master.snapshot import Snapshot, identity
 from orchestration.master.step_arrays import Experiment, Layout, layout
 from orchestration.master.time_grid import Grid
 from orchestration.results.result import Result
@@ -236,7 +236,7 @@ class Simulation:
         if self._recorder.streams:
             msg = f"System {self.system.name}: rows that go to a file cannot be taken back; keep them in memory."
             raise SystemDescriptionError(msg)
-        states = tuple(save_state(instance) for instance in self._instances)
+        states = tuple(instance.save() for instance in self._instances)
         plan = self._assembly.plan
         times, rows = self._recorder.rows()
         arrays = self._layout.save()
@@ -266,7 +266,7 @@ class Simulation:
             msg = "The snapshot has states that live in another run; their units do not serialize."
             raise SystemDescriptionError(msg)
         for instance, state in zip(self._instances, snapshot.states, strict=True):
-            restore_state(instance, state)
+            instance.restore(state)
         plan = self._assembly.plan
         self._layout.restore(snapshot.arrays)
         plan.reals[:], plan.discretes[:] = snapshot.arrays["reals"], snapshot.arrays["discretes"]
@@ -385,5 +385,6 @@ class Simulation:
 
     def _free_snapshots(self) -> None:
         for snapshot in self._kept:
-            free_states(self._instances, snapshot.states)
+            for instance, state in zip(self._instances, snapshot.states, strict=True):
+                instance.free_state(state)
         self._kept.clear()

@@ -4,7 +4,6 @@ The state of a component is serialized if its FMU can do that. If all states are
 outlives the run and can be written to a file. A state that is not serialized stays in the instance.
 """
 
-import ctypes
 import hashlib
 import json
 import struct
@@ -18,9 +17,8 @@ from zipfile import BadZipFile
 
 import numpy as np
 
-from orchestration.errors import OrchestrationError, SystemDescriptionError
-from orchestration.fmi.codes import SAVES_STATE, SERIALIZES_STATE
-from orchestration.fmi.instance import Instance
+from orchestration.errors import OrchestrationError
+from orchestration.fmi.codes import SERIALIZES_STATE
 from orchestration.system.system import System
 
 FORMAT = 2
@@ -142,56 +140,3 @@ def identity(system: System, columns: Sequence[str], times: np.ndarray, chosen: 
     members = [(c.name, c.description.identifier, c.description.guid) for c in system.components]
     said = (members, [repr(connection) for connection in system.connections], tuple(columns), *chosen)
     return hashlib.sha256(repr(said).encode() + times.tobytes()).hexdigest()
-
-
-def save_state(instance: Instance) -> Any:
-    """Return the state of an instance: bytes if the FMU can serialize states, else an fmi2FMUstate.
-
-    Raises
-    ------
-    SystemDescriptionError
-        If the FMU cannot save its state.
-    SimulationError
-        If a call fails.
-    """
-    if not instance.description.can(SAVES_STATE):
-        msg = f"{instance.name}: {instance.description.path.name} does not declare {SAVES_STATE}; it cannot be saved."
-        raise SystemDescriptionError(msg)
-    state = ctypes.c_void_p()
-    instance.call("fmi2GetFMUstate", ctypes.byref(state))
-    if not instance.description.can(SERIALIZES_STATE):
-        return state
-    try:
-        size = ctypes.c_size_t()
-        instance.call("fmi2SerializedFMUstateSize", state, ctypes.byref(size))
-        buffer = ctypes.create_string_buffer(size.value)
-        instance.call("fmi2SerializeFMUstate", state, buffer, size)
-        return buffer.raw
-    finally:
-        instance.call("fmi2FreeFMUstate", ctypes.byref(state))
-
-
-def restore_state(instance: Instance, state: Any) -> None:
-    """Put an instance into a state that `save_state` returned.
-
-    Raises
-    ------
-    SimulationError
-        If a call fails, for example because the state belongs to another FMU.
-    """
-    if not isinstance(state, bytes):
-        instance.call("fmi2SetFMUstate", state)
-        return
-    fresh = ctypes.c_void_p()
-    instance.call("fmi2DeSerializeFMUstate", state, ctypes.c_size_t(len(state)), ctypes.byref(fresh))
-    try:
-        instance.call("fmi2SetFMUstate", fresh)
-    finally:
-        instance.call("fmi2FreeFMUstate", ctypes.byref(fresh))
-
-
-def free_states(instances: Sequence[Instance], states: Sequence[Any]) -> None:
-    """Free those states of instances that are not serialized."""
-    for instance, state in zip(instances, states, strict=True):
-        if not isinstance(state, bytes) and state:
-            instance.status("fmi2FreeFMUstate", ctypes.byref(state))

@@ -7,7 +7,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from orchestration.fmi.codes import INTERPOLATES, SAVES_STATE
-from orchestration.fmi.instance import Instance, Variable
+from orchestration.fmi.description import Variable
+from orchestration.fmi.instance import Instance
 from orchestration.master.algorithm import DIRECTIONAL, NEWTON, SEQUENTIAL, Algorithm, Correction, StepControl
 from orchestration.master.flatten import Assembly
 from orchestration.master.kernel.codes import (

@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from orchestration.fmi.instance import SAMPLE_TIME
+from orchestration.fmi.description import SAMPLE_TIME
 from orchestration.paper.numbers import (
     ADAPTIVE_DAMPING,
     ADAPTIVE_STEP,

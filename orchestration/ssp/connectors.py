@@ -143,9 +143,9 @@ class Wiring:
         drawn = self._elements[path].connectors.get(variable, ("", None))[1]
         if drawn is None or declared == drawn:
             return declared
-        if declared is None or declared.exponents is None:
+        if declared is None or declared.meaning is None:
             return drawn
-        if drawn.exponents is None and drawn.name == declared.name:
+        if drawn.meaning is None and drawn.name == declared.name:
             return declared
         if not drawn.equivalent(declared):
             msg = (

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TypedDict
 
 from orchestration.errors import ArchiveError, SystemDescriptionError
-from orchestration.fmi.instance import read_description
+from orchestration.fmi.description import read_description
 from orchestration.fmi.units import UnitDefinition, defined
 from orchestration.ssp.connectors import Element, Wiring
 from orchestration.ssp.parameters import start_values

@@ -16,7 +16,7 @@ import platformdirs
 from lxml import etree
 
 from orchestration.errors import ArchiveError, SystemDescriptionError
-from orchestration.fmi.units import BASE_UNITS, Linear, UnitDefinition
+from orchestration.fmi.units import BASE_UNITS, Linear, Unit, UnitDefinition
 from orchestration.sandbox.archive import file_hash, unpack
 
 _BASE = "http://ssp-standard.org/SSP1/SystemStructure"
@@ -194,7 +194,8 @@ def read_units(root: Xml) -> dict[str, UnitDefinition]:
         base, name = required(element, f"{{{SSC}}}BaseUnit"), element.attrib["name"]
         powers = ((symbol, int(base.get(symbol) or 0)) for symbol in BASE_UNITS)
         exponents = tuple((symbol, power) for symbol, power in powers if power)
-        found[name] = UnitDefinition(name, exponents, float(base.get("factor") or 1), float(base.get("offset") or 0))
+        meaning = Unit(exponents, float(base.get("factor") or 1), float(base.get("offset") or 0))
+        found[name] = UnitDefinition(name, meaning if meaning.convertible else None)
     return found
 
 

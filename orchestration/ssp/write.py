@@ -10,8 +10,8 @@ from lxml import etree
 
 from orchestration.errors import SystemDescriptionError
 from orchestration.fmi.codes import BOOLEAN, INTEGER, REAL
-from orchestration.fmi.instance import Variable
-from orchestration.fmi.units import UnitDefinition
+from orchestration.fmi.description import Variable
+from orchestration.fmi.units import Unit, UnitDefinition
 from orchestration.ssp.schema import (
     ASSUMPTIONS_ANNOTATION,
     FMU_TYPE,
@@ -87,7 +87,7 @@ class _Units:
 
     def name(self, unit: UnitDefinition | None) -> str | None:
         """Return the name of a unit in the document; None if the FMU gives no definition of the unit."""
-        if unit is None or unit.exponents is None:
+        if unit is None or unit.meaning is None:
             return None
         name, count = unit.name, 1
         while not self.names.setdefault(name, unit).equivalent(unit):
@@ -101,11 +101,12 @@ class _Units:
             return
         listing = etree.SubElement(root, f"{{{namespace}}}Units")
         for name, unit in sorted(self.names.items()):
-            base = {symbol: str(power) for symbol, power in unit.exponents or ()}
-            if unit.factor != 1:
-                base["factor"] = _real(unit.factor)
-            if unit.offset != 0:
-                base["offset"] = _real(unit.offset)
+            meaning = unit.meaning or Unit()
+            base = {symbol: str(power) for symbol, power in meaning.exponents}
+            if meaning.factor != 1:
+                base["factor"] = _real(meaning.factor)
+            if meaning.offset != 0:
+                base["offset"] = _real(meaning.offset)
             element = etree.SubElement(listing, f"{{{SSC}}}Unit", name=name)
             etree.SubElement(element, f"{{{SSC}}}BaseUnit", base)
 

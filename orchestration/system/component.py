@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 
 from orchestration.errors import SystemDescriptionError
 from orchestration.fmi.codes import BOOLEAN, INTEGER, REAL, STRING
-from orchestration.fmi.instance import SAMPLE_TIME, Description, Variable, parse_value
+from orchestration.fmi.description import SAMPLE_TIME, Description, Variable, parse_value
 from orchestration.fmi.units import Linear, conversion
 
 SETTABLE = ("parameter", "input")

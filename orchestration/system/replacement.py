@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from orchestration.errors import SystemDescriptionError
-from orchestration.fmi.instance import Description, read_description
+from orchestration.fmi.description import Description, read_description
 from orchestration.fmi.units import Linear
 from orchestration.system.component import SETTABLE, Component, Connection, sources_of, unit_scale
 

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from orchestration.errors import SystemDescriptionError
-from orchestration.fmi.instance import SAMPLE_TIME, Variable, read_description
+from orchestration.fmi.description import SAMPLE_TIME, Variable, read_description
 from orchestration.system.component import (
     Component,
     Connection,

@@ -71,7 +71,7 @@ def measure_memory(fmu: str, n_rows: str, parquet: str | None = None) -> dict[st
 
 def chain(fmu: str, n_units: int) -> Any:
     """Units of one FMU, each output to the next unit; every unit has as many inputs as outputs."""
-    from orchestration.fmi.instance import read_description
+    from orchestration.fmi.description import read_description
     from orchestration.system.system import Component, Connection, System
 
     description = read_description(Path(fmu))

@@ -217,11 +217,27 @@ def _fmpy_parts(system: System, instances: list[Instance]) -> list[tuple[Any, ..
         for kind in (REAL, BOOLEAN):
             names = [n for n in given if component.variable(n).type == kind]
             inputs[kind] = ([component.variable(n).reference for n in names], [column[given[n]] for n in names])
-        fetched = []
+        fetched, slave = [], _slave(instance)
         for kind, get in ((REAL, "getReal"), (INTEGER, "getInteger"), (BOOLEAN, "getBoolean")):
             outputs = [v for v in component.description.of_causality("output") if v.type == kind]
             if outputs:  # of a type, side by side
                 first = column[f"{component.name}.{outputs[0].name}"]
-                fetched.append((getattr(instance.slave, get), [v.reference for v in outputs], first))
-        parts.append((instance.slave, inputs[REAL], inputs[BOOLEAN], fetched))
+                fetched.append((getattr(slave, get), [v.reference for v in outputs], first))
+        parts.append((slave, inputs[REAL], inputs[BOOLEAN], fetched))
     return parts
+
+
+def _slave(instance: Instance) -> Any:
+    """The same instance as an object of fmpy."""
+    from fmpy.fmi2 import FMU2Slave
+
+    path, description = instance.library.path, instance.description
+    slave = FMU2Slave(
+        guid=description.guid,
+        modelIdentifier=description.identifier,
+        unzipDirectory=str(path.parents[2]),
+        libraryPath=str(path),
+        instanceName=instance.name,
+    )
+    slave.component = ctypes.c_void_p(instance.component)
+    return slave

@@ -7,7 +7,7 @@ from typing import Self
 
 import numpy as np
 
-from orchestration.fmi.codes import BOOLEAN, INTEGER, REAL, WORST_ACCEPTED
+from orchestration.fmi.codes import BOOLEAN, REAL, WORST_ACCEPTED
 from orchestration.fmi.instance import Instance
 from orchestration.system.system import Component, System
 from tests.benchmarks.native import COMPONENTS, BareUnits
@@ -139,8 +139,6 @@ def _values(component: Component, instance: Instance) -> np.ndarray:
     """All variables of an instance by value reference; references are 0, 1, ..."""
     variables = component.description.variables.values()
     values = np.full(len(variables), np.nan)
-    getters = {REAL: "getReal", INTEGER: "getInteger", BOOLEAN: "getBoolean"}
     for variable in variables:
-        get = getattr(instance.slave, getters[variable.type])
-        values[variable.reference] = get([variable.reference])[0]
+        _, (values[variable.reference],) = instance.get(variable.type, [variable.reference])
     return values

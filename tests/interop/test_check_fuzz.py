@@ -15,7 +15,7 @@ import pytest
 from orchestration import System
 from orchestration.check import Report, Severity
 from orchestration.errors import ArchiveError
-from orchestration.fmi.instance import read_description
+from orchestration.fmi.description import read_description
 from tests.interop.foreign.builders import container, python_slave, without_pythonfmu
 from tests.unit.orchestration.check.test_robust import examined
 from tests.unit.orchestration.checked import DESCRIPTION

@@ -14,7 +14,7 @@ from fmpy.fmi2 import FMU2Slave
 
 from fmus.catalog import UNITS
 from orchestration import Component, Result, System, UnconnectedInputWarning, simulate
-from orchestration.fmi.instance import read_description
+from orchestration.fmi.description import read_description
 from tests.interop.peers import run_ecospy, run_libcosim, unavailable
 
 STEP, STEP_NS = 1e-4, 100_000

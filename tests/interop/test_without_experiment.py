@@ -11,7 +11,7 @@ from fmpy.validation import validate_fmu
 from adaptimp_fmu import SampledModel, build
 from orchestration import Component, Result, System, UnconnectedInputWarning, simulate
 from orchestration.check import check
-from orchestration.fmi.instance import read_description
+from orchestration.fmi.description import read_description
 from tests.interop.peers import run_ecospy, run_libcosim, unavailable
 
 STEP, STEPS = 1e-2, 10

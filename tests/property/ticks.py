@@ -139,4 +139,4 @@ def run(driver: Driver, controller: str, sample: Sample, **more: Value) -> Itera
         a_f = a_f + share * (inputs["ddq"] - a_f)
         feed(driver, inputs, k, h)
         yield seen(driver, sample, inputs, a_f)
-    driver.slave.reset()
+    driver.call("fmi2Reset")

@@ -24,7 +24,7 @@ from orchestration.analysis.stability.operating_point import SavedComponent, ope
 from orchestration.analysis.stability.pulse_response import identify
 from orchestration.analysis.stability.step_map import Coupled
 from orchestration.errors import SimulationError
-from orchestration.fmi.instance import SAMPLE_TIME
+from orchestration.fmi.description import SAMPLE_TIME
 from orchestration.master.algorithm import Algorithm
 from orchestration.system.system import System
 

@@ -279,7 +279,7 @@ class _Rows:
             for degree, row in enumerate(self.polynomial(link, end if assumed or fresh else None)):
                 if degree <= order:
                     U[degree, link.input] = self.gains[j] * row[0]
-        return U.reshape((unit.order + 1) * len(unit.inputs), self.width)
+        return U.reshape((model.order + 1) * len(model.inputs), self.width)
 
     def shown(self, link: Link) -> np.ndarray:
         """Current output at the source of a link, shape (1, width)."""

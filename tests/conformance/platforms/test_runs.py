@@ -25,7 +25,7 @@ import pytest
 
 from fmus.catalog import UNITS
 from orchestration import Component, System, simulate
-from orchestration.fmi.instance import read_description
+from orchestration.fmi.description import read_description
 from orchestration.paper.scenarios import SCENARIOS
 from tests.conformance.binary import OK, Binary, Instance
 from tests.conformance.platforms.condition import rounding_effects

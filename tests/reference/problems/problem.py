@@ -17,7 +17,7 @@ import numpy as np
 from scipy.linalg import expm
 
 from adaptimp_fmu import Model, build
-from orchestration.fmi.instance import Description, read_description
+from orchestration.fmi.description import Description, read_description
 from orchestration.system.system import Component, Connection, System
 
 

@@ -1,5 +1,7 @@
 """Tests of the energy ledger of a power bond, against the mechanical energy of the simulated system."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -7,6 +9,7 @@ from orchestration import OrchestrationError, Result, SystemDescriptionError, si
 from orchestration.analysis.energy import PowerBond, ledger
 from orchestration.master.algorithm import NEWTON, PARALLEL, Algorithm, Correction
 from tests.reference.problems import PROBLEMS, wall
+from tests.unit.orchestration.checked import edited, swap
 
 H, STOP = 1e-3, 2.0  # s
 K, X = 100.0, 0.1  # N/m, m: the wall problem's own numbers, with m = 1 kg, w = 10 rad/s
@@ -95,6 +98,15 @@ def test_a_pair_that_carries_no_power_is_refused(effort: str, flow: str, message
     system, result = run("gauss-seidel")
     with pytest.raises(SystemDescriptionError, match=message):
         ledger(result, PowerBond(effort, flow), system)
+
+
+def test_a_unit_that_is_not_declared_is_none_of_power(tmp_path: Path) -> None:
+    """A bare name says nothing of its size."""
+    system, result = run("gauss-seidel")
+    fmu = system.component("mass").description.path
+    undeclared = edited(fmu, tmp_path, swap('<Unit name="m/s">', '<Unit name="m/h">'))
+    with pytest.raises(SystemDescriptionError, match="N times m/s is no power"):
+        ledger(result, BOND, system.replace("mass", undeclared))
 
 
 def test_what_was_not_recorded_is_named() -> None:

@@ -12,7 +12,8 @@ from orchestration import SimulationError, System, SystemDescriptionError
 from orchestration.analysis.stability.eigensystem_realization import Pulses, realize
 from orchestration.analysis.stability.operating_point import operating_point
 from orchestration.analysis.stability.pulse_response import identify
-from orchestration.fmi.instance import Instance, read_description
+from orchestration.fmi.description import read_description
+from orchestration.fmi.instance import Instance
 from tests.reference.problems import PROBLEMS, force_displacement
 from tests.reference.problems.problem import held
 from tests.reference.problems.two_masses import Numbers

@@ -15,7 +15,7 @@ from orchestration import (
     UnconnectedInputWarning,
     simulate,
 )
-from orchestration.fmi.instance import read_description
+from orchestration.fmi.description import read_description
 from tests.unit.orchestration.units import H, mixed, system
 
 

@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 from orchestration import ArchiveError, Component, Result, System, SystemDescriptionError
-from orchestration.fmi.instance import read_description
+from orchestration.fmi.description import read_description
 from orchestration.master import provenance as module
 from orchestration.master.provenance import provenance
 from tests.unit.orchestration.units import H, chain, mixed

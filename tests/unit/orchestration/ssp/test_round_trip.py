@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from lxml import etree
 
 from orchestration import Component, Connection, System, SystemDescriptionError
-from orchestration.fmi.instance import read_description
+from orchestration.fmi.description import read_description
 from tests.unit.orchestration.packages import same
 
 pytestmark = pytest.mark.usefixtures("own_cache")
