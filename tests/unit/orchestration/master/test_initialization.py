@@ -53,7 +53,7 @@ def test_algebraic_loop_is_solved(small: dict[str, Path]) -> None:
     """The loop is y_a = 1 + 2 y_b and y_b = 2 y_a; a transfer of outputs by turns would diverge."""
     ring = system(small, {"a": "Integrator", "b": "Integrator"}, "a.y -> b.u\nb.y -> a.u")
     result = simulate(ring.set({"a.through": 2.0, "b.through": 2.0, "a.x_start": 1.0}), H)
-    # The loop is linear. Newton's correction is exact but for its differences, a relative 1e-9. It is repeated to 1e-12.
+    # The loop is linear. Newton's correction is exact but for its differences, a relative 1e-9, and goes on to 1e-12.
     assert result["a.y"][0] == pytest.approx(-1 / 3, rel=1e-11)
     assert result["b.y"][0] == pytest.approx(-2 / 3, rel=1e-11)
 
