@@ -5,8 +5,8 @@
 Closed, u = (g c x + r) / (1 - d g) and x' = A x + B with A = a + b g c / (1 - d g), B = b r / (1 - d g).
 Each repetition of the loop multiplies the error by d g. So repetition settles for |d g| < 1 (`CONTRACTING`) and
 diverges for |d g| > 1 (`EXPANDING`). The loop is linear, so Newton's method needs one step. With d = 0, the default,
-there is no algebraic loop. Both components show the left limit at a communication point: y from the input that was held over the
-step. The order is plant, gain.
+there is no algebraic loop. Both components show the left limit at a communication point: y from the input that was held
+over the step. The order is plant, gain.
 """
 
 from dataclasses import dataclass
