@@ -35,6 +35,7 @@ MAX_ORDER = 2
 
 
 def _choice(what: str, value: str, known: tuple[str, ...]) -> None:
+    """Refuse a value that is not known, with a message that lists the known values."""
     if value not in known:
         msg = f"There is no {what} {value!r}; there are {', '.join(known)}."
         raise SystemDescriptionError(msg)

@@ -130,6 +130,7 @@ def set_values(component: Component, instance: Instance, values: Mapping[str, fl
 
 
 def _propagate(system: System, instances: Sequence[Instance], assembly: Assembly) -> None:
+    """Transfer outputs to inputs until nothing changes, or solve the algebraic loops that remain."""
     plan = assembly.plan
     _get_all(instances, assembly)
     # A chain passes through each connection at most once; anything longer is an algebraic loop.
@@ -166,6 +167,7 @@ def _transfer(assembly: Assembly, i: int) -> None:
 
 
 def _get_all(instances: Sequence[Instance], assembly: Assembly) -> None:
+    """Get the outputs of all instances into the buffers."""
     for i, instance in enumerate(instances):
         _raise_failure(instance, *get_outputs(assembly.plan.table, i))
 
@@ -176,5 +178,6 @@ def _same(a: np.ndarray, b: np.ndarray) -> bool:
 
 
 def _raise_failure(instance: Instance, call: int, status: int) -> None:
+    """Raise an error if a call returned a status worse than a warning."""
     if status > WORST_ACCEPTED:
         raise InitializationError(instance.failure(CALL_NAMES[call], status, " during initialization"))

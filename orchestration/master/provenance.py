@@ -77,6 +77,7 @@ def provenance(
 
 
 def _fmu(component: Component) -> dict[str, str]:
+    """Describe the FMU of a component by its file, identifier, GUID and hash."""
     description = component.description
     try:
         digest = file_hash(description.path)
@@ -103,6 +104,7 @@ def _seeds(system: System) -> dict[str, float | None]:
 
 
 def _versions() -> dict[str, str]:
+    """Return the versions of the packages that decide the numbers, of Python and of the platform."""
     return {
         **{package: _version(package) for package in PACKAGES},
         "python": platform.python_version(),
@@ -111,6 +113,7 @@ def _versions() -> dict[str, str]:
 
 
 def _version(package: str) -> str:
+    """Return the version of an installed package."""
     try:
         return version(package)
     except PackageNotFoundError:
@@ -126,4 +129,5 @@ def _numbers(values: Mapping[str, float | None]) -> dict[str, float | str | None
 
 
 def _json(value: Any) -> str:
+    """Write a value as JSON."""
     return json.dumps(value, ensure_ascii=False, allow_nan=False)

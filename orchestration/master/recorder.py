@@ -94,6 +94,7 @@ class Recorder:
         return self._sink is not None
 
     def _hand_on(self) -> None:
+        """Hand a full block to the sink, or keep it and begin another block."""
         if self._sink is not None:
             self.flush()
         else:

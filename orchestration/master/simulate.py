@@ -177,6 +177,7 @@ def _grid(
     algorithm: Algorithm,
     options: Options,
 ) -> Grid:
+    """Return the communication points of a run, and refuse ratios that do not fit them."""
     stop_time, step, times = wanted
     span = (options.start_time, system.stop_time if stop_time is None else stop_time)
     step = system.step if step is None else step
@@ -197,6 +198,7 @@ def _grid(
 
 
 def _report_unconnected(system: System, options: Options) -> None:
+    """Warn of unconnected inputs, or refuse them if the run is strict."""
     inputs = system.unconnected_inputs()
     if not inputs:
         return

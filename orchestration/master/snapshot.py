@@ -121,6 +121,7 @@ class Snapshot:
 
 
 def _is_state(name: str) -> bool:
+    """Whether an array of a file is the serialized state of a component."""
     return name.startswith("state_")
 
 
@@ -138,8 +139,8 @@ def identity(system: System, columns: Sequence[str], times: np.ndarray, chosen: 
     chosen
         Further choices of the run, such as its algorithm; the hash takes the ``repr`` of each.
     """
-    units = [(c.name, c.description.identifier, c.description.guid) for c in system.components]
-    said = (units, [repr(connection) for connection in system.connections], tuple(columns), *chosen)
+    members = [(c.name, c.description.identifier, c.description.guid) for c in system.components]
+    said = (members, [repr(connection) for connection in system.connections], tuple(columns), *chosen)
     return hashlib.sha256(repr(said).encode() + times.tobytes()).hexdigest()
 
 

@@ -130,6 +130,7 @@ def tick_grid(system: System, span: tuple[float, float], step: float) -> Grid:
 
 
 def _require_positive(step: float) -> None:
+    """Refuse a step that is not positive and finite."""
     if not (np.isfinite(step) and step > 0):
         msg = f"The step {step!r} s is not positive."
         raise SystemDescriptionError(msg)
