@@ -93,6 +93,7 @@ class Model:
     icon: Icon = field(default_factory=Icon)
     ownership: Ownership = field(default_factory=Ownership)
     experiment: Experiment = field(default_factory=Experiment)
+    period_name: str = field(default="", init=False)
 
     def parameter(
         self,
@@ -158,7 +159,7 @@ class Model:
         self._add_variables(name, Role.OUTPUT, type, [None] * value.numel(), shape, unit, description, ANY)
         self.output_values.append(value)
 
-    def state(self, name: str, initial: ca.SX) -> ca.SX:
+    def state(self, name: str, initial: ca.SX | Start) -> ca.SX:
         """Declare a state, shape (n,), from its first value; returns its symbol.
 
         The first value may depend on parameters and, in a sampled model, on the first tick's inputs.

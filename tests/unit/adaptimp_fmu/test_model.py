@@ -70,8 +70,9 @@ def test_a_model_without_outputs_is_refused() -> None:
 @pytest.mark.parametrize("what", ["units", "descriptions"])
 def test_one_text_per_element(what: str) -> None:
     texts = {"units": {"unit": ["m"]}, "descriptions": {"description": ["Only one"]}}[what]
+    declaration: dict[str, Any] = {"description": "Both"} | texts
     with pytest.raises(DefinitionError, match=rf"x\[1\]: 2 elements but 1 {what}"):
-        sampled().input("x", [0.0, 0.0], **({"description": "Both"} | texts))
+        sampled().input("x", [0.0, 0.0], **declaration)
 
 
 def test_evolution_has_the_shape_of_its_state() -> None:
