@@ -1,4 +1,4 @@
-"""A model's symbols as column vectors, in the order of their value references."""
+"""Column vectors of a model's symbols, in the order of their FMI value references."""
 
 from collections.abc import Sequence
 

@@ -1,4 +1,4 @@
-"""What can go wrong between a definition and a built FMU, and when one is tested."""
+"""Errors of declaring, compiling and testing an FMU."""
 
 
 class DefinitionError(ValueError):
@@ -10,8 +10,8 @@ class ToolchainError(RuntimeError):
 
 
 class FmuError(RuntimeError):
-    """A unit cannot be loaded, or refuses a call; says where, when, and the unit's last message."""
+    """An FMU cannot be loaded, or refuses a call. The error gives place, time and the FMU's last message."""
 
 
 class SignalError(ValueError):
-    """A name, a shape, a value or a time that does not fit the unit."""
+    """A name, a shape, a value or a time does not fit the FMU's variables."""

@@ -1,4 +1,4 @@
-"""From a declaration to the functions that the runtime calls.
+"""Turn a declared model into the CasADi functions that the C runtime calls.
 
 Expressions of parameters alone are moved into ``calibrate``, which runs when parameters change, and
 those of a continuous model's states alone into ``prepare``, whose values serve derivative, outputs and
@@ -21,7 +21,7 @@ from adaptimp_fmu.sensitivity import sensitivity_functions
 
 @dataclass(frozen=True)
 class Lowered:
-    """A model as functions of plain numbers.
+    """A model, written as functions of plain numbers.
 
     Attributes
     ----------
@@ -54,7 +54,7 @@ def lower(model: Model) -> Lowered:
     Raises
     ------
     DefinitionError
-        If the name is no C identifier, there are no outputs, a state has no evolution, a divisor or a seed is
+        If the name is not a C identifier, there are no outputs, a state has no evolution, a divisor or a seed is
         no suitable parameter, or a value depends on a symbol that the model does not declare.
     """
     _require_complete(model)
@@ -140,7 +140,7 @@ def _noise_active(model: Model) -> ca.SX:
 
 def _require_complete(model: Model) -> None:
     if not re.fullmatch(r"[A-Za-z_][A-Za-z0-9_]*", model.name):
-        msg = f"{model.name!r} is no C identifier, so it cannot name an FMU."
+        msg = f"{model.name!r} is not a C identifier, so it cannot name an FMU."
         raise DefinitionError(msg)
     if not model.output_values:
         msg = f"{model.name} has no outputs."

@@ -1,4 +1,4 @@
-"""Exact derivatives of the outputs, by algorithmic differentiation of the declaration.
+"""Exact derivatives of a model's outputs, by algorithmic differentiation.
 
     output_rate          dy/dt along the motion, for inputs that change at the rates v
     output_sensitivity   dy = (dy/du) v at fixed states: what reaches an output within a communication point

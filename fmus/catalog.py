@@ -1,4 +1,4 @@
-"""The units that exist, by model identifier."""
+"""The models of this project, by model identifier."""
 
 from collections.abc import Callable
 from functools import partial

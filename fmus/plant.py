@@ -1,4 +1,4 @@
-"""Plant: the arm, eq. (1), against a compliant wall.
+"""Plant: a robot arm, eq. (1), whose tip touches a compliant wall.
 
     H(q) ddq + C(q, dq) dq + g(q) + f(dq) = tau - J' F_ext
 

@@ -1,4 +1,4 @@
-"""What every controller shares: its interface, its picture of the arm, and the TIRT, eq. (11).
+"""What all controllers share: inputs, outputs, a model of the arm, and the reference trajectory of eq. (11).
 
 A controller's outputs are those of a tick: e = x - x_t, the torque, p_hat and x_t are shown before
 the states advance to the next tick.
@@ -32,7 +32,7 @@ EQUATIONS = (
 
 @dataclass(frozen=True)
 class Controller:
-    """A controller in the making: its model and the symbols it shares.
+    """A controller that is being declared: its model, and the symbols that every control law uses.
 
     Attributes
     ----------

@@ -15,7 +15,7 @@ from fmus.mechanics.arm import Arm
 
 @dataclass(frozen=True)
 class Measured:
-    """What the controller sees: joint state (n,), tip force N (2,)."""
+    """Measurements of a controller: joint angles rad and rates rad/s, shape (n,), and tip force N, shape (2,)."""
 
     q: ca.SX
     dq: ca.SX

@@ -305,7 +305,7 @@ def test_16_input_derivatives_are_checked(load: Load, create: Create) -> None:
     for names, order, value, text in (
         (["tau[1]"], 0, 1.0, "order 0 of tau[1]"),
         (["tau[1]"], 3, 1.0, "order 3 of tau[1]"),
-        (["q[1]"], 1, 1.0, "q[1] is no input"),
+        (["q[1]"], 1, 1.0, "q[1] is not an input"),
         (["tau[1]"], 1, float("nan"), "must be finite"),
     ):
         assert give_rates(instance, names, order, [value]) == ERROR

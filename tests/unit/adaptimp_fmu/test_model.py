@@ -56,7 +56,7 @@ def test_model_identifier_is_a_c_identifier(name: str) -> None:
     """It names a file and, in static libraries, C functions (checklist 6)."""
     model = sampled(name)
     model.output("y", model.input("u", 0.0, description="Input"), description="Output")
-    with pytest.raises(DefinitionError, match="no C identifier"):
+    with pytest.raises(DefinitionError, match="not a C identifier"):
         definition(model)
 
 
@@ -85,7 +85,7 @@ def test_evolution_has_the_shape_of_its_state() -> None:
 def test_only_states_evolve() -> None:
     model = sampled()
     u = model.input("u", 0.0, description="Input")
-    with pytest.raises(DefinitionError, match="u is no state of this model"):
+    with pytest.raises(DefinitionError, match="u is not a state of this model"):
         model.update(u, u)
 
 
