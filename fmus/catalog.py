@@ -13,7 +13,7 @@ from fmus.slotine_li_adaptive_impedance import slotine_li_adaptive_impedance
 from fmus.spong_ortega_adaptive_impedance import spong_ortega_adaptive_impedance
 from fmus.virtual_trajectory import virtual_trajectory
 
-UNITS: dict[str, Callable[[], Model]] = {
+MODELS: dict[str, Callable[[], Model]] = {
     "VirtualTrajectory": virtual_trajectory,
     "ForceSensor": force_sensor,
     "HoganImpedance": hogan_impedance,

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from adaptimp_fmu import build
-from fmus.catalog import UNITS
+from fmus.catalog import MODELS
 from tests.driver import Driver
 
 ORCHESTRATION = Path(__file__).parents[1] / "orchestration"
@@ -30,7 +30,7 @@ def pytest_configure() -> None:
 def fmu_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Folder with every unit's FMU, built for this machine."""
     folder = tmp_path_factory.mktemp("fmus")
-    for declare in UNITS.values():
+    for declare in MODELS.values():
         build(declare(), folder)
     return folder
 

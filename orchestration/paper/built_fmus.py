@@ -32,9 +32,9 @@ def fmus(identifiers: Iterable[str]) -> Mapping[str, Path]:
 
 def built(identifier: str) -> Path:
     """One unit's FMU for this machine, from the cache or built now; raises as `built_model`."""
-    from fmus.catalog import UNITS
+    from fmus.catalog import MODELS
 
-    return built_model(UNITS[identifier]())
+    return built_model(MODELS[identifier]())
 
 
 def built_model(model: "Model", folder: Path | None = None, platforms: "Iterable[Platform] | None" = None) -> Path:

@@ -6,7 +6,7 @@ import casadi as ca
 import numpy as np
 
 from adaptimp_fmu.lowering import lower
-from fmus.catalog import UNITS
+from fmus.catalog import MODELS
 from orchestration.master.flatten import assemble
 from orchestration.master.initialization import initialize, opened
 from orchestration.master.kernel import fixed_step
@@ -42,7 +42,7 @@ def _sensitivity(evidence: Evidence) -> Finding:
 
 def operations(identifier: str) -> dict[str, int]:
     """Arithmetic operations per tick of a controller, without and with the update of p_hat."""
-    functions = {f.name(): f for f in lower(UNITS[identifier]()).functions}
+    functions = {f.name(): f for f in lower(MODELS[identifier]()).functions}
     return {
         name: sum(
             functions[name].instruction_id(i) not in _NOT_ARITHMETIC for i in range(functions[name].n_instructions())
