@@ -1,4 +1,4 @@
-"""How a declared model becomes an FMI 2.0 co-simulation FMU; knows no robot.
+"""Turn a model that is declared with CasADi into an FMU for co-simulation, FMI 2.0.
 
 Declare a `ContinuousModel` or a `SampledModel`, then `build` it.
 """

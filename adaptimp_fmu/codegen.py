@@ -1,4 +1,4 @@
-"""C code of a model: CasADi's functions, one table, and the runtime it includes."""
+"""Generate the C code of a model: CasADi's functions, a table of variables, and the runtime."""
 
 import importlib.resources
 import math
@@ -42,7 +42,7 @@ _SEAM = {
 
 @dataclass(frozen=True)
 class Adapter:
-    """A C function of the seam that calls CasADi's function of the same purpose."""
+    """A C function that the runtime calls and that calls CasADi's function of the same name."""
 
     name: str
     signature: str

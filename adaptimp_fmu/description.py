@@ -1,4 +1,4 @@
-"""modelDescription.xml of a model (FMI 2.0.5, chapter 2.2 and 4.3)."""
+"""Write the modelDescription.xml of an FMU (FMI 2.0.5, chapters 2.2 and 4.3)."""
 
 import importlib.resources
 import math

@@ -1,4 +1,4 @@
-"""``documentation/`` of an FMU: what it computes, its interface, its semantics, how to rebuild it, its owner.
+"""The pages in ``documentation/`` of an FMU: equations, interface, semantics, how to rebuild it, and its owner.
 
 The equations are the docstrings of the modules that declare them, word for word.
 """
@@ -27,7 +27,7 @@ _LIMITS = ("MAX_TICKS", "MAX_SUBSTEPS", "FIRST_EVENTS", "EVENTS_PER_SUBSTEP")
 
 @dataclass(frozen=True)
 class Row:
-    """A line of an interface table, as text."""
+    """A variable of a model as a row of an interface table, in words."""
 
     name: str
     type: str
@@ -40,7 +40,12 @@ class Row:
 
 
 def present(model: Model, icon: Icon, *modules: str) -> None:
-    """Give a model its icon and its documentation, the docstrings of modules: the unit's own first.
+    """Give a model its icon, and the docstrings of modules as its documentation.
+
+    Parameters
+    ----------
+    modules
+        Names of the modules whose docstrings hold the equations, the model's own module first.
 
     Raises
     ------

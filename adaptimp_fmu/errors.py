@@ -1,4 +1,4 @@
-"""What can go wrong between a definition and a built FMU."""
+"""Errors of declaring and compiling an FMU."""
 
 
 class DefinitionError(ValueError):

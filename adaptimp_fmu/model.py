@@ -1,4 +1,4 @@
-"""A model, declared once.
+"""The declaration of a model, from which everything in its FMU follows.
 
 Order of variables, value references, XML, C tables, dependencies and GUID follow from the
 declaration. There are two kinds: a `ContinuousModel` has derivatives, which the runtime
@@ -36,7 +36,7 @@ NOT_NEGATIVE = Limits(minimum=0.0)
 
 @dataclass
 class State:
-    """A state vector: its symbol, its first value, and what becomes of it.
+    """A state vector of a model: its symbol, its first value, and its derivative or update.
 
     A `slow` state of a sampled model is updated at every n-th tick only.
     """
@@ -50,7 +50,7 @@ class State:
 
 @dataclass(frozen=True)
 class Check:
-    """A demand on numbers: `value` must be positive, else `sentence` is the error."""
+    """A demand of a model: the expression `value` must be positive, else `sentence` is the error message."""
 
     value: ca.SX
     sentence: str
@@ -58,7 +58,7 @@ class Check:
 
 @dataclass
 class Model:
-    """What both kinds have in common. Use `ContinuousModel` or `SampledModel`.
+    """Base of the two kinds of models, `ContinuousModel` and `SampledModel`.
 
     Parameters
     ----------
@@ -93,6 +93,7 @@ class Model:
     icon: Icon = field(default_factory=Icon)
     ownership: Ownership = field(default_factory=Ownership)
     experiment: Experiment = field(default_factory=Experiment)
+    period_name: str = field(default="", init=False)
 
     def parameter(
         self,
@@ -158,7 +159,7 @@ class Model:
         self._add_variables(name, Role.OUTPUT, type, [None] * value.numel(), shape, unit, description, ANY)
         self.output_values.append(value)
 
-    def state(self, name: str, initial: ca.SX) -> ca.SX:
+    def state(self, name: str, initial: ca.SX | Start) -> ca.SX:
         """Declare a state, shape (n,), from its first value; returns its symbol.
 
         The first value may depend on parameters and, in a sampled model, on the first tick's inputs.
@@ -206,7 +207,7 @@ class Model:
                     )
                     raise DefinitionError(msg)
                 return
-        msg = f"{self.name}: {symbol} is no state of this model."
+        msg = f"{self.name}: {symbol} is not a state of this model."
         raise DefinitionError(msg)
 
     def _declare(

@@ -1,4 +1,4 @@
-"""From a model to an .fmu file: hash, compile, zip; nothing is done twice.
+"""Build an .fmu file from a model: generate, compile, zip. What was compiled before comes from a cache.
 
 Same definition, same bytes: entries of the archive have a fixed order and date, and the GUID is a
 hash of the definition and the runtime.

@@ -1,4 +1,4 @@
-"""Who depends on whom, read off the sparsity of Jacobians."""
+"""Which inputs and parameters each output of a model depends on, read off the sparsity of Jacobians."""
 
 from dataclasses import dataclass
 
@@ -17,7 +17,7 @@ class Dependencies:
     ----------
     in_step
         After initialization: inputs that reach the output at the same communication point. A
-        sampled unit has none, since its outputs belong to the tick.
+        sampled model has none, since its outputs belong to the tick.
     initial
         During initialization: parameters and inputs.
     """

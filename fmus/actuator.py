@@ -1,4 +1,4 @@
-"""Actuator: holds the commanded torque within symmetric limits, lags, and limits its rate.
+"""Actuator: joint torques that follow their command within limits of torque and rate, with a lag.
 
     target = clip(tau_cmd, -tau_max, tau_max)
     lagged = tau[k-1] + (1 - exp(-Ts / time_constant)) (target - tau[k-1])

@@ -1,4 +1,4 @@
-"""CraigAdaptiveImpedance: algorithm 1, eqs. (8) to (25).
+"""CraigAdaptiveImpedance: adaptive impedance control by algorithm 1 of the paper, eqs. (8) to (25).
 
     tau = H_hat ddq* + C_hat dq + g_hat + f_hat + J' (F_hat + F_c)                     (8)
     ddq* = J^-1 { ddx_v - M^-1 [B (dx - dx_v) + K (x - x_v) + F_hat] - dJ/dt dq }      (9)

@@ -1,4 +1,4 @@
-"""ForceSensor: samples the tip force, with bounded noise of a truncated normal distribution.
+"""ForceSensor: measures the force of the tip, with bounded noise of a truncated normal distribution.
 
 The error has the density of two independent normal components of standard deviation `noise_std`,
 truncated where its Euclidean norm exceeds `noise_bound`, so |F_hat - F_ext| <= noise_bound (the

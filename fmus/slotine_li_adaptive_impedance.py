@@ -1,4 +1,4 @@
-"""SlotineLiAdaptiveImpedance: algorithm 2, eqs. (29) to (36).
+"""SlotineLiAdaptiveImpedance: adaptive impedance control by algorithm 2 of the paper, eqs. (29) to (36).
 
     s = de + Psi e,  dx_r = dx_t - Psi e,  ddx_r = ddx_t - Psi de
     F = H_hat_x ddx_r + C_hat_x dx_r + g_hat_x + f_hat_x + F_hat - K_d s               (32)

@@ -1,4 +1,6 @@
-"""SpongOrtegaAdaptiveImpedance: algorithm 1 with one fixed inverse (III-C, remark 2; Spong and Ortega 1990).
+"""SpongOrtegaAdaptiveImpedance: algorithm 1 of the paper with one fixed inverse of the inertia.
+
+Source: III-C, remark 2; Spong and Ortega 1990.
 
 With the model at p0 = p_start (index 0) and p_hat = p0 - phi_hat:
 

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from adaptimp_fmu import build
-from fmus.catalog import UNITS
+from fmus.catalog import MODELS
 from tests import selection
 from tests.driver import Driver
 from tests.sharing import made_once
@@ -23,7 +23,7 @@ def fmu_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Folder with every unit's FMU, built for this machine."""
 
     def build_all(folder: Path) -> None:
-        for declare in UNITS.values():
+        for declare in MODELS.values():
             build(declare(), folder)
 
     return made_once(tmp_path_factory, "fmus", build_all)

@@ -1,4 +1,4 @@
-/* Reading and writing variables. A call that is refused changes nothing. */
+/* The FMI functions that get and set variables. A call that is refused changes nothing. */
 #include <math.h>
 #include <string.h>
 
@@ -56,7 +56,7 @@ static int is_gettable(const Instance *instance, fmi2ValueReference reference, c
     const ModelVariable *variable = &model_variables[reference];
     const double value = instance->state.values[reference];
     if (variable->type != TYPE_INTEGER || is_integer(value)) return 1;
-    fail(instance, "%s: %s = %.17g is no Integer.", function, variable->name, value);
+    fail(instance, "%s: %s = %.17g is not an Integer.", function, variable->name, value);
     return 0;
 }
 
@@ -197,7 +197,7 @@ DEFINE_GETTER(fmi2GetReal, fmi2Real, TYPE_REAL, AS_IT_IS)
 DEFINE_GETTER(fmi2GetInteger, fmi2Integer, TYPE_INTEGER, TO_INTEGER)
 DEFINE_GETTER(fmi2GetBoolean, fmi2Boolean, TYPE_BOOLEAN, TO_BOOLEAN)
 
-/* No unit has string variables: every reference is refused. */
+/* A model has no string variables, so every reference is refused. */
 fmi2Status fmi2GetString(fmi2Component c, const fmi2ValueReference vr[], size_t nvr,
                          fmi2String value[]) {
     Instance *instance = allowed(c, ALLOWED_GET, "fmi2GetString");

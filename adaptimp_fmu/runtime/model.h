@@ -1,4 +1,4 @@
-/* The seam between a model and the runtime.
+/* The interface between a generated model and the runtime.
  *
  * A generated file defines, before anything else is included, the sizes MODEL_N_*, the index
  * MODEL_PERIOD and MODEL_SAMPLED (and the index MODEL_DIVISOR, if there are slow states, and

@@ -1,4 +1,4 @@
-/* A sampled model: update every sample_time, outputs held in between.
+/* Steps of a sampled model, which is updated every sample_time and holds its outputs in between.
  *
  * The instance keeps its own position in ticks, since a host's clock is summed or rounded: k ticks
  * have run, and `tick_fraction` in [0, 1) says how far behind the last one the present lies. A

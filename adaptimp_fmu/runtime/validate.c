@@ -1,4 +1,4 @@
-/* What a model demands of its numbers, and the sentence that says which one is at fault. */
+/* Tests of inputs, parameters, states and outputs; each failure is a sentence that names the variable. */
 #include <float.h>
 #include <limits.h>
 #include <math.h>

@@ -23,7 +23,7 @@ errors = Console(stderr=True, markup=False, highlight=False)
 def build_fmus(files: Sequence[Path], out: Path, platforms: Sequence[str]) -> None:
     """Build the models of Python files into a folder, or every unit if there are no files."""
     from adaptimp_fmu import PLATFORMS
-    from fmus.catalog import UNITS
+    from fmus.catalog import MODELS
     from orchestration.cli.models import models_of
     from orchestration.paper.built_fmus import built_model
 
@@ -32,7 +32,7 @@ def build_fmus(files: Sequence[Path], out: Path, platforms: Sequence[str]) -> No
             msg = f"There is no platform {name}; there are {', '.join(PLATFORMS)} and all."
             raise SystemDescriptionError(msg)
     chosen = list(PLATFORMS.values()) if "all" in platforms else [PLATFORMS[n] for n in platforms]
-    models = models_of(files) if files else [declare() for declare in UNITS.values()]
+    models = models_of(files) if files else [declare() for declare in MODELS.values()]
     require_folder(out)
     for model in models:
         path = built_model(model, out, chosen)

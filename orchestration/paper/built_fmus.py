@@ -32,9 +32,9 @@ def fmus(identifiers: Iterable[str]) -> Mapping[str, Path]:
 
 def built(identifier: str) -> Path:
     """The FMU file for this machine of a model identifier; errors are those of `built_model`."""
-    from fmus.catalog import UNITS
+    from fmus.catalog import MODELS
 
-    return built_model(UNITS[identifier]())
+    return built_model(MODELS[identifier]())
 
 
 def built_model(model: "Model", folder: Path | None = None, platforms: "Iterable[Platform] | None" = None) -> Path:

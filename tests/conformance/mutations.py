@@ -35,7 +35,7 @@ CAUGHT, SURVIVED, BROKEN = "caught", "survived", "broken"
 AT_ONCE = 2
 WIDTH = 180  # characters of the table
 LONGEST = 600.0  # s; the control takes about 60
-UNITS = ("ForceSensor", "CraigAdaptiveImpedance", "Actuator", "Plant")
+MODELS = ("ForceSensor", "CraigAdaptiveImpedance", "Actuator", "Plant")
 COPIED = ("adaptimp_fmu", "fmus", "orchestration", "tests/conformance")
 COPIED_FILES = (
     *("LICENSE", "pyproject.toml"),
@@ -62,7 +62,8 @@ DESELECTED = (
     "test_07_same_definition_on_another_processor",
 )
 WARM_UP = (
-    "from adaptimp_fmu import build\nfrom fmus.catalog import UNITS\nfor unit in UNITS.values():\n    build(unit())"
+    "from adaptimp_fmu import build\nfrom fmus.catalog import MODELS\n"
+    "for declare in MODELS.values():\n    build(declare())"
 )
 
 
@@ -158,13 +159,13 @@ def outcome(mutant: Mutant, tree: Path, warm: Path) -> Outcome:
 
 
 def cut_project(tree: Path) -> None:
-    """What the conformance tests need, with the catalog cut to `UNITS`, and a cache of their binaries."""
+    """What the conformance tests need, with the catalog cut to `MODELS`, and a cache of their binaries."""
     for folder in COPIED:
         shutil.copytree(ROOT / folder, tree / folder, ignore=NOT_COPIED)
     for file in COPIED_FILES:
         shutil.copy2(ROOT / file, tree / file)
     with (tree / "fmus" / "catalog.py").open("a", encoding="utf-8") as catalog:
-        catalog.write(f"UNITS = {{name: UNITS[name] for name in {UNITS!r}}}\n")
+        catalog.write(f"MODELS = {{name: MODELS[name] for name in {MODELS!r}}}\n")
     subprocess.run([sys.executable, "-c", WARM_UP], cwd=tree, env=environment(tree), check=True, capture_output=True)
 
 

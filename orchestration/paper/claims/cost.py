@@ -11,7 +11,7 @@ import casadi as ca
 
 from adaptimp_fmu import Model
 from adaptimp_fmu.lowering import lower
-from fmus.catalog import UNITS
+from fmus.catalog import MODELS
 from orchestration.paper.claims import criteria as limits
 from orchestration.paper.claims.claim import Finding, Question
 from orchestration.paper.evidence import DIVISORS, GAMMA_GRID_FACTORS, PSI_GRID, Evidence
@@ -79,7 +79,7 @@ def _counted(function: ca.Function) -> Operations:
 
 
 def _cost(evidence: Evidence) -> Finding:
-    one, two = operations(UNITS[CRAIG]()), operations(UNITS[SLOTINE_LI]())
+    one, two = operations(MODELS[CRAIG]()), operations(MODELS[SLOTINE_LI]())
     runs, parts = [], []
     for name, (first, *slower) in evidence.divisors.items():
         for n, run in zip(DIVISORS[1:], slower, strict=True):

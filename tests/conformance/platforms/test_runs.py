@@ -23,7 +23,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fmus.catalog import UNITS
+from fmus.catalog import MODELS
 from orchestration import Component, System, simulate
 from orchestration.fmi.description import read_description
 from orchestration.paper.scenarios import SCENARIOS
@@ -44,7 +44,7 @@ ROUNDINGS = 16
 @pytest.fixture(scope="module")
 def binaries(portable: Path, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Binary]:
     """Each unit's binary for this machine, from the FMU for all."""
-    return {name: Binary(portable / f"{name}.fmu", tmp_path_factory.mktemp(name)) for name in UNITS}
+    return {name: Binary(portable / f"{name}.fmu", tmp_path_factory.mktemp(name)) for name in MODELS}
 
 
 @pytest.fixture(scope="module")

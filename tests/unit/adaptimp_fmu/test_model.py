@@ -56,7 +56,7 @@ def test_model_identifier_is_a_c_identifier(name: str) -> None:
     """It names a file and, in static libraries, C functions (checklist 6)."""
     model = sampled(name)
     model.output("y", model.input("u", 0.0, description="Input"), description="Output")
-    with pytest.raises(DefinitionError, match="no C identifier"):
+    with pytest.raises(DefinitionError, match="not a C identifier"):
         definition(model)
 
 
@@ -70,8 +70,9 @@ def test_a_model_without_outputs_is_refused() -> None:
 @pytest.mark.parametrize("what", ["units", "descriptions"])
 def test_one_text_per_element(what: str) -> None:
     texts = {"units": {"unit": ["m"]}, "descriptions": {"description": ["Only one"]}}[what]
+    declaration: dict[str, Any] = {"description": "Both"} | texts
     with pytest.raises(DefinitionError, match=rf"x\[1\]: 2 elements but 1 {what}"):
-        sampled().input("x", [0.0, 0.0], **({"description": "Both"} | texts))
+        sampled().input("x", [0.0, 0.0], **declaration)
 
 
 def test_evolution_has_the_shape_of_its_state() -> None:
@@ -84,7 +85,7 @@ def test_evolution_has_the_shape_of_its_state() -> None:
 def test_only_states_evolve() -> None:
     model = sampled()
     u = model.input("u", 0.0, description="Input")
-    with pytest.raises(DefinitionError, match="u is no state of this model"):
+    with pytest.raises(DefinitionError, match="u is not a state of this model"):
         model.update(u, u)
 
 
