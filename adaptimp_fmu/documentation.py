@@ -1,10 +1,9 @@
-"""``documentation/`` of an FMU: what it computes, its interface, its semantics, how to rebuild it, its license.
+"""``documentation/`` of an FMU: what it computes, its interface, its semantics, how to rebuild it, its owner.
 
 The equations are the docstrings of the modules that declare them, word for word.
 """
 
 import importlib
-import importlib.resources
 import inspect
 import math
 import re
@@ -12,11 +11,13 @@ from dataclasses import dataclass
 
 import jinja2
 
-from adaptimp_fmu.codegen import runtime_sources
+from adaptimp_fmu.codegen import RUNTIME_LICENSE, runtime_sources
+from adaptimp_fmu.continuous_model import ContinuousModel
 from adaptimp_fmu.description import number
 from adaptimp_fmu.errors import DefinitionError
 from adaptimp_fmu.icon import Icon
-from adaptimp_fmu.model import ContinuousModel, Model, SampledModel
+from adaptimp_fmu.model import Model
+from adaptimp_fmu.sampled_model import SampledModel
 from adaptimp_fmu.variables import Role, Type, Variable
 
 INDEX = "index.html"
@@ -71,10 +72,13 @@ def documentation(model: Model) -> dict[str, bytes]:
         },
         demands=[check.sentence for check in (*model.static_checks, *model.checks)],
         limits=_limits(),
-        license=LICENSE,
+        license_file=LICENSE,
+        runtime_license=RUNTIME_LICENSE,
     )
-    text = (importlib.resources.files("adaptimp_fmu") / "templates" / "license.txt").read_text(encoding="utf-8")
-    return {INDEX: html.encode(), LICENSE: text.encode()}
+    pages = {INDEX: html.encode()}
+    if model.ownership.license_text:
+        pages[LICENSE] = model.ownership.license_text.encode()
+    return pages
 
 
 def _environment() -> jinja2.Environment:

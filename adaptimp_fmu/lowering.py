@@ -12,8 +12,10 @@ from dataclasses import dataclass
 import casadi as ca
 
 from adaptimp_fmu.columns import inputs, parameters, stack
+from adaptimp_fmu.continuous_model import ContinuousModel
 from adaptimp_fmu.errors import DefinitionError
-from adaptimp_fmu.model import ContinuousModel, Model, SampledModel
+from adaptimp_fmu.model import Model
+from adaptimp_fmu.sampled_model import SampledModel
 from adaptimp_fmu.sensitivity import sensitivity_functions
 
 
@@ -52,8 +54,8 @@ def lower(model: Model) -> Lowered:
     Raises
     ------
     DefinitionError
-        If the name is no C identifier, there are no outputs, a state has no evolution, or a value
-        depends on a symbol that the model does not declare.
+        If the name is no C identifier, there are no outputs, a state has no evolution, a divisor or a seed is
+        no suitable parameter, or a value depends on a symbol that the model does not declare.
     """
     _require_complete(model)
     p, x = parameters(model), stack([state.symbol for state in model.states])
@@ -146,6 +148,8 @@ def _require_complete(model: Model) -> None:
         if state.evolution is None:
             msg = f"{model.name}: state {state.name} has no derivative or update."
             raise DefinitionError(msg)
+    if isinstance(model, SampledModel):
+        model.require_named_parameters()
 
 
 def _function(name: str, arguments: dict[str, ca.SX], results: dict[str, ca.SX]) -> ca.Function:

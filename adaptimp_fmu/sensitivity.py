@@ -12,7 +12,9 @@ from collections.abc import Sequence
 import casadi as ca
 
 from adaptimp_fmu.columns import inputs, parameters, stack
-from adaptimp_fmu.model import ContinuousModel, Model, SampledModel
+from adaptimp_fmu.continuous_model import ContinuousModel
+from adaptimp_fmu.model import Model
+from adaptimp_fmu.sampled_model import SampledModel
 
 
 def sensitivity_functions(model: Model) -> Sequence[ca.Function]:

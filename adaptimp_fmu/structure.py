@@ -5,7 +5,8 @@ from dataclasses import dataclass
 import casadi as ca
 
 from adaptimp_fmu.columns import inputs, parameters, stack
-from adaptimp_fmu.model import Model, SampledModel
+from adaptimp_fmu.model import Model
+from adaptimp_fmu.sampled_model import SampledModel
 
 
 @dataclass(frozen=True)

@@ -78,7 +78,9 @@ class Variable:
         """Whether XML, which writes by type, and C, which stores doubles, mean the same number."""
         if self.type is Type.BOOLEAN:
             return value in (0, 1)
-        return math.isfinite(value) and (self.type is Type.REAL or float(value).is_integer())
+        if self.type is Type.INTEGER:
+            return abs(value) <= INTEGER_LIMIT and float(value).is_integer()
+        return math.isfinite(value)
 
 
 def element_names(name: str, shape: int | None) -> list[str]:

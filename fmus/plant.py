@@ -8,17 +8,18 @@ across the corner of the contact force. Equations: `fmus.mechanics.planar_arm`, 
 
 import casadi as ca
 
-from adaptimp_fmu import NOT_NEGATIVE, POSITIVE, ContinuousModel, present
+from adaptimp_fmu import NOT_NEGATIVE, POSITIVE, ContinuousModel
 from fmus import icons, start
 from fmus.environment.contact import Wall, require_unit_normal
 from fmus.mechanics.algebra import solve_spd
 from fmus.mechanics.planar_arm import PlanarArm
+from fmus.project import publish
 
 
 def plant(n: int = 2, name: str = "Plant") -> ContinuousModel:
     """An arm of n joints, by default the paper's, and the wall."""
     model = ContinuousModel(name, "Planar arm with point masses against a compliant wall")
-    present(model, icons.arm(n), __name__, "fmus.mechanics.planar_arm", "fmus.environment.contact", "fmus")
+    publish(model, icons.arm(n), __name__, "fmus.mechanics.planar_arm", "fmus.environment.contact", "fmus")
     arm, begin = PlanarArm(n), start.ARMS[n]
     tau = model.input("tau", [0.0] * arm.n, unit="N.m", description="Joint torque")
     q_start = model.parameter("q_start", begin.q, unit="rad", description="Joint angle at the start")

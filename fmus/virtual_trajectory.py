@@ -10,15 +10,16 @@ import math
 
 import casadi as ca
 
-from adaptimp_fmu import POSITIVE, SampledModel, present
+from adaptimp_fmu import POSITIVE, SampledModel
 from fmus import icons, start
 from fmus.environment.contact import require_unit_normal
+from fmus.project import publish
 
 
 def virtual_trajectory() -> SampledModel:
     """The virtual trajectory x_v and its first two derivatives."""
     model = SampledModel("VirtualTrajectory", "Ellipse with a straight segment inside the wall")
-    present(model, icons.cut_ellipse(), __name__, "fmus")
+    publish(model, icons.cut_ellipse(), __name__, "fmus")
     semi_axis = model.parameter(
         "semi_axis",
         start.SEMI_AXIS,

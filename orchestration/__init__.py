@@ -1,4 +1,8 @@
-"""Who steps the units: systems of FMUs, masters, results.
+"""Couple FMUs to a system, step the system, and judge the result.
+
+An FMU is a file with a model, in the format of the Functional Mock-up Interface (FMI). A `System` says
+which FMUs are coupled and how. `simulate` steps the system from one communication point to the next and
+returns a `Result`: one row of outputs for each communication point.
 
 Example::
 
@@ -92,7 +96,7 @@ __all__ = [
 
 
 def __getattr__(name: str) -> Any:
-    """Import on first use: the command line's help needs none of numba and fmpy."""
+    """Import a public name when it is used first, so that ``import orchestration`` loads neither numba nor fmpy."""
     if name not in _HOME:
         msg = f"module {__name__!r} has no attribute {name!r}"
         raise AttributeError(msg)

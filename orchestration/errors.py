@@ -1,11 +1,40 @@
 """What can go wrong in a co-simulation, each with what, where, both values and what to do."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
+from pathlib import Path
+from typing import TYPE_CHECKING, Protocol
 
 if TYPE_CHECKING:
-    from orchestration.results.result import Result
+    import numpy as np
+
+
+class RecordedRows(Protocol):
+    """What an error keeps of a run: the rows that were complete; an `orchestration.Result` is one.
+
+    Attributes
+    ----------
+    time
+        Communication points, s, shape (n_rows,).
+    names
+        Columns as ``component.variable``.
+    rows
+        Values, float64, shape (n_rows, n_columns).
+    """
+
+    @property
+    def time(self) -> "np.ndarray": ...  # noqa: D102 - described above
+
+    @property
+    def names(self) -> tuple[str, ...]: ...  # noqa: D102 - described above
+
+    @property
+    def rows(self) -> "np.ndarray": ...  # noqa: D102 - described above
+
+    def __getitem__(self, name: str, /) -> "np.ndarray":
+        """A column, float64, shape (n_rows,)."""
+        ...
+
+    def write(self, path: str | Path) -> None:
+        """Write all rows to a file."""
 
 
 class OrchestrationError(Exception):
@@ -29,7 +58,7 @@ class SimulationError(OrchestrationError):
         All rows that are complete, None if the run failed before the first.
     """
 
-    def __init__(self, message: str, result: Result | None = None) -> None:
+    def __init__(self, message: str, result: RecordedRows | None = None) -> None:
         super().__init__(message)
         self.result = result
 
@@ -47,6 +76,6 @@ class RunInterrupted(KeyboardInterrupt):
         All rows that are complete.
     """
 
-    def __init__(self, result: Result) -> None:
+    def __init__(self, result: RecordedRows) -> None:
         super().__init__("The run was interrupted.")
         self.result = result

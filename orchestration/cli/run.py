@@ -100,7 +100,7 @@ def run_system(request: RunRequest) -> None:
         return
     if request.order is not None:
         system = system.ordered(request.order)
-    step = system.step if request.step is None else request.step
+    step = system.run_step(request.step)
     order = " > ".join(component.name for component in system.components)
     typer.echo(f"{system.name}: {algorithm.name}, order {order}, step {step:g} s")
     if request.out is not None:

@@ -32,4 +32,7 @@ WORST_ACCEPTED = int(Status.WARNING)
 
 def status_name(status: int) -> str:
     """Name of a status in the standard; an unknown number is named by its value."""
-    return str(Status(status)) if status in iter(Status) else f"status {status}"
+    try:
+        return str(Status(status))
+    except ValueError:
+        return f"status {status}"

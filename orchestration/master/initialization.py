@@ -1,4 +1,4 @@
-"""Instances of a system's components, brought through FMI 2.0's initialization."""
+"""How the components of a system are instantiated and brought through the initialization mode of FMI 2.0."""
 
 import ctypes
 from collections.abc import Iterator, Mapping, Sequence
@@ -29,11 +29,19 @@ _C_TYPES = {REAL: ctypes.c_double, INTEGER: ctypes.c_int32, BOOLEAN: ctypes.c_in
 
 @contextmanager
 def opened(system: System) -> Iterator[list[Instance]]:
-    """Instantiate every component, in order; all are freed at the end.
+    """Instantiate every component of a system; the end of the context frees all instances.
+
+    Yields
+    ------
+    list of Instance
+        Instances in the order of the components.
 
     Raises
     ------
-    ArchiveError, InitializationError
+    ArchiveError
+        If an FMU cannot be unpacked safely.
+    InitializationError
+        If a library cannot be loaded, or an FMU refuses to be instantiated.
     """
     with ExitStack() as stack:
         folders = {
@@ -57,10 +65,22 @@ def opened(system: System) -> Iterator[list[Instance]]:
 
 
 def initialize(system: System, instances: Sequence[Instance], assembly: Assembly, t0: float) -> None:
-    """Set start values, propagate outputs to inputs in initialization mode, and leave it.
+    """Set start values, propagate outputs to inputs in initialization mode, and leave this mode.
 
-    Outputs are transferred until nothing changes, so a chain of any length settles; what does not
-    settle so is an algebraic loop, and solved. Afterwards the plan's outputs hold row 0.
+    Outputs are transferred to inputs until nothing changes, so a chain of any length settles. What does
+    not settle is an algebraic loop, which `solve_loops` solves. Afterwards the buffers of `assembly`
+    hold the outputs of row 0.
+
+    Parameters
+    ----------
+    system
+        System with start values and connections.
+    instances
+        Instances in the order of the components.
+    assembly
+        Buffers and links of the system as flat arrays.
+    t0
+        Start time, s.
 
     Raises
     ------
@@ -85,12 +105,21 @@ def initialize(system: System, instances: Sequence[Instance], assembly: Assembly
 
 
 def set_values(component: Component, instance: Instance, values: Mapping[str, float]) -> None:
-    """Set variables of an instance, one by one.
+    """Set variables of an instance, one call for each variable.
+
+    Parameters
+    ----------
+    component
+        Component that declares the variables.
+    instance
+        Instance of the component.
+    values
+        Numbers by variable name, in the physical units that the FMU declares.
 
     Raises
     ------
     InitializationError
-        If the unit refuses a value.
+        If the FMU refuses a value.
     """
     for name, value in values.items():
         variable = component.variable(name)
@@ -129,7 +158,7 @@ def _propagate(system: System, instances: Sequence[Instance], assembly: Assembly
 
 
 def _transfer(assembly: Assembly, i: int) -> None:
-    """Copy what the sources of component i show to its inputs."""
+    """Copy the outputs that drive component i to the inputs of component i."""
     plan = assembly.plan
     row = plan.table[i]
     copy_links(plan.real_links, row[FIRST_REAL], row[END_REAL], plan.reals)
@@ -142,7 +171,7 @@ def _get_all(instances: Sequence[Instance], assembly: Assembly) -> None:
 
 
 def _same(a: np.ndarray, b: np.ndarray) -> bool:
-    """Bitwise equality, so that NaN equals itself."""
+    """Compare two arrays bit by bit, so that NaN equals NaN."""
     return a.tobytes() == b.tobytes()
 
 

@@ -49,7 +49,7 @@ from orchestration.results.result import Result
 from orchestration.system.system import System
 
 if TYPE_CHECKING:
-    from orchestration.results.storage import ParquetSink
+    from orchestration.results.parquet_file import ParquetSink
 
 _FIRST_CHUNK = 256  # steps; later chunks last about _CHUNK_SECONDS
 _CHUNK_SECONDS = 0.1
@@ -287,7 +287,7 @@ class Simulation:
     def _sink(self, stack: ExitStack) -> Sink | None:
         if self._path is None:
             return None
-        from orchestration.results.storage import ParquetSink
+        from orchestration.results.parquet_file import ParquetSink
 
         columns, units = self._assembly.columns, self._assembly.units
         ticks = {"steps_per_tick": self.steps_per_tick, "sample_times": self._periods()}

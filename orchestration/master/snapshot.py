@@ -1,7 +1,7 @@
-"""The state of a whole run: of every unit, of the exchange between them, and the rows so far.
+"""A snapshot holds the state of a whole run: every component, the values exchanged, and the rows so far.
 
-A unit's state is serialized where the unit can do that, so a snapshot outlives the run and can be
-written to a file; else it stays with the instance.
+The state of a component is serialized if its FMU can do that. If all states are serialized, the snapshot
+outlives the run and can be written to a file. A state that is not serialized stays in the instance.
 """
 
 import ctypes
@@ -24,7 +24,7 @@ from orchestration.fmi.instance import Instance
 from orchestration.system.system import System
 
 FORMAT = 1
-# What numpy, zipfile and json raise on bytes that are no archive of arrays, or a broken one.
+# Exceptions of numpy, zipfile and json for bytes that are not an archive of arrays, or that are a damaged archive.
 _DAMAGED = (
     ValueError,
     KeyError,
@@ -41,14 +41,19 @@ _DAMAGED = (
 
 @dataclass(frozen=True)
 class Snapshot:
-    """Made by `Simulation.save`.
+    """State of a run at one communication point, made by `Simulation.save`.
 
     Attributes
     ----------
     time
-        s.
+        Time of the communication point, s.
     identity
-        What a run must be to continue from here: its units, connections, algorithm, points, columns.
+        Hash of the components, connections, algorithm, communication points and columns of the run. Only
+        a run with the same hash can continue from the snapshot.
+    arrays
+        Buffers of the master and the rows so far, by name.
+    states
+        State of each component in the order of the system: bytes if serialized, else an fmi2FMUstate.
     """
 
     time: float
@@ -57,16 +62,21 @@ class Snapshot:
     states: tuple[Any, ...] = field(repr=False)
 
     def write(self, path: str | Path) -> Path:
-        """Write to a file; `read` it in any process.
+        """Write the snapshot to a file, which `read` can read in any process.
+
+        Returns
+        -------
+        Path
+            The file.
 
         Raises
         ------
         OrchestrationError
-            If a unit cannot serialize its state, or the file cannot be written.
+            If an FMU cannot serialize its state, or the file cannot be written.
         """
         path = Path(path)
         if not all(isinstance(state, bytes) for state in self.states):
-            msg = f"{path}: a unit does not declare {SERIALIZES_STATE}; this snapshot lives in its run only."
+            msg = f"{path}: an FMU does not declare {SERIALIZES_STATE}; this snapshot lives in its run only."
             raise OrchestrationError(msg)
         header = json.dumps({"format": FORMAT, "time": self.time, "identity": self.identity})
         states = {f"state_{i}": np.frombuffer(state, np.uint8) for i, state in enumerate(self.states)}
@@ -86,12 +96,12 @@ class Snapshot:
 
     @classmethod
     def read(cls, path: str | Path) -> "Snapshot":
-        """Read what `write` wrote.
+        """Read a file that `write` wrote.
 
         Raises
         ------
         OrchestrationError
-            If the file is missing or no snapshot.
+            If the file is missing, damaged or not a snapshot.
         """
         try:
             with Path(path).open("rb") as raw, np.load(raw, allow_pickle=False) as file:
@@ -106,7 +116,7 @@ class Snapshot:
             msg = f"{path}: the snapshot cannot be read: {error.strerror or error}."
             raise OrchestrationError(msg) from error
         except _DAMAGED as error:
-            msg = f"{path} is no snapshot: {error}."
+            msg = f"{path} is not a snapshot: {error}."
             raise OrchestrationError(msg) from error
 
 
@@ -115,19 +125,31 @@ def _is_state(name: str) -> bool:
 
 
 def identity(system: System, columns: Sequence[str], times: np.ndarray, chosen: Sequence[object]) -> str:
-    """A hash of units, connections, columns, points, and what else was chosen for a run."""
+    """Return a hash of everything that a run must share with the run of a snapshot to continue from there.
+
+    Parameters
+    ----------
+    system
+        System with its FMUs and connections.
+    columns
+        Names of the recorded outputs.
+    times
+        Communication points, s, shape (n + 1,).
+    chosen
+        Further choices of the run, such as its algorithm; the hash takes the ``repr`` of each.
+    """
     units = [(c.name, c.description.identifier, c.description.guid) for c in system.components]
     said = (units, [repr(connection) for connection in system.connections], tuple(columns), *chosen)
     return hashlib.sha256(repr(said).encode() + times.tobytes()).hexdigest()
 
 
 def save_state(instance: Instance) -> Any:
-    """The state of an instance: bytes if it serializes, else its fmi2FMUstate.
+    """Return the state of an instance: bytes if the FMU can serialize states, else an fmi2FMUstate.
 
     Raises
     ------
     SystemDescriptionError
-        If the unit saves no state.
+        If the FMU cannot save its state.
     SimulationError
         If a call fails.
     """
@@ -154,7 +176,7 @@ def restore_state(instance: Instance, state: Any) -> None:
     Raises
     ------
     SimulationError
-        If a call fails, for example because the state is of another unit.
+        If a call fails, for example because the state belongs to another FMU.
     """
     if not isinstance(state, bytes):
         instance.call("fmi2SetFMUstate", state)
@@ -168,7 +190,7 @@ def restore_state(instance: Instance, state: Any) -> None:
 
 
 def free_states(instances: Sequence[Instance], states: Sequence[Any]) -> None:
-    """Free the states that are not serialized."""
+    """Free those states of instances that are not serialized."""
     for instance, state in zip(instances, states, strict=True):
         if not isinstance(state, bytes) and state:
             instance.status("fmi2FreeFMUstate", ctypes.byref(state))

@@ -1,48 +1,26 @@
 """What a run recorded."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, fields
 from pathlib import Path
 
 import numpy as np
 
 from orchestration.errors import OrchestrationError
+from orchestration.results import csv_file, formats, parquet_file
+from orchestration.results.columns import TIME, Columns
 
 TICK_TOLERANCE = 1e-9  # by which a row may miss a tick, in periods
 
 
 @dataclass(frozen=True)
-class Result:
+class Result(Columns):
     """Rows at the communication points.
 
     Row 0 shows the components after initialization. A plant column in row k is the state at
     ``time[k]``; a sampled column in row k + 1 is the value held over [time[k], time[k + 1]).
 
-    Attributes
-    ----------
-    time
-        Communication points, s, shape (n_rows,).
-    names
-        Columns as ``component.variable``.
-    rows
-        Values, float64, shape (n_rows, n_columns); Booleans and Integers are numbers.
-    units
-        Unit of each column, empty where none is declared.
-    steps_per_tick
-        Number of steps per sampling period, by the name of a sampled component.
-    sample_times
-        Sampling periods, s, by the name of a sampled component.
-    metadata
-        How the result came about, texts by key; see `orchestration.master.provenance`.
+    The attributes are those of `orchestration.results.columns.Columns`.
     """
-
-    time: np.ndarray
-    names: tuple[str, ...]
-    rows: np.ndarray
-    units: Mapping[str, str] = field(default_factory=dict)
-    steps_per_tick: Mapping[str, int] = field(default_factory=dict)
-    metadata: Mapping[str, str] = field(default_factory=dict)
-    sample_times: Mapping[str, float] = field(default_factory=dict)
 
     def __getitem__(self, name: str) -> np.ndarray:
         """A column, float64, shape (n_rows,).
@@ -52,7 +30,7 @@ class Result:
         OrchestrationError
             Listing the recorded columns.
         """
-        if name == "time":
+        if name == TIME:
             return self.time
         return self.rows[:, self._index(name)]
 
@@ -104,16 +82,14 @@ class Result:
         return rows
 
     def write(self, path: str | Path) -> None:
-        """Write all rows as CSV or Parquet, by the suffix; see `orchestration.results.storage`.
+        """Write all rows as CSV or Parquet, by the suffix of the path.
 
         Raises
         ------
         OrchestrationError
             If the suffix is neither ``.csv`` nor ``.parquet``, or the file cannot be written.
         """
-        from orchestration.results import storage
-
-        storage.write(self, Path(path))
+        formats.write_columns(self, Path(path))
 
     def write_csv(self, path: str | Path) -> None:
         """Write names and values, each with all its bits, one line per communication point.
@@ -123,9 +99,7 @@ class Result:
         OrchestrationError
             If the file cannot be written.
         """
-        from orchestration.results import storage
-
-        storage.write_csv(self, Path(path))
+        csv_file.write_csv(self, Path(path))
 
     def write_parquet(self, path: str | Path) -> None:
         """Write everything, units and metadata included.
@@ -135,9 +109,7 @@ class Result:
         OrchestrationError
             If the file cannot be written.
         """
-        from orchestration.results import storage
-
-        storage.write_parquet(self, Path(path))
+        parquet_file.write_parquet(self, Path(path))
 
     @classmethod
     def read(cls, path: str | Path) -> "Result":
@@ -148,9 +120,8 @@ class Result:
         OrchestrationError
             If the suffix is neither ``.csv`` nor ``.parquet``, or the file holds no result.
         """
-        from orchestration.results import storage
-
-        return storage.read(Path(path))
+        columns = formats.read_columns(Path(path))
+        return cls(**{field.name: getattr(columns, field.name) for field in fields(Columns)})
 
     def _index(self, name: str) -> int:
         try:

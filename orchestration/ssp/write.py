@@ -150,12 +150,13 @@ def _structure(system: System, fmus: dict[Path, str], sets: dict[str, str]) -> b
     assumed = [{"variable": path, "text": text} for path, text in sorted(system.assumptions.items())]
     _annotate(outer, ASSUMPTIONS_ANNOTATION, "assumptions", assumed)
     units.write(root, SSD)
-    experiment = etree.SubElement(
-        root, f"{{{SSD}}}DefaultExperiment", startTime="0.0", stopTime=_real(system.stop_time)
-    )
-    annotations = etree.SubElement(experiment, f"{{{SSD}}}Annotations")
-    annotation = etree.SubElement(annotations, f"{{{SSC}}}Annotation", type=STEP_ANNOTATION)
-    etree.SubElement(annotation, "step", size=_real(system.step))
+    experiment = etree.SubElement(root, f"{{{SSD}}}DefaultExperiment", startTime="0.0")
+    if system.stop_time is not None:
+        experiment.set("stopTime", _real(system.stop_time))
+    if system.step is not None:
+        annotations = etree.SubElement(experiment, f"{{{SSD}}}Annotations")
+        annotation = etree.SubElement(annotations, f"{{{SSC}}}Annotation", type=STEP_ANNOTATION)
+        etree.SubElement(annotation, "step", size=_real(system.step))
     return serialized(root, STRUCTURE, system.name)
 
 

@@ -1,7 +1,7 @@
 """A component of a system, and a connection between two of them."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 
@@ -154,3 +154,13 @@ def number(path: str, variable: Variable, value: float | bool | str) -> float:
         msg = f"{path} = {value!r}: {examples.get(variable.type, 'a number')} is needed."
         raise SystemDescriptionError(msg)
     return found
+
+
+def sources_of(components: Sequence[Component], target: Component, name: str) -> list[Component]:
+    """Components other than the target with an output of that name."""
+    return [c for c in components if _has_output(c, name) and c is not target]
+
+
+def _has_output(component: Component, name: str) -> bool:
+    variable = component.description.variables.get(name)
+    return variable is not None and variable.causality == "output"

@@ -3,15 +3,18 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from orchestration.errors import SystemDescriptionError
 from orchestration.fmi.instance import Description, read_description
 from orchestration.fmi.units import Linear
-from orchestration.system.component import SETTABLE, Component, Connection, unit_scale
-from orchestration.system.system import System, sources_of
+from orchestration.system.component import SETTABLE, Component, Connection, sources_of, unit_scale
+
+if TYPE_CHECKING:
+    from orchestration.system.system import System
 
 
-def replaced(system: System, name: str, fmu: Path, mapping: Mapping[str, str]) -> System:
+def replaced(system: "System", name: str, fmu: Path, mapping: Mapping[str, str]) -> "System":
     """Put another FMU in the place of a component; see `System.replace`."""
     old = system.component(name)
     description = read_description(fmu)
@@ -51,7 +54,7 @@ def replaced(system: System, name: str, fmu: Path, mapping: Mapping[str, str]) -
     )
 
 
-def _names(system: System, old: Component, new: Description, mapping: Mapping[str, str]) -> dict[str, str]:
+def _names(system: "System", old: Component, new: Description, mapping: Mapping[str, str]) -> dict[str, str]:
     """Our names by those of the FMU, scalar by scalar."""
     ours = [*old.description.variables]
     ours += [v.name for c in system.components if c is not old for v in c.description.of_causality("output")]
@@ -105,7 +108,7 @@ def _start(old: Component, new: Component, mapping: Mapping[str, str]) -> tuple[
     return start, notices
 
 
-def _rescaled(connection: Connection, system: System, old: Component, new: Component) -> Connection:
+def _rescaled(connection: Connection, system: "System", old: Component, new: Component) -> Connection:
     """The same connection with the units of the new component.
 
     What its units ask for is asked for anew; a scale of the user's own is kept, between the old units.

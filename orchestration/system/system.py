@@ -12,7 +12,16 @@ from typing import TYPE_CHECKING
 
 from orchestration.errors import SystemDescriptionError
 from orchestration.fmi.instance import SAMPLE_TIME, Variable, read_description
-from orchestration.system.component import Component, Connection, checked_connection, number, require_settable
+from orchestration.system.component import (
+    Component,
+    Connection,
+    checked_connection,
+    number,
+    require_settable,
+    sources_of,
+)
+from orchestration.system.registry import analysis, reader, writer
+from orchestration.system.replacement import replaced
 
 if TYPE_CHECKING:
     from orchestration.analysis.stability.verdict import Verdict
@@ -30,7 +39,9 @@ class System:
     Attributes
     ----------
     step, stop_time
-        Default communication step and stop time, s.
+        Communication step and stop time of a run that asks for no others, s. A system may have none: then
+        every run must say its own. They are not taken from the FMUs' default experiments, for an FMU
+        knows nothing of what it is coupled with; an SSP package carries them in its own default experiment.
     notices
         What happened to the system that its user should know, for example dropped connections; history,
         which does not count when systems are compared.
@@ -41,8 +52,8 @@ class System:
     name: str
     components: tuple[Component, ...]
     connections: tuple[Connection, ...] = ()
-    step: float = 1e-4
-    stop_time: float = 2.0
+    step: float | None = None
+    stop_time: float | None = None
     notices: tuple[str, ...] = field(default=(), compare=False)
     assumptions: Mapping[str, str] = field(default_factory=dict)
 
@@ -77,7 +88,12 @@ class System:
 
     @classmethod
     def connected_by_name(
-        cls, name: str, fmus: Mapping[str, Path], *, step: float = 1e-4, stop_time: float = 2.0
+        cls,
+        name: str,
+        fmus: Mapping[str, Path],
+        *,
+        step: float | None = None,
+        stop_time: float | None = None,
     ) -> "System":
         """Connect every input to the output of the same name.
 
@@ -85,6 +101,8 @@ class System:
         ----------
         fmus
             Component name to FMU file; their order is the order of the components.
+        step, stop_time
+            Those of runs that ask for no others, s.
 
         Raises
         ------
@@ -106,16 +124,12 @@ class System:
 
     @classmethod
     def read(cls, path: str | Path) -> "System":
-        """Read an SSP package; see `orchestration.ssp`."""
-        from orchestration.ssp import read_ssp
-
-        return read_ssp(Path(path))
+        """Read a system from a file, such as an SSP package; see `orchestration.system.registry`."""
+        return reader(Path(path))(Path(path))
 
     def write(self, path: str | Path) -> Path:
-        """Write an SSP package; see `orchestration.ssp`."""
-        from orchestration.ssp import write_ssp
-
-        return write_ssp(self, Path(path))
+        """Write the system to a file, such as an SSP package; see `orchestration.system.registry`."""
+        return writer(Path(path))(self, Path(path))
 
     def component(self, name: str) -> Component:
         """A component by name.
@@ -171,8 +185,6 @@ class System:
             If the new FMU lacks an output that is connected, a mapped name is unknown, or a unit cannot
             be converted.
         """
-        from orchestration.system.replacement import replaced
-
         return replaced(self, name, Path(fmu), mapping or {})
 
     def ordered(self, names: Sequence[str]) -> "System":
@@ -194,13 +206,39 @@ class System:
         values = {f"{c.name}.{SAMPLE_TIME}": sample_time for c in self.components if c.sample_time is not None}
         return replace(self.set(values), step=sample_time)
 
+    def run_step(self, asked: float | None = None) -> float:
+        """The communication step of a run, s: the one that is asked for, else the system's own.
+
+        Raises
+        ------
+        SystemDescriptionError
+            If there is neither.
+        """
+        step = self.step if asked is None else asked
+        if step is None:
+            msg = f"System {self.name} has no communication step; give one, in s, as `step` or --step."
+            raise SystemDescriptionError(msg)
+        return step
+
+    def run_stop_time(self, asked: float | None = None) -> float:
+        """The stop time of a run, s: the one that is asked for, else the system's own.
+
+        Raises
+        ------
+        SystemDescriptionError
+            If there is neither.
+        """
+        stop_time = self.stop_time if asked is None else asked
+        if stop_time is None:
+            msg = f"System {self.name} has no stop time; give one, in s, as `stop_time` or --stop."
+            raise SystemDescriptionError(msg)
+        return stop_time
+
     def stability(
         self, step: float | None = None, algorithm: "str | Algorithm" = "gauss-seidel", *, at: float = 0.0
     ) -> "Verdict":
         """Whether an algorithm is stable at a step, s, around a time, s; see `orchestration.analysis.stability`."""
-        from orchestration.analysis.stability.verdict import stability
-
-        return stability(self, step, algorithm, at=at)
+        return analysis("stability")(self, step, algorithm, at=at)
 
     def unconnected_inputs(self) -> list[str]:
         """Inputs that keep their start value, as ``component.input``."""
@@ -250,13 +288,3 @@ class System:
                 raise SystemDescriptionError(msg)
             ratios[component.name] = nearest
         return ratios
-
-
-def sources_of(components: Sequence[Component], target: Component, name: str) -> list[Component]:
-    """Components other than the target with an output of that name."""
-    return [c for c in components if _has_output(c, name) and c is not target]
-
-
-def _has_output(component: Component, name: str) -> bool:
-    variable = component.description.variables.get(name)
-    return variable is not None and variable.causality == "output"

@@ -21,7 +21,7 @@ from tests.conformance.binary import FUNCTIONS, Binary
 
 ROOT = Path(__file__).parents[2]
 INCLUDE = re.compile(r'^\s*#\s*include\s+(["<])([^">]+)[">]', re.MULTILINE)
-STANDARD = {"float.h", "math.h", "stdarg.h", "stddef.h", "stdint.h", "stdio.h", "stdlib.h", "string.h"}
+STANDARD = {"float.h", "limits.h", "math.h", "stdarg.h", "stddef.h", "stdint.h", "stdio.h", "stdlib.h", "string.h"}
 BUILD_ALL = """
 import sys
 from pathlib import Path

@@ -222,8 +222,9 @@ def test_guid_does_not_cover_what_people_see(tmp_path: Path) -> None:
     assert entry(before, "modelDescription.xml") == entry(after, "modelDescription.xml")
 
 
-def test_license_is_the_projects(fmu: Path) -> None:
+def test_license_is_the_projects(fmu: Path, page: Page) -> None:
     assert entry(fmu, "documentation/licenses/license.txt") == (ROOT / "LICENSE").read_bytes()
+    assert "License of the model: MIT, in ." in [" ".join(text.split()) for text in page.texts["p"]]
 
 
 def test_missing_docstring_is_an_error(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -24,9 +24,9 @@ import numpy as np
 import pytest
 
 from orchestration import Options, Result, System, simulate
-from orchestration.check import Report, Severity, check
+from orchestration.check import Report, Severity
 from orchestration.check.findings import ROLE
-from orchestration.cli.check import paper_loop
+from orchestration.paper.closed_loop import paper_loop
 from tests.interop.foreign.builders import (
     MAPPING,
     OUTPUTS,
@@ -36,7 +36,7 @@ from tests.interop.foreign.builders import (
     python_slave,
     without_pythonfmu,
 )
-from tests.unit.orchestration.checked import hasty
+from tests.unit.orchestration.checked import check, hasty
 from tests.untested import needs
 
 LIMITS = {"q": 1e-14, "dq": 1e-12, "x": 2e-14, "F_ext": 4e-9, "tau_cmd": 8e-9}  # rad, rad/s, m, N, N.m

@@ -16,12 +16,11 @@ import numpy as np
 import pytest
 
 from orchestration import Options, Result, SimulationError, System, prepare, simulate
-from orchestration.check import Severity, check
-from orchestration.check.closed_loop import LOST
-from orchestration.cli.check import paper_loop
+from orchestration.check import Severity
+from orchestration.paper.closed_loop import LOST, paper_loop
 from tests.interop.foreign.builders import MAPPING, hand_written, without_compiler
 from tests.interop.foreign.wrong import PUSHES_BACK, WRONG, Outcome
-from tests.unit.orchestration.checked import PATIENT, hasty
+from tests.unit.orchestration.checked import PATIENT, check, hasty
 
 STOP = 0.1  # s, 5000 steps in free motion
 TIP = [f"{name}[{i}]" for name in ("plant.x", "trajectory.x_v", "controller.tau_cmd") for i in (1, 2)]

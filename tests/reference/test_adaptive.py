@@ -9,6 +9,7 @@ the reference itself keeps when its initial state moves by 1e-14.
 from collections.abc import Mapping
 from dataclasses import replace
 from functools import cache
+from typing import Any
 
 import numpy as np
 import pytest
@@ -31,14 +32,14 @@ CHATTERING = ("fig5", "fig6", "spong-ortega")
 FELT = ("sensor.F_hat[1]", "sensor.F_hat[2]")
 
 
-def setup(scenario: Scenario, **changes: object) -> Setup:
+def setup(scenario: Scenario, **changes: Any) -> Setup:
     """The reference's numbers, read from the scenario's values."""
     values = {path: value.number for path, value in scenario.values.items()}
 
     def pair(path: str) -> tuple[float, float]:
         return values[f"{path}[1]"], values[f"{path}[2]"]
 
-    numbers: dict[str, object] = {
+    numbers: dict[str, Any] = {
         "controller": scenario.units["controller"],
         "sample_time": scenario.step,
         "B": pair("controller.B"),

@@ -10,8 +10,8 @@ import pytest
 from adaptimp_fmu import host_platform
 from adaptimp_fmu.testing import open_fmu
 from orchestration import Crossings, Options, OrchestrationError, Result, prepare, simulate
-from orchestration.check.roles import ROLES
 from orchestration.paper.built_fmus import fmus
+from orchestration.paper.roles import ROLES
 from orchestration.paper.scenarios import SCENARIOS
 from tests.scenarios.tutorial import Printed, blocks, follow
 

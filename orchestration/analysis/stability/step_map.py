@@ -211,7 +211,7 @@ class _Rows:
             for degree, row in enumerate(self.polynomial(link, end if assumed or fresh else None)):
                 if degree <= order:
                     U[degree, link.input] = self.gains[j] * row[0]
-        return U.reshape(-1, self.width)
+        return U.reshape((unit.order + 1) * len(unit.inputs), self.width)
 
     def shown(self, link: Link) -> np.ndarray:
         """What the link's source shows now, shape (1, width)."""

@@ -49,6 +49,8 @@ class Verdict:
     ----------
     step
         Communication step, s.
+    stop_time
+        The system's stop time, s; None if it has none.
     radius, threshold
         Spectral radius per step, and how wrong it may be.
     contraction
@@ -66,7 +68,7 @@ class Verdict:
     system: str
     algorithm: str
     step: float
-    stop_time: float
+    stop_time: float | None
     radius: float
     threshold: float
     contraction: float | None
@@ -85,10 +87,15 @@ class Verdict:
         return math.log(max(self.radius, 1e-300)) / self.step
 
     @property
-    def amplification(self) -> float:
-        """Of a deviation, over the system's stop time."""
+    def amplification(self) -> float | None:
+        """Factor by which a deviation grows until the system's stop time; None if the system has no stop time."""
+        if self.stop_time is None:
+            return None
         exponent = self.growth_rate * self.stop_time
         return math.exp(exponent) if exponent < 700 else math.inf
+
+    def _grown(self) -> str:
+        return "" if self.stop_time is None else f": {self.amplification:.4g} times over {self.stop_time:g} s"
 
     def __str__(self) -> str:
         """Several lines for a terminal."""
@@ -98,7 +105,7 @@ class Verdict:
         lines = [
             f"{self.system}: {self.algorithm} with a step of {self.step:g} s is {word}",
             f"  radius         1 {self.radius - 1:+.3e} per step, within {self.threshold:.1e}",
-            f"  growth         {self.growth_rate:+.4g} 1/s: {self.amplification:.4g} times over {self.stop_time:g} s",
+            f"  growth         {self.growth_rate:+.4g} 1/s{self._grown()}",
             f"  largest step   {_step_text(self.largest_stable_step)}",
         ]
         if self.contraction is not None:
@@ -122,11 +129,11 @@ def stability(
     Raises
     ------
     SystemDescriptionError
-        If units cannot save their state, or the step does not fit the sample times.
+        If units cannot save their state, there is no step, or it does not fit the sample times.
     SimulationError
         If the operating point cannot be reached, or a unit not be stepped from there.
     """
-    algorithm, step = find_algorithm(algorithm), system.step if step is None else step
+    algorithm, step = find_algorithm(algorithm), system.run_step(step)
     if not (math.isfinite(step) and step > 0 and math.isfinite(at) and at >= 0):
         msg = f"The step {step!r} s must be positive, and the instant {at!r} s not negative."
         raise SystemDescriptionError(msg)
@@ -155,7 +162,7 @@ def stability(
 
 def is_stable(system: System, step: float | None = None, algorithm: str | Algorithm = "gauss-seidel") -> bool:
     """Whether deviations do not grow at the start: `stability` without the search for steps and advice."""
-    algorithm, step = find_algorithm(algorithm), system.step if step is None else step
+    algorithm, step = find_algorithm(algorithm), system.run_step(step)
     with operating_point(system, step, 0.0) as probes:
         examined = Examined(system, step, 0.0, probes, algorithm)
         return examined.judged(examined.coupled(step, algorithm.order), step).stable

@@ -52,7 +52,7 @@ def fig2(portable: Path) -> Plan:
     """The five units of Fig. 2 for 2 s: free motion, contact from 0.92 s to 1.08 s, free motion."""
     scenario = SCENARIOS["fig2"]
     system = scenario.system({unit: portable / f"{unit}.fmu" for unit in scenario.units.values()})
-    steps = round(system.stop_time / system.step)
+    steps = round(system.run_stop_time() / system.run_step())
     return Plan(system, np.full(steps, system.step), passes=len(system.components))
 
 

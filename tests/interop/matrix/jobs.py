@@ -33,7 +33,7 @@ def unit_job(unit: str, fmus: Mapping[str, Path], folder: Path) -> Job:
 def figure_job(figure: str, fmus: Mapping[str, Path], folder: Path, n_steps: int | None = None) -> Job:
     """A figure of the paper, whole or its first steps."""
     system = figure_system(figure, fmus)
-    return _job(system, SYSTEM, n_steps or round(system.stop_time / system.step), folder)
+    return _job(system, SYSTEM, n_steps or round(system.run_stop_time() / system.run_step()), folder)
 
 
 def figure_system(figure: str, fmus: Mapping[str, Path]) -> System:

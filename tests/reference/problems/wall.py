@@ -46,7 +46,7 @@ class Numbers:
     d: float = 0.0
     x: float = 0.1
     v: float = 0.0
-    bilateral: bool = True
+    bilateral: float = True
 
     @property
     def matrix(self) -> np.ndarray:

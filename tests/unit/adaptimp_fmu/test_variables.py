@@ -88,12 +88,15 @@ def test_start_must_be_finite(start: float) -> None:
 
 @pytest.mark.parametrize(
     ("type", "start"),
-    [(Type.INTEGER, 0.5), (Type.INTEGER, 1 + 1e-12), (Type.BOOLEAN, 0.5), (Type.BOOLEAN, 2.0)],
+    [
+        *((Type.INTEGER, 0.5), (Type.INTEGER, 1 + 1e-12), (Type.INTEGER, 2.0**31), (Type.INTEGER, -1e300)),
+        *((Type.BOOLEAN, 0.5), (Type.BOOLEAN, 2.0)),
+    ],
 )
 def test_start_must_be_of_its_type(type: Type, start: float) -> None:
     """In C all starts are doubles, in XML they are written by type: they must agree."""
     with pytest.raises(DefinitionError, match=f"is no {type.value}"):
-        variable(type=type, unit="", start=start, minimum=-10.0, maximum=10.0)
+        variable(type=type, unit="", start=start, minimum=-math.inf, maximum=math.inf)
 
 
 @pytest.mark.parametrize(("type", "start"), [(Type.INTEGER, -3.0), (Type.BOOLEAN, 0.0), (Type.BOOLEAN, 1.0)])

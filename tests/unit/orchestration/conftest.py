@@ -7,7 +7,7 @@ import pytest
 
 from orchestration import System
 from orchestration.paper.scenarios import SCENARIOS
-from orchestration.results import storage
+from orchestration.results import arrow_table
 from tests.sharing import made_once
 from tests.unit.orchestration.foreign import build_foreign
 from tests.unit.orchestration.stored import NAMES
@@ -56,5 +56,5 @@ def package(signals: System, tmp_path: Path) -> Path:
 @pytest.fixture
 def small_groups(monkeypatch: pytest.MonkeyPatch) -> int:
     """Row groups of 64 rows of the sample."""
-    monkeypatch.setattr(storage, "ROW_GROUP_BYTES", 64 * 8 * (len(NAMES) + 1))
+    monkeypatch.setattr(arrow_table, "ROW_GROUP_BYTES", 64 * 8 * (len(NAMES) + 1))
     return 64

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from orchestration import Result
-from orchestration.results.storage import ParquetSink
+from orchestration.results.parquet_file import ParquetSink
 
 NAMES = ("plant.x[1]", "controller.p_hat[6]", "actuator.saturated[1]")
 ODD = ("a.H[1,2]", 'b."quoted" name', "straße.φ[1]", "c. spaced ", "d.line\nbreak", "#e.y")

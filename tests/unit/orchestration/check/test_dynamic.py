@@ -125,8 +125,8 @@ def test_a_hang_costs_one_timeout_and_ends(library: Path, tmp_path: Path, monkey
             super().__init__(*arguments, **options)
             started.append(self)
 
-    def recorded(*arguments: Any) -> Ending:
-        endings.append(process.work(*arguments))
+    def recorded(*arguments: Any, **options: Any) -> Ending:
+        endings.append(process.work(*arguments, **options))
         return endings[-1]
 
     monkeypatch.setattr(subprocess, "Popen", Recorded)

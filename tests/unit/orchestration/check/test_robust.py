@@ -15,10 +15,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from adaptimp_fmu.toolchain import host_platform
-from orchestration.check import Report, Severity, check
+from orchestration.check import Report, Severity
 from orchestration.check.findings import ROLE
 from orchestration.check.static import archive_rules, elf
-from tests.unit.orchestration.checked import DESCRIPTION, MISBEHAVING, assert_found, repacked
+from tests.unit.orchestration.checked import DESCRIPTION, MISBEHAVING, assert_found, check, repacked
 from tests.unit.orchestration.mutated import RICH, mutant
 
 HOST = host_platform()

@@ -11,9 +11,9 @@ import pytest
 from adaptimp_fmu.toolchain import host_platform
 from fmus.catalog import UNITS
 from orchestration import ArchiveError, SystemDescriptionError
-from orchestration.check import Report, Severity, check
+from orchestration.check import Report, Severity
 from orchestration.check.static import elf
-from tests.unit.orchestration.checked import DESCRIPTION, Edit, assert_found, edited, repacked, swap
+from tests.unit.orchestration.checked import DESCRIPTION, Edit, assert_found, check, edited, repacked, swap
 
 ERROR, WARNING, NOTE = Severity.ERROR, Severity.WARNING, Severity.NOTE
 LIBRARY = f"binaries/{host_platform().name}/HoganImpedance{host_platform().extension}"

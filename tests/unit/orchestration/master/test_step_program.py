@@ -1,4 +1,4 @@
-"""The list of operations: which calls a step makes, in which order, and that copies change no value."""
+"""The program of a step: which FMI calls a step makes, in which order, and that copies change no value."""
 
 from pathlib import Path
 
@@ -26,7 +26,7 @@ WIDTH = 4
 
 @pytest.fixture(scope="module")
 def wide(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
-    """A unit with `WIDTH` inputs and outputs: y = t - 2 u."""
+    """Build an FMU with `WIDTH` inputs and outputs: y = t - 2 u."""
     model = SampledModel("Wide", "Doubles its inputs", sample_time=H)
     u = model.input("u", [0.0] * WIDTH, description="Signals")
     model.output("y", model.time - 2 * u, description="t - 2 u")
@@ -34,14 +34,14 @@ def wide(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
 
 
 def crossed(wide: dict[str, Path], sources: str) -> System:
-    """A unit that gets its own outputs, permuted as the digits say, and another that gets them in order."""
+    """Connect component a to its own outputs, in the order of the digits, and component b to a in natural order."""
     own = [f"a.y[{source}] -> a.u[{target}]" for target, source in enumerate(sources, 1)]
     straight = [f"a.y[{i}] -> b.u[{i}]" for i in range(1, WIDTH + 1)]
     return system(wide, {"a": "Wide", "b": "Wide"}, "\n".join([*own, *straight]))
 
 
 def listed(made: System, sequential: bool) -> np.ndarray:
-    """The operations of a step."""
+    """Return the operations of a step as rows of numbers."""
     with opened(made) as instances:
         assembly = assemble(made, instances, None)
         initialize(made, instances, assembly, 0.0)
@@ -90,7 +90,8 @@ def test_order_is_the_algorithm(small: dict[str, Path], sequential: bool) -> Non
 def test_copies_and_calls_hand_over_the_same(wide: dict[str, Path], monkeypatch, algorithm: str, sources: str) -> None:
     made = crossed(wide, sources)
     rows = []
-    for copies_per_call in (0, 1000):  # a call for every run, copies for every unit with two runs
+    # With 0, every run of neighbours takes a call; with 1000, every component with two runs takes copies.
+    for copies_per_call in (0, 1000):
         monkeypatch.setattr(step_program, "COPIES_PER_CALL", copies_per_call)
         rows.append(simulate(made, algorithm=algorithm).rows)
     y = np.zeros(WIDTH)

@@ -14,8 +14,8 @@ import pyarrow.parquet as pq
 import pytest
 
 from orchestration import OrchestrationError, Result
-from orchestration.results import storage
-from orchestration.results.storage import ParquetSink
+from orchestration.results import arrow_table, csv_file
+from orchestration.results.parquet_file import ParquetSink
 from tests.unit.orchestration.stored import (
     METADATA,
     NAMES,
@@ -46,7 +46,7 @@ def test_values_come_back_bitwise(tmp_path: Path, n_rows: int, names: tuple[str,
 def test_csv_is_the_same_in_parts(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, length: int) -> None:
     result = sample()
     result.write_csv(tmp_path / "whole.csv")
-    monkeypatch.setattr(storage, "ROW_GROUP_BYTES", length * 8 * (len(NAMES) + 1))
+    monkeypatch.setattr(arrow_table, "ROW_GROUP_BYTES", length * 8 * (len(NAMES) + 1))
     result.write_csv(tmp_path / "parts.csv")
     assert (tmp_path / "parts.csv").read_bytes() == (tmp_path / "whole.csv").read_bytes()
 
@@ -54,7 +54,7 @@ def test_csv_is_the_same_in_parts(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
 def test_csv_is_read_in_blocks(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     result = sample(500, ODD)
     result.write_csv(tmp_path / "x.csv")
-    monkeypatch.setattr(storage, "CSV_BLOCK_BYTES", 2**11)
+    monkeypatch.setattr(csv_file, "CSV_BLOCK_BYTES", 2**11)
     assert_same_values(Result.read(tmp_path / "x.csv"), result)
 
 
@@ -186,7 +186,7 @@ def test_a_stream_gives_the_bytes_of_the_whole(tmp_path: Path, small_groups: int
 
 
 def test_a_sink_holds_one_row_group(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(storage, "ROW_GROUP_BYTES", 2**18)
+    monkeypatch.setattr(arrow_table, "ROW_GROUP_BYTES", 2**18)
     result = sample(2000)
     tracemalloc.start()  # traces numpy's arrays
     with ParquetSink(tmp_path / "x.parquet", NAMES) as sink:
@@ -317,6 +317,6 @@ def test_cells_without_a_value_are_refused(tmp_path: Path) -> None:
 
 
 def test_importing_the_module_loads_no_arrow() -> None:
-    code = "import sys, orchestration.results.storage, orchestration.results.result; print('pyarrow' in sys.modules)"
+    code = "import sys, orchestration.results.result; print('pyarrow' in sys.modules)"
     run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert run.stdout == "False\n"

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from orchestration import OrchestrationError
-from orchestration.results.storage import ParquetSink
+from orchestration.results.parquet_file import ParquetSink
 from tests.unit.orchestration.stored import NAMES, files, sample, stream
 
 WHOLE = 5000  # bytes of a file that may be written where a disk is full

@@ -28,7 +28,7 @@ def awkward() -> Result:
 @pytest.mark.parametrize("algorithm", ["gauss-seidel", "jacobi"])
 def test_chosen_columns_equal_those_of_a_full_record_bitwise(fig2: System, algorithm: str) -> None:
     system = fig2.set(IN_CONTACT)
-    stop = STEPS * system.step
+    stop = STEPS * system.run_step()
     full = simulate(system, stop, algorithm=algorithm)
     some = simulate(system, stop, algorithm=algorithm, options=Options(record=CHOSEN))
     assert some.names == CHOSEN
@@ -74,7 +74,7 @@ def test_unknown_column_lists_the_recorded_ones(small: dict[str, Path]) -> None:
 
 
 def test_vectors_and_time_are_columns(fig2: System) -> None:
-    result = simulate(fig2, 10 * fig2.step)
+    result = simulate(fig2, 10 * fig2.run_step())
     np.testing.assert_array_equal(
         result.vector("plant.q"), np.column_stack([result["plant.q[1]"], result["plant.q[2]"]])
     )

@@ -59,7 +59,7 @@ def systems(draw: st.DrawFn, fmus: dict[str, Path]) -> System:
                 scale = draw(st.one_of(st.just((None, 0.0)), st.tuples(FINITE, FINITE)))
                 scale = scale if variable.type == "Real" else (None, 0.0)
                 connections.append(Connection(*draw(st.sampled_from(sources)), target.name, variable.name, *scale))
-    step, stop = draw(st.floats(1e-9, 1e3)), draw(st.floats(0, 1e9))
+    step, stop = draw(st.none() | st.floats(1e-9, 1e3)), draw(st.none() | st.floats(0, 1e9))
     return System(draw(TEXT), tuple(components), tuple(connections), step, stop, assumptions=assumptions)
 
 

@@ -1,18 +1,13 @@
-"""Results on disk, as CSV and as Parquet.
+"""Results as Parquet files: every bit of every value, units, metadata and steps per tick.
 
-Both have the column ``time`` first and one row per communication point, and keep every bit of a number.
-CSV is laid out as fmpy does it: quoted names, then numbers with as many digits as tell them apart from
-all others. Parquet also keeps units, metadata and steps per tick: the field metadata ``unit``, and file
-metadata whose keys begin with ``adaptimp.``. Same input, same bytes.
-
-A file is whole or not there: it is written beside its place, as ``NAME.part``, and then moved.
+The column ``time`` comes first, then one column per variable, one row per communication point. Units stand in
+the field metadata ``unit``, the rest in file metadata whose keys begin with ``adaptimp.``. Same input, same bytes.
 """
 
 import base64
-import csv
 import json
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager, suppress
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 from types import TracebackType
@@ -21,82 +16,20 @@ from typing import Any, Self
 import numpy as np
 
 from orchestration.errors import OrchestrationError
-from orchestration.results.result import Result
+from orchestration.results.arrow_table import arrow_schema, arrow_table, columns_of, rows_per_group
+from orchestration.results.columns import Columns
+from orchestration.results.whole_file import draft_path, partial_path, remove_draft, write_errors
 
-TIME = "time"
 PREFIX = "adaptimp."
-# Metadata that a result has anyway:
 UNITS, STEPS_PER_TICK, SAMPLE_TIMES = "units", "steps_per_tick", "sample_times"
-ROW_GROUP_BYTES = 2**24  # of a sink's buffer; 51 150 rows of 40 columns
-CSV_BLOCK_BYTES = 2**23  # for reading; a line must be shorter
+"""Keys of metadata that a file has anyway."""
 
 # Neighbouring values share sign and exponent: split into streams of bytes, a run of Fig. 2 needs half
 # the space of the default dictionaries, and a third of the time.
 _ENCODING = {"compression": "zstd", "use_dictionary": False, "use_byte_stream_split": True}
 
 
-def write(result: Result, path: Path) -> None:
-    """Write a result in the format that the suffix of the path names.
-
-    Raises
-    ------
-    OrchestrationError
-        If the suffix is neither ``.csv`` nor ``.parquet``, or the file cannot be written.
-    """
-    writers = {".csv": write_csv, ".parquet": write_parquet}
-    writers[_suffix(path, "written")](result, path)
-
-
-def read(path: Path) -> Result:
-    """Read what `write` wrote; a CSV file has neither units nor metadata nor steps per tick.
-
-    Raises
-    ------
-    OrchestrationError
-        If the suffix is neither ``.csv`` nor ``.parquet``, or the file holds no result.
-    """
-    import pyarrow as pa
-
-    readers = {".csv": _read_csv, ".parquet": _read_parquet}
-    reader = readers[_suffix(path, "read")]
-    try:
-        return reader(path)
-    except OSError as error:
-        msg = f"{path}: the result cannot be read: {error.strerror or error}."
-        raise OrchestrationError(msg) from error
-    except (pa.ArrowException, ValueError, TypeError) as error:
-        msg = f"{path} holds no result: {' '.join(str(error).split()).rstrip('.')}."
-        raise OrchestrationError(msg) from error
-
-
-def write_csv(result: Result, path: Path) -> None:
-    """Write a CSV file that fmpy, numpy and spreadsheets read.
-
-    fmpy splits names at commas, quoted or not, in its own files as in these.
-
-    Raises
-    ------
-    OrchestrationError
-        If the file cannot be written.
-    """
-    import pyarrow.csv
-
-    schema = _schema(result.names, {})
-    length = _rows_per_group(len(result.names))
-    draft = _draft(path)
-    try:
-        with _reported(path):
-            path.parent.mkdir(parents=True, exist_ok=True)
-            with draft.open("wb") as file, pyarrow.csv.CSVWriter(file, schema) as writer:
-                for first in range(0, len(result.time), length):
-                    part = slice(first, first + length)
-                    writer.write_table(_table(schema, [result.time[part], *result.rows[part].T]))
-            draft.replace(path)
-    finally:
-        _remove(draft)
-
-
-def write_parquet(result: Result, path: Path) -> None:
+def write_parquet(columns: Columns, path: Path) -> None:
     """Write a Parquet file; see `ParquetSink`.
 
     Raises
@@ -104,9 +37,30 @@ def write_parquet(result: Result, path: Path) -> None:
     OrchestrationError
         If the file cannot be written.
     """
-    ticks = {"steps_per_tick": result.steps_per_tick, "sample_times": result.sample_times}
-    with ParquetSink(path, result.names, result.units, result.metadata, **ticks) as sink:
-        sink.append(result.time, result.rows)
+    ticks = {"steps_per_tick": columns.steps_per_tick, "sample_times": columns.sample_times}
+    with ParquetSink(path, columns.names, columns.units, columns.metadata, **ticks) as sink:
+        sink.append(columns.time, columns.rows)
+
+
+def read_parquet(path: Path) -> Columns:
+    """Read a Parquet file of this or another tool whose first column is ``time``.
+
+    Raises
+    ------
+    OSError, ValueError, pyarrow.ArrowException
+        If the file cannot be read or holds no such columns.
+    """
+    from pyarrow.parquet import ParquetFile
+
+    with path.open("rb") as file, ParquetFile(file) as source:
+        table = source.read()
+        raw = source.metadata.metadata or {}
+    prefix = PREFIX.encode()
+    found = {k.removeprefix(prefix).decode(): v.decode() for k, v in raw.items() if k.startswith(prefix)}
+    declared = {field.name: (field.metadata or {}).get(b"unit", b"").decode() for field in table.schema}
+    units = json.loads(found.pop(UNITS)) if UNITS in found else declared
+    ratios, periods = (json.loads(found.pop(key, "{}")) for key in (STEPS_PER_TICK, SAMPLE_TIMES))
+    return replace(columns_of(table), units=units, steps_per_tick=ratios, sample_times=periods, metadata=found)
 
 
 class ParquetSink:
@@ -162,7 +116,7 @@ class ParquetSink:
         ticks = {STEPS_PER_TICK: dict(steps_per_tick or {}), SAMPLE_TIMES: dict(sample_times or {})}
         self._own = {UNITS: dict(units or {}), **ticks}
         self._file_metadata()
-        self._schema = _schema(self.names, self._own[UNITS])
+        self._schema = arrow_schema(self.names, self._own[UNITS])
         self._buffer = np.empty((0, 0))  # (n_columns + 1, rows of a group), s and the columns' units
         self._filled = 0
         self._file: Any = None
@@ -178,14 +132,14 @@ class ParquetSink:
         """
         import pyarrow.parquet
 
-        with _reported(self.path):
+        with write_errors(self.path):
             self.path.parent.mkdir(parents=True, exist_ok=True)
             if self.path.is_dir():  # to be known before the run, not after it
                 raise IsADirectoryError(None, "Is a directory")
-            self._file = _draft(self.path).open("wb")
+            self._file = draft_path(self.path).open("wb")
         # The schema goes into the file at the end, when its metadata is complete.
         self._writer = pyarrow.parquet.ParquetWriter(self._file, self._schema, store_schema=False, **_ENCODING)
-        self._buffer = np.empty((len(self.names) + 1, _rows_per_group(len(self.names))))
+        self._buffer = np.empty((len(self.names) + 1, rows_per_group(len(self.names))))
         return self
 
     def append(self, time: np.ndarray, rows: np.ndarray) -> None:
@@ -242,7 +196,7 @@ class ParquetSink:
         except OrchestrationError as taken:
             fault, self.metadata = fault or taken, {}
         try:
-            self._close(self.path if fault is None else _partial(self.path))
+            self._close(self.path if fault is None else partial_path(self.path))
         except OrchestrationError as lost:
             if fault is None:
                 raise
@@ -255,13 +209,13 @@ class ParquetSink:
         try:
             self._flush()
             metadata = self._file_metadata()
-            with _reported(self.path):
+            with write_errors(self.path):
                 schema = base64.b64encode(self._schema.with_metadata(metadata).serialize()).decode()
                 self._writer.add_key_value_metadata({**metadata, "ARROW:schema": schema})
                 self._writer.close()
                 self._file.close()
                 if self.count or target == self.path:
-                    _draft(self.path).replace(target)
+                    draft_path(self.path).replace(target)
                     self.written = target
         finally:
             self._abandon()
@@ -272,8 +226,8 @@ class ParquetSink:
         if filled == 0:
             return
         try:
-            with _reported(self.path):
-                self._writer.write_table(_table(self._schema, [column[:filled] for column in self._buffer]))
+            with write_errors(self.path):
+                self._writer.write_table(arrow_table(self._schema, [column[:filled] for column in self._buffer]))
         except Exception:
             self._abandon()
             raise
@@ -286,7 +240,7 @@ class ParquetSink:
         self._buffer = np.empty((0, 0))
         with suppress(OSError):
             self._file.close()
-        _remove(_draft(self.path))
+        remove_draft(self.path)
 
     def _file_metadata(self) -> dict[str, str]:
         for key, value in self.metadata.items():
@@ -296,99 +250,3 @@ class ParquetSink:
                 raise OrchestrationError(msg)
         own = {key: json.dumps(value, ensure_ascii=False) for key, value in self._own.items()}
         return {PREFIX + key: value for key, value in sorted({**self.metadata, **own}.items())}
-
-
-def _read_csv(path: Path) -> Result:
-    import pyarrow as pa
-    from pyarrow.csv import ConvertOptions, ReadOptions, read_csv
-
-    with path.open(encoding="utf-8-sig", newline="") as text:
-        names = next(csv.reader(text), [])
-    with path.open("rb") as file:
-        table = read_csv(
-            file,
-            ReadOptions(block_size=CSV_BLOCK_BYTES),
-            convert_options=ConvertOptions(
-                column_types=dict.fromkeys(names, pa.float64()), null_values=[]
-            ),  # -0 is no integer
-        )
-    return _result(table)
-
-
-def _read_parquet(path: Path) -> Result:
-    from pyarrow.parquet import ParquetFile
-
-    with path.open("rb") as file, ParquetFile(file) as source:
-        table = source.read()
-        raw = source.metadata.metadata or {}
-    prefix = PREFIX.encode()
-    found = {k.removeprefix(prefix).decode(): v.decode() for k, v in raw.items() if k.startswith(prefix)}
-    declared = {field.name: (field.metadata or {}).get(b"unit", b"").decode() for field in table.schema}
-    units = json.loads(found.pop(UNITS)) if UNITS in found else declared
-    ratios, periods = (json.loads(found.pop(key, "{}")) for key in (STEPS_PER_TICK, SAMPLE_TIMES))
-    return replace(_result(table), units=units, steps_per_tick=ratios, sample_times=periods, metadata=found)
-
-
-def _result(table: Any) -> Result:
-    names = tuple(table.column_names)
-    if names[:1] != (TIME,):
-        msg = f"its first column is {', '.join(names[:1]) or 'missing'}, not time"
-        raise ValueError(msg)
-    rows = np.empty((table.num_rows, len(names)))
-    for i, (name, column) in enumerate(zip(names, table.columns, strict=True)):
-        if column.null_count:
-            msg = f"column {name} has {column.null_count} cells without a value"
-            raise ValueError(msg)
-        rows[:, i] = column.to_numpy()
-    return Result(rows[:, 0].copy(), names[1:], rows[:, 1:].copy())
-
-
-def _schema(names: Sequence[str], units: Mapping[str, str]) -> Any:
-    import pyarrow as pa
-
-    units = {TIME: "s", **units}
-    fields = [
-        pa.field(name, pa.float64(), nullable=False, metadata={"unit": units.get(name, "")}) for name in (TIME, *names)
-    ]
-    return pa.schema(fields)
-
-
-def _table(schema: Any, columns: Sequence[np.ndarray]) -> Any:
-    import pyarrow as pa
-
-    return pa.table([pa.array(np.ascontiguousarray(c, np.float64)) for c in columns], schema=schema)
-
-
-def _rows_per_group(n_columns: int) -> int:
-    return max(1, ROW_GROUP_BYTES // (8 * (n_columns + 1)))
-
-
-def _suffix(path: Path, done: str) -> str:
-    suffix = path.suffix.lower()
-    if suffix not in (".csv", ".parquet"):
-        msg = f"{path}: results are {done} as .csv or .parquet, not as {path.suffix or 'a file without suffix'}."
-        raise OrchestrationError(msg)
-    return suffix
-
-
-def _draft(path: Path) -> Path:
-    return path.with_name(path.name + ".part")
-
-
-def _partial(path: Path) -> Path:
-    return path.with_name(f"{path.stem}.partial{path.suffix}")
-
-
-def _remove(draft: Path) -> None:
-    with suppress(OSError):
-        draft.unlink(missing_ok=True)
-
-
-@contextmanager
-def _reported(path: Path) -> Iterator[None]:
-    """What the operating system refuses as an error of this package."""
-    try:
-        yield
-    except OSError as error:
-        msg = f"{path}: the result cannot be written: {error.strerror or error}."
-        raise OrchestrationError(msg) from error

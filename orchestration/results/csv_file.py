@@ -1,0 +1,66 @@
+"""Results as CSV files: names and values, each value with all its bits.
+
+The layout is that of fmpy: the column ``time`` first, quoted names, one line per communication point, and as
+many digits as tell a number from all others. CSV keeps neither units nor metadata. Same input, same bytes.
+"""
+
+import csv
+from pathlib import Path
+
+from orchestration.results.arrow_table import arrow_schema, arrow_table, columns_of, rows_per_group
+from orchestration.results.columns import Columns
+from orchestration.results.whole_file import draft_path, remove_draft, write_errors
+
+CSV_BLOCK_BYTES = 2**23
+"""Size of the blocks in which a file is read; a line must be shorter."""
+
+
+def write_csv(columns: Columns, path: Path) -> None:
+    """Write a CSV file that fmpy, numpy and spreadsheets read.
+
+    fmpy splits names at commas, quoted or not, in its own files as in these.
+
+    Raises
+    ------
+    OrchestrationError
+        If the file cannot be written.
+    """
+    import pyarrow.csv
+
+    schema = arrow_schema(columns.names, {})
+    length = rows_per_group(len(columns.names))
+    draft = draft_path(path)
+    try:
+        with write_errors(path):
+            path.parent.mkdir(parents=True, exist_ok=True)
+            with draft.open("wb") as file, pyarrow.csv.CSVWriter(file, schema) as writer:
+                for first in range(0, len(columns.time), length):
+                    part = slice(first, first + length)
+                    writer.write_table(arrow_table(schema, [columns.time[part], *columns.rows[part].T]))
+            draft.replace(path)
+    finally:
+        remove_draft(path)
+
+
+def read_csv(path: Path) -> Columns:
+    """Read a CSV file whose first column is ``time``, in UTF-8 with or without a byte order mark.
+
+    Raises
+    ------
+    OSError, ValueError, pyarrow.ArrowException
+        If the file cannot be read or holds no such columns.
+    """
+    import pyarrow as pa
+    import pyarrow.csv as arrow_csv
+
+    with path.open(encoding="utf-8-sig", newline="") as text:
+        names = next(csv.reader(text), [])
+    with path.open("rb") as file:
+        table = arrow_csv.read_csv(
+            file,
+            arrow_csv.ReadOptions(block_size=CSV_BLOCK_BYTES),
+            convert_options=arrow_csv.ConvertOptions(
+                column_types=dict.fromkeys(names, pa.float64()), null_values=[]
+            ),  # an integer has no -0
+        )
+    return columns_of(table)

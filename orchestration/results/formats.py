@@ -1,0 +1,52 @@
+"""File formats of results, by the suffix of the file."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+from orchestration.errors import OrchestrationError
+from orchestration.results.columns import Columns
+from orchestration.results.csv_file import read_csv, write_csv
+from orchestration.results.parquet_file import read_parquet, write_parquet
+
+WRITERS: dict[str, Callable[[Columns, Path], None]] = {".csv": write_csv, ".parquet": write_parquet}
+READERS: dict[str, Callable[[Path], Columns]] = {".csv": read_csv, ".parquet": read_parquet}
+
+
+def write_columns(columns: Columns, path: Path) -> None:
+    """Write columns in the format that the suffix of the path names.
+
+    Raises
+    ------
+    OrchestrationError
+        If the suffix is unknown, or the file cannot be written.
+    """
+    WRITERS[_suffix(path, "written")](columns, path)
+
+
+def read_columns(path: Path) -> Columns:
+    """Read what `write_columns` wrote; a CSV file has neither units nor metadata nor steps per tick.
+
+    Raises
+    ------
+    OrchestrationError
+        If the suffix is unknown, or the file holds no result.
+    """
+    reader = READERS[_suffix(path, "read")]
+    import pyarrow as pa
+
+    try:
+        return reader(path)
+    except OSError as error:
+        msg = f"{path}: the result cannot be read: {error.strerror or error}."
+        raise OrchestrationError(msg) from error
+    except (pa.ArrowException, ValueError, TypeError) as error:
+        msg = f"{path} holds no result: {' '.join(str(error).split()).rstrip('.')}."
+        raise OrchestrationError(msg) from error
+
+
+def _suffix(path: Path, done: str) -> str:
+    suffix = path.suffix.lower()
+    if suffix not in WRITERS:
+        msg = f"{path}: results are {done} as .csv or .parquet, not as {path.suffix or 'a file without suffix'}."
+        raise OrchestrationError(msg)
+    return suffix
