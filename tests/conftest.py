@@ -8,9 +8,9 @@ import pytest
 from adaptimp_fmu import build
 from fmus.catalog import MODELS
 from tests import selection
+from tests.closing_line import pytest_terminal_summary  # noqa: F401, pytest finds it by its name
 from tests.driver import Driver
 from tests.sharing import made_once
-from tests.untested import pytest_terminal_summary  # noqa: F401, pytest finds it by its name
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

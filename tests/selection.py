@@ -7,56 +7,50 @@ machine can disturb.
 
 from collections.abc import Iterable
 from fnmatch import fnmatch
+from functools import cache
 from pathlib import Path
+from types import ModuleType
+from typing import Any
 
 import pytest
 
 TESTS = Path(__file__).parent
 
+DISTURBED = {"concurrent", "multiprocessing", "signal", "subprocess", "threading", "time"}
+"""Packages of Python with which a test starts processes or threads, sends signals or reads clocks."""
+
 PROCESSES = (
     "benchmarks/*",
     "conformance/platforms/*",
     "conformance/sanitizers/*",
-    "conformance/test_archive.py",
     "conformance/test_description.py",
-    "conformance/test_rebuild.py",
-    "conformance/test_state.py",
-    "conformance/test_steps_and_experiment.py",
     "faults/test_check_command.py",
-    "faults/test_cli.py",
     "interop/*",
     "scenarios/test_tutorial.py",
-    "unit/test_untested.py",
-    "unit/test_versions.py",
-    "unit/adaptimp_fmu/test_testing.py",
     "unit/adaptimp_fmu/test_toolchain.py",
     "unit/orchestration/check/*",
-    "unit/orchestration/master/test_oracle.py",
-    "unit/orchestration/master/test_recording.py",
-    "unit/orchestration/master/test_snapshots.py",
-    "unit/orchestration/master/test_threads.py",
-    "unit/orchestration/results/test_files.py",
     "unit/orchestration/results/test_full_disk.py",
+    "unit/orchestration/sandbox/test_process.py",
 )
-"""Files, below ``tests/``, whose tests have to do with processes, threads, signals or clocks."""
+"""Files, below ``tests/``, whose tests do so through helpers; other files are known by what they import."""
 
 QUICK = ("golden/*", "property/*", "unit/*", "faults/*", "conformance/*")
-"""Files whose tests are quick unless they are in `PROCESSES` or `SLOW`."""
+"""Files whose tests are quick unless they have to do with processes or are in `SLOW`."""
 
-SLOW = ()
+SLOW = ("unit/fmus/test_documented_examples.py", "unit/orchestration/analysis/test_stability.py")
 """Files that take seconds though they start no process."""
 
 QUICK_UNITS = ("Plant", "ForceSensor")
 """Units that stand for all in quick tests: a continuous one, and a sampled one with random numbers."""
 
 
-def mark(items: Iterable[pytest.Item]) -> None:
-    """Give each test the marks that its file and its unit ask for."""
+def mark(items: Iterable[Any]) -> None:
+    """Give each test, a `pytest.Item`, the marks that its file, its imports and its unit ask for."""
     for item in items:
         if not item.path.is_relative_to(TESTS):
             continue
         path = item.path.relative_to(TESTS).as_posix()
-        if _is_in(path, PROCESSES):
+        if _is_in(path, PROCESSES) or _is_disturbed(getattr(item, "module", None)):
             item.add_marker(pytest.mark.processes)
         elif _is_in(path, QUICK) and not _is_in(path, SLOW) and _unit(item) in (None, *QUICK_UNITS):
             item.add_marker(pytest.mark.quick)
@@ -66,7 +60,21 @@ def _is_in(path: str, patterns: Iterable[str]) -> bool:
     return any(fnmatch(path, pattern) for pattern in patterns)
 
 
-def _unit(item: pytest.Item) -> object:
+@cache
+def _is_disturbed(module: ModuleType | None) -> bool:
+    """Whether a module has a name from one of the packages `DISTURBED`."""
+    origins = (
+        [
+            value.__name__ if isinstance(value, ModuleType) else getattr(value, "__module__", None)
+            for value in vars(module).values()
+        ]
+        if module
+        else []
+    )
+    return any(isinstance(origin, str) and origin.partition(".")[0] in DISTURBED for origin in origins)
+
+
+def _unit(item: Any) -> object:
     """The unit of the catalog that the test is about, None if it is about no unit in particular."""
     called = getattr(item, "callspec", None)
     return called.params.get("unit") if called else None

@@ -28,13 +28,6 @@ def needs(what: str, *packages: str) -> str:
     return f"{what} (Debian: {', '.join(packages)})"
 
 
-def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
-    """Say in one line at the end of a run what was not tested, with or without workers."""
-    reports = [report for kind in ("skipped", "passed") for report in terminalreporter.stats.get(kind, [])]
-    if said := sentence(left_out(reports)):
-        terminalreporter.write_line(said)
-
-
 def left_out(reports: Iterable[pytest.TestReport | pytest.CollectReport]) -> list[str]:
     """Reason of each test that was skipped, and of each part that a test recorded as `PROPERTY`."""
     found = []

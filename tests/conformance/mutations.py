@@ -39,7 +39,10 @@ MODELS = ("ForceSensor", "CraigAdaptiveImpedance", "Actuator", "Plant")
 COPIED = ("adaptimp_fmu", "fmus", "orchestration", "tests/conformance")
 COPIED_FILES = (
     *("LICENSE", "pyproject.toml"),
-    *(f"tests/{name}.py" for name in ("__init__", "conftest", "driver", "selection", "sharing", "untested")),
+    *(
+        f"tests/{name}.py"
+        for name in ("__init__", "closing_line", "conftest", "driver", "selection", "sharing", "untested")
+    ),
 )
 NOT_COPIED = shutil.ignore_patterns("__pycache__", "platforms", "sanitizers", "mutations.py", "mutants.py")
 # Slow modules last: only faults that the others do not notice get there.

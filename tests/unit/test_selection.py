@@ -1,38 +1,30 @@
 """The marks quick and processes come from a rule, and the rule knows the files that are there."""
 
-import ast
-from collections.abc import Iterator
+import concurrent.futures
+import signal
+import subprocess
 from pathlib import Path
+from types import ModuleType
 
 import pytest
 
 from tests.selection import PROCESSES, QUICK, QUICK_UNITS, SLOW, TESTS, mark
 
-DISTURBED = {"concurrent.futures", "multiprocessing", "signal", "subprocess", "threading", "time"}
-"""Modules of Python with which a test starts processes or threads, sends signals or reads clocks."""
+UNIT = TESTS / "unit" / "test_example.py"
 
 
-def imported(file: Path) -> Iterator[str]:
-    """Names of the modules that a file imports."""
-    for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
-        if isinstance(node, ast.Import):
-            yield from (name.name for name in node.names)
-        elif isinstance(node, ast.ImportFrom):
-            yield node.module or ""
-
-
-def marks(path: Path, **parameters: str) -> set[str]:
-    """Marks that a test of a file gets, for these parameters."""
-    item = Item(path, parameters)
-    mark([item])  # type: ignore[list-item]
+def marks(path: Path, module: ModuleType | None = None, **parameters: str) -> set[str]:
+    """Marks that a test of a file and a module gets, for these parameters."""
+    item = Item(path, module, parameters)
+    mark([item])
     return item.marks
 
 
 class Item:
     """What `mark` asks of a test."""
 
-    def __init__(self, path: Path, parameters: dict[str, str]) -> None:
-        self.path, self.marks = path, set[str]()
+    def __init__(self, path: Path, module: ModuleType | None, parameters: dict[str, str]) -> None:
+        self.path, self.module, self.marks = path, module, set[str]()
         if parameters:
             self.callspec = type("Parameters", (), {"params": parameters})
 
@@ -46,10 +38,15 @@ def test_each_pattern_names_files_that_are_there(pattern: str) -> None:
     assert list(TESTS.glob(pattern))
 
 
-def test_what_imports_processes_signals_or_clocks_is_marked() -> None:
-    files = [path for path in TESTS.rglob("test_*.py") if DISTURBED.intersection(imported(path))]
-    assert len(files) > 10
-    assert [str(path) for path in files if "processes" not in marks(path)] == []
+@pytest.mark.parametrize(
+    "name", [subprocess, concurrent.futures.ThreadPoolExecutor, signal.SIGINT, subprocess.run], ids=str
+)
+def test_a_module_that_imports_processes_signals_or_clocks_is_known(name: object) -> None:
+    plain, disturbed = ModuleType("plain"), ModuleType("disturbed")
+    plain.__dict__.update(Path=Path, number=1.0)
+    disturbed.__dict__.update(plain.__dict__, name=name)
+    assert marks(UNIT, plain) == {"quick"}
+    assert marks(UNIT, disturbed) == {"processes"}
 
 
 def test_a_test_about_a_unit_is_quick_for_two_of_them() -> None:
