@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from adaptimp_fmu import SampledModel, build
-from fmus.catalog import UNITS
+from fmus.catalog import MODELS
 from tests.conformance.binary import ERROR, OK, Binary, Instance, array
 from tests.conformance.scenes import H, scene
 
@@ -49,7 +49,7 @@ def test_10_a_get_of_any_selection(binary: Binary, create: Create) -> None:
         np.testing.assert_array_equal(list(values), [alone[name] for name in chosen])
 
 
-@pytest.mark.parametrize("unit", [name for name in UNITS if name != "VirtualTrajectory"])  # it has no inputs
+@pytest.mark.parametrize("unit", [name for name in MODELS if name != "VirtualTrajectory"])  # it has no inputs
 def test_10_a_set_of_any_selection(binary: Binary, create: Create) -> None:
     names = numbers(binary, "input")
     instance = create(binary).initialize()

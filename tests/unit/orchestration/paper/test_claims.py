@@ -5,7 +5,7 @@ import math
 import pytest
 
 from adaptimp_fmu import SampledModel
-from fmus.catalog import UNITS
+from fmus.catalog import MODELS
 from orchestration.paper.calibrate import ratios
 from orchestration.paper.claims import criteria
 from orchestration.paper.claims.claim import HOLDS, NOT_REPRODUCED, Finding, Question
@@ -99,7 +99,7 @@ def test_operations_are_counted_by_kind() -> None:
 
 def test_algorithm_2_computes_less_on_every_machine() -> None:
     """The counts are those of the paper's table, in which nothing hangs on a clock."""
-    one, two = (operations(UNITS[name]())["tick_update"] for name in (CRAIG, SLOTINE_LI))
+    one, two = (operations(MODELS[name]())["tick_update"] for name in (CRAIG, SLOTINE_LI))
     assert criteria.FEWER_SIMPLE.met(two.simple - one.simple)
     assert criteria.FEWER_COSTLY.met(two.costly - one.costly)
-    assert operations(UNITS[CRAIG]())["tick_update"] == one
+    assert operations(MODELS[CRAIG]())["tick_update"] == one
