@@ -39,7 +39,9 @@ def test_each_pattern_names_files_that_are_there(pattern: str) -> None:
 
 
 @pytest.mark.parametrize(
-    "name", [subprocess, concurrent.futures.ThreadPoolExecutor, signal.SIGINT, subprocess.run], ids=str
+    "name",
+    [subprocess, concurrent.futures.ThreadPoolExecutor, signal.SIGINT, subprocess.run],
+    ids=["module", "class", "signal", "function"],
 )
 def test_a_module_that_imports_processes_signals_or_clocks_is_known(name: object) -> None:
     plain, disturbed = ModuleType("plain"), ModuleType("disturbed")
