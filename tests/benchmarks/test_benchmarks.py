@@ -148,7 +148,7 @@ def test_start_measures_fresh_processes() -> None:
     assert all(found["few"] > 0 for found in memory.values())
     assert start.child("import", "json")["seconds"] > 0
     times = start.child("simulate", str(start.unit(1)), "gauss-seidel")
-    assert times.keys() == {"imports", "first", "second"}
+    assert times.keys() == {"imports", "first", "second", "processor"}
 
 
 def test_a_process_that_fails_is_an_error() -> None:

@@ -105,7 +105,7 @@ def test_a_unit_that_is_not_declared_is_none_of_power(tmp_path: Path) -> None:
     system, result = run("gauss-seidel")
     fmu = system.component("mass").description.path
     undeclared = edited(fmu, tmp_path, swap('<Unit name="m/s">', '<Unit name="m/h">'))
-    with pytest.raises(SystemDescriptionError, match="N times m/s is no power"):
+    with pytest.raises(SystemDescriptionError, match="N times m/s is not a power"):
         ledger(result, BOND, system.replace("mass", undeclared))
 
 

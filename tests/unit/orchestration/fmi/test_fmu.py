@@ -249,7 +249,7 @@ def test_what_is_no_unit_of_this_machine(fmu_folder: Path, tmp_path: Path) -> No
     with pytest.raises(ArchiveError, match=r"missing\.fmu: there is no such FMU"):
         Fmu(tmp_path / "missing.fmu")
     other.write_text("no archive")
-    with pytest.raises(ArchiveError, match=r"other\.fmu is no readable zip archive"):
+    with pytest.raises(ArchiveError, match=r"other\.fmu is not a readable zip archive"):
         Fmu(other)
     identifier = 'modelIdentifier="Plant"'
     with pytest.raises(ArchiveError, match=r"other\.fmu has no binary for \S+, this machine; it has \S+"):
