@@ -12,6 +12,7 @@ import json
 from collections.abc import Callable, Mapping
 from dataclasses import asdict
 from pathlib import Path
+from tempfile import NamedTemporaryFile
 
 from adaptimp_fmu import default_cache
 from orchestration.paper.claims.claim import Claim
@@ -43,9 +44,9 @@ def claims_of(
         return [Claim(**record) for record in records], True
     claims = measure()
     file.parent.mkdir(parents=True, exist_ok=True)
-    draft = file.with_suffix(".part")
-    draft.write_text(json.dumps([asdict(claim) for claim in claims]), encoding="utf-8")
-    draft.replace(file)
+    with NamedTemporaryFile("w", dir=file.parent, suffix=".part", delete=False, encoding="utf-8") as draft:
+        json.dump([asdict(claim) for claim in claims], draft)
+    Path(draft.name).replace(file)  # whole or not at all, also when two runs end at once
     return claims, False
 
 

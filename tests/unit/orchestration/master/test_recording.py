@@ -178,3 +178,19 @@ def test_what_is_set_on_the_way_is_in_the_metadata(fmu_folder: Path) -> None:
         assert "changes" not in run.result().metadata
         run.restore(after)
         assert "changes" in run.result().metadata
+
+
+def test_a_run_is_stepped_inside_its_block_only(small: dict[str, Path]) -> None:
+    simulation = prepare(mixed(small), 4 * H, H)
+    looks = [lambda: simulation.time, lambda: simulation.count, lambda: simulation.steps_made, simulation.result]
+    steps = [simulation.run, simulation.save, lambda: simulation.set({"relay.offset": 1.0})]
+    for call in (*looks, *steps):
+        with pytest.raises(OrchestrationError, match=r"^System small: the run has not begun; step it inside its block"):
+            call()
+    with simulation:
+        simulation.run()
+        snapshot = simulation.save()
+    assert (simulation.count, len(simulation.result().time)) == (5, 5)
+    for call in (*steps, lambda: simulation.restore(snapshot)):
+        with pytest.raises(OrchestrationError, match=r"^System small: the run is over; step it inside its block"):
+            call()
