@@ -53,14 +53,16 @@ def model_description(model: Model, guid: str, sources: Iterable[str]) -> bytes:
     """
     root = etree.Element(
         "fmiModelDescription",
-        fmiVersion="2.0",
-        modelName=model.name,
-        guid=guid,
-        description=model.description,
-        **model.ownership.attributes(),
-        generationTool=GENERATION_TOOL,
-        variableNamingConvention="structured",
-        numberOfEventIndicators="0",
+        {
+            "fmiVersion": "2.0",
+            "modelName": model.name,
+            "guid": guid,
+            "description": model.description,
+            **model.ownership.attributes(),
+            "generationTool": GENERATION_TOOL,
+            "variableNamingConvention": "structured",
+            "numberOfEventIndicators": "0",
+        },
     )
     variables = model.ordered_variables()
     _co_simulation(root, model, sources)

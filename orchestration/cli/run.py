@@ -16,7 +16,13 @@ from rich.table import Column, Table
 from orchestration.cli.assumptions import print_assumptions
 from orchestration.cli.codes import INTERRUPTED
 from orchestration.cli.commands import console, errors, require_folder, setting_of
-from orchestration.errors import OrchestrationError, RunInterrupted, SimulationError, SystemDescriptionError
+from orchestration.errors import (
+    OrchestrationError,
+    RecordedRows,
+    RunInterrupted,
+    SimulationError,
+    SystemDescriptionError,
+)
 from orchestration.master.algorithm import Algorithm, Tolerance, find_algorithm
 from orchestration.master.options import Crossings
 from orchestration.master.options import Progress as Report
@@ -110,9 +116,9 @@ def run_system(request: RunRequest) -> None:
         simulation = prepare(system, request.stop, step, algorithm, options=_options(request, report))
         if request.verdict:
             _warn(system, step, algorithm)
-        streams = request.out is not None and request.out.suffix == ".parquet"
-        if streams:
-            simulation.stream_to(request.out)
+        streamed = request.out if request.out is not None and request.out.suffix == ".parquet" else None
+        if streamed is not None:
+            simulation.stream_to(streamed)
         started = time.perf_counter()
         try:
             with simulation:
@@ -131,7 +137,7 @@ def run_system(request: RunRequest) -> None:
     if request.out is None:
         _print_summary(result)
     else:
-        if not streams:
+        if streamed is None:
             result.write(request.out)
         typer.echo(f"wrote {request.out}: {simulation.count} rows, {len(result.names)} columns")
     typer.echo(f"{simulation.steps_made} steps in {elapsed:.2f} s")
@@ -228,7 +234,7 @@ def _progress() -> Iterator[Report]:
             bar.stop()
 
 
-def _keep_partial(result: Result | None, out: Path | None, when: str) -> None:
+def _keep_partial(result: RecordedRows | None, out: Path | None, when: str) -> None:
     """Write the complete rows of a run that ended early; those of a Parquet file are written already."""
     if out is None or result is None:
         return

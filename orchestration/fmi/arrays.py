@@ -54,7 +54,7 @@ def typed(fmu: str, variable: Variable, value: float | str) -> Any:
     if isinstance(value, str) or variable.type == STRING:
         fits = isinstance(value, str) and variable.type == STRING
     else:
-        fits = variable.type == REAL or (value in (0, 1) if variable.type == BOOLEAN else value.is_integer())
+        fits = variable.type == REAL or (value in (0, 1) if variable.type == BOOLEAN else float(value).is_integer())
     if not fits:
         msg = f"{fmu}: {variable.name} is of type {variable.type}, which {value!r} is not."
         raise SignalError(msg)

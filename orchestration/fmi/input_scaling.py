@@ -20,7 +20,6 @@ import numpy as np
 from llvmlite import ir
 from numba import types
 from numba.core.ccallback import CFunc
-from numba.extending import intrinsic
 
 from orchestration.fmi.codes import Status
 from orchestration.fmi.machine_code import code_folder
@@ -31,6 +30,7 @@ from orchestration.fmi.native_calls import (
     emit_rates,
     emit_state,
     emit_transfer,
+    emitted,
     keep_machine_code,
 )
 from orchestration.fmi.units import Linear
@@ -176,7 +176,7 @@ def _forward_state(slot: int) -> Callable:
 def _load(kind: Any, pointed: Any) -> Callable:
     """An intrinsic that reads the value at an address."""
 
-    @intrinsic
+    @emitted
     def load(typing: Any, address: Any) -> Any:  # noqa: ARG001 - numba gives both
         def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:  # noqa: ARG001
             return builder.load(builder.inttoptr(arguments[0], pointed.as_pointer()))
@@ -191,7 +191,7 @@ _reference = _load(types.uint32, ir.IntType(32))
 _real = _load(types.float64, ir.DoubleType())
 
 
-@intrinsic
+@emitted
 def _put(typing: Any, address: Any, value: Any) -> Any:  # noqa: ARG001 - numba gives all
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:  # noqa: ARG001
         builder.store(arguments[1], builder.inttoptr(arguments[0], ir.DoubleType().as_pointer()))

@@ -5,7 +5,7 @@ import platform
 import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 from orchestration.errors import ArchiveError
 from orchestration.fmi import signatures
@@ -116,7 +116,8 @@ class Library:
 
     def address(self, name: str) -> int:
         """Address of an FMI function."""
-        return int(ctypes.cast(self.function(name), ctypes.c_void_p).value or 0)
+        function = cast("Any", self.function(name))  # ctypes does not name the type of its functions
+        return int(ctypes.cast(function, ctypes.c_void_p).value or 0)
 
     def close(self) -> None:
         """Unload the library, so that its file can be removed; again does nothing."""

@@ -10,7 +10,7 @@ import pickle
 from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
-from typing import Any
+from typing import Any, Concatenate, ParamSpec, cast
 
 import numpy as np
 from llvmlite import ir
@@ -20,6 +20,8 @@ from numba.extending import intrinsic, overload
 
 SOURCES = (Path(__file__), Path(__file__).with_name("codes.py"))
 """What is compiled into everything that calls by address."""
+
+Arguments = ParamSpec("Arguments")
 
 _TRANSFER = ctypes.CFUNCTYPE(ctypes.c_int32, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_size_t, ctypes.c_void_p)
 _DO_STEP = ctypes.CFUNCTYPE(ctypes.c_int32, ctypes.c_void_p, ctypes.c_double, ctypes.c_double, ctypes.c_int32)
@@ -90,7 +92,7 @@ def call_direction(function: int, component: int, unknowns: int, n: int, known: 
     return _DIRECTION(int(function))(int(component), int(unknowns), int(n), int(known), 1, int(seed), int(values))
 
 
-def copy_run(source: np.ndarray, first: int, rows: np.ndarray, row: int, column: int, n: int) -> None:
+def copy_run(source: np.ndarray, first: int, rows: np.ndarray, row: int | np.uint64, column: int, n: int) -> None:
     """Copy n doubles from `first` on into a row from `column` on; both arrays are contiguous."""
     rows[row, int(column) : int(column + n)] = source[int(first) : int(first + n)]
 
@@ -164,7 +166,18 @@ def _cache_in(folder: Path, function: Callable[..., Any]) -> caching.FunctionCac
     return Cache(function)
 
 
-@intrinsic
+def emitted(emit: Callable[Concatenate[Any, Arguments], Any]) -> Callable[Arguments, Any]:
+    """Let compiled functions call what numba's ``intrinsic`` makes of a function.
+
+    Parameters
+    ----------
+    emit
+        Receives numba's typing context, which the caller does not give, and the types of the arguments.
+    """
+    return cast("Callable[Arguments, Any]", intrinsic(emit))
+
+
+@emitted
 def emit_transfer(typing: Any, function: Any, component: Any, references: Any, n: Any, values: Any) -> Any:
     """What `call_transfer` compiles to."""
     signature = types.int32(types.int64, types.int64, types.int64, types.int64, types.int64)
@@ -179,7 +192,7 @@ def emit_transfer(typing: Any, function: Any, component: Any, references: Any, n
     return signature, generate
 
 
-@intrinsic
+@emitted
 def emit_do_step(typing: Any, function: Any, component: Any, t: Any, h: Any) -> Any:
     """What `call_do_step` compiles to."""
     signature = types.int32(types.int64, types.int64, types.float64, types.float64)
@@ -194,7 +207,7 @@ def emit_do_step(typing: Any, function: Any, component: Any, t: Any, h: Any) -> 
     return signature, generate
 
 
-@intrinsic
+@emitted
 def emit_state(typing: Any, function: Any, component: Any, state: Any) -> Any:
     """What `call_state` compiles to."""
     signature = types.int32(types.int64, types.int64, types.int64)
@@ -208,7 +221,7 @@ def emit_state(typing: Any, function: Any, component: Any, state: Any) -> Any:
     return signature, generate
 
 
-@intrinsic
+@emitted
 def emit_rates(typing: Any, function: Any, component: Any, references: Any, n: Any, orders: Any, values: Any) -> Any:
     """What `call_rates` compiles to."""
     signature = types.int32(*[types.int64] * 6)
@@ -223,7 +236,7 @@ def emit_rates(typing: Any, function: Any, component: Any, references: Any, n: A
     return signature, generate
 
 
-@intrinsic
+@emitted
 def emit_direction(
     typing: Any, function: Any, component: Any, unknowns: Any, n: Any, known: Any, seed: Any, values: Any
 ) -> Any:
@@ -240,7 +253,7 @@ def emit_direction(
     return signature, generate
 
 
-@intrinsic
+@emitted
 def _copy_run(typing: Any, source: Any, first: Any, rows: Any, row: Any, column: Any, n: Any) -> Any:
     signature = types.void(source, first, rows, row, column, n)
 
@@ -257,7 +270,7 @@ def _copy_run(typing: Any, source: Any, first: Any, rows: Any, row: Any, column:
     return signature, generate
 
 
-@intrinsic
+@emitted
 def _copy_bytes(typing: Any, source: Any, target: Any, n: Any) -> Any:
     signature = types.void(types.int64, types.int64, types.int64)
 

@@ -8,6 +8,12 @@ A unit says how its numbers become numbers in SI base units (FMI 2.0.4, 2.2.2; S
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, TypeVar
+
+if TYPE_CHECKING:
+    import numpy as np
+
+Value = TypeVar("Value", float, "np.ndarray")
 
 BASE_UNITS = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
 UNCHANGED = (1.0, 0.0)
@@ -63,7 +69,7 @@ class Linear:
     factor: float = 1.0
     offset: float = 0.0
 
-    def __call__(self, value: float) -> float:
+    def __call__(self, value: Value) -> Value:
         """The target's value; the very same one if nothing changes."""
         return value if self.trivial else self.factor * value + self.offset
 

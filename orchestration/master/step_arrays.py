@@ -23,6 +23,7 @@ from orchestration.master.kernel.codes import (
     Row,
 )
 from orchestration.master.kernel.coupling import Coupling
+from orchestration.master.kernel.records import Method, Records, Watched
 from orchestration.master.options import Crossings
 from orchestration.system.system import Component, Connection, System
 
@@ -152,7 +153,7 @@ def _links(
     plan, position = assembly.plan, {component.name: i for i, component in enumerate(system.components)}
     links = np.zeros(len(plan.real_links), LINK).view(np.recarray)
     links.source, links.target = plan.real_links[:, 0], plan.real_links[:, 1]
-    links.rate = links.curvature = -1
+    links["rate"] = links["curvature"] = -1
     links.absolute, links.relative = _tolerances(
         [_source_unit(system, x) for x in assembly.real_connections], algorithm.correction
     )
@@ -211,11 +212,11 @@ def _fill_table(
     return alive
 
 
-def _method(system: System, algorithm: Algorithm, links: np.recarray, experiment: Experiment) -> np.record:
+def _method(system: System, algorithm: Algorithm, links: np.recarray, experiment: Experiment) -> Method:
     """The algorithm as numbers; the estimated error is of the order of inputs that are merely held."""
     correction, control = algorithm.correction, algorithm.control or StepControl()
     savable = all(x.description.can(SAVES_STATE) for x in system.components if x.continuous)
-    method = np.zeros(1, METHOD).view(np.recarray)[0]
+    method: Method = np.zeros(1, METHOD).view(np.recarray)[0]
     method.sequential = algorithm.exchange == SEQUENTIAL
     method.order = algorithm.order
     if correction is not None:
@@ -240,7 +241,7 @@ def _exact(system: System, assembly: Assembly) -> np.ndarray:
     return np.array([j for j, component in enumerate(targets) if component.continuous], np.int64)
 
 
-def _watched(system: System, assembly: Assembly, names: Sequence[str], control: StepControl | None) -> np.recarray:
+def _watched(system: System, assembly: Assembly, names: Sequence[str], control: StepControl | None) -> Records[Watched]:
     """The values under step control; errors of outputs with direct feedthrough do not add up."""
     watched = np.zeros(len(names), WATCHED).view(np.recarray)
     watched.index = [assembly.real_outputs[x] for x in names]

@@ -26,7 +26,7 @@ def contained(system: System, folder: Path) -> System:
     logging.getLogger("fmu_manipulation_toolbox").setLevel(logging.CRITICAL)  # an open input is no news
     node = AssemblyNode(
         "container.fmu",
-        step_size=system.step,
+        step_size=system.run_step(),
         sequential=True,
         auto_link=False,
         auto_input=False,

@@ -150,7 +150,7 @@ def _engines(system: System, folder: Path) -> Mapping[str, Measure]:
     ssp = system.write(folder / f"{system.name}.ssp")
     step_ns = round(system.run_step() * 1e9)
     return {
-        "ecospy": lambda n: np.array([time_ecospy(ssp, system.step, n)]),
+        "ecospy": lambda n: np.array([time_ecospy(ssp, system.run_step(), n)]),
         "libcosimpy": lambda n: np.array([time_libcosim(ssp, step_ns, n)]),
     }
 

@@ -57,8 +57,8 @@ class Rig:
     c: CLoop
 
     def __init__(self, system: System, n_steps: int, record: Collection[str] | None = None, piece: int = PIECE) -> None:
-        self.system, self.step, self.piece = system, system.step, piece
-        self.times = np.arange(n_steps + 1) * system.run_step()
+        self.system, self.step, self.piece = system, system.run_step(), piece
+        self.times = np.arange(n_steps + 1) * self.step
         self._n_rows, self._record = n_steps + 1, record
         self._saves = all(c.description.can(SAVES_STATE) for c in system.components)
         self._saved: list[ctypes.c_void_p] = []

@@ -51,6 +51,7 @@ def test_fmpy_steps_one_instance(fmu_folder: Path, unit: str, tmp_path: Path) ->
     fmu = fmu_folder / f"{unit}.fmu"
     folder = extract(str(fmu), unzipdir=str(tmp_path))
     description = read_model_description(folder)
+    assert description.coSimulation is not None
     slave = FMU2Slave(
         guid=description.guid,
         unzipDirectory=folder,

@@ -44,7 +44,7 @@ class Binary:
         Told the name of each function before it is called.
     """
 
-    def __init__(self, plan: Mapping[str, Any], announce: Callable[[str], None]) -> None:
+    def __init__(self, plan: dict[str, Any], announce: Callable[[str], None]) -> None:
         self.plan, self._announce = plan, announce
         self._library = Library(Path(plan["library"]))
         self.variables = {row["name"]: row for row in plan["variables"]}

@@ -88,7 +88,7 @@ def splitting(binary: Binary) -> Yield:
     if binary.plan["random"]:
         return
     if binary.plan["sampled"]:
-        difference = list(same(binary, *rows, "14", "With each step split in two", "with whole steps"))
+        difference = list(same(binary, rows[0], rows[1], "14", "With each step split in two", "with whole steps"))
         yield from (warning(found.rule, found.message) for found in difference)
     else:
         pairs = [(a, b) for one, two in zip(*rows, strict=True) for a, b in zip(one, two, strict=True)]

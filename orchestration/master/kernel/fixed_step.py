@@ -15,11 +15,12 @@ from orchestration.fmi.native_calls import call_do_step, call_transfer
 from orchestration.master.kernel.codes import Kind
 from orchestration.master.kernel.compiled import compiled, compiled_for_callers
 from orchestration.master.kernel.flat_system import Plan, record
+from orchestration.master.kernel.records import Operation, Records
 
 
 @compiled
 def run(
-    operations: np.recarray,
+    operations: Records[Operation],
     plan: Plan,
     grid: tuple[np.ndarray, np.ndarray],
     span: tuple[int, int],
@@ -79,7 +80,7 @@ def run(
 
 
 @compiled_for_callers
-def copy_values(operation: np.record, values: np.ndarray) -> None:
+def copy_values(operation: Operation, values: np.ndarray) -> None:
     """Copy a run of values to other places of their buffer."""
     source, target = np.uint64(operation.first), np.uint64(operation.place)
     for i in range(np.uint64(operation.count)):

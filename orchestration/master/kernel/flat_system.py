@@ -83,7 +83,7 @@ def get_outputs(table: np.ndarray, i: int) -> tuple[int, int]:
 
 
 @compiled_with_caller
-def record(plan: Plan, rows: np.ndarray, row: int) -> None:
+def record(plan: Plan, rows: np.ndarray, row: np.uint64) -> None:
     """Copy what is recorded into a row; `row` is unsigned."""
     runs, index = plan.recorded_reals, plan.recorded_discretes
     for j in range(runs.shape[0]):

@@ -102,7 +102,7 @@ def container(system: System, path: Path, *, sequential: bool) -> Path:
 
     logging.getLogger("fmu_manipulation_toolbox").setLevel(logging.CRITICAL)  # an open output is no news
     automatic = {"auto_link": False, "auto_input": False, "auto_output": False}
-    node = AssemblyNode(path.name, step_size=system.step, sequential=sequential, **automatic)
+    node = AssemblyNode(path.name, step_size=system.run_step(), sequential=sequential, **automatic)
     for name in ("trajectory", "controller"):
         component = system.component(name)
         node.add_fmu(f"{name}.fmu", str(component.description.path))

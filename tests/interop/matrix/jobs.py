@@ -85,7 +85,8 @@ def _job(system: System, kind: str, n_steps: int, folder: Path) -> Job:
     for component in system.components:
         variables = component.description.variables
         driven = {c.input: first[f"{c.source}.{c.output}"] for c in system.connections if c.target == component.name}
-        alone = {v.name: v.start for v in component.description.of_causality("input")}
+        inputs = component.description.of_causality("input")
+        alone = {v.name: v.start for v in inputs if v.start is not None}
         parts.append(
             Part(
                 component.name,
@@ -99,7 +100,7 @@ def _job(system: System, kind: str, n_steps: int, folder: Path) -> Job:
         )
     connections = tuple((c.source, c.output, c.target, c.input) for c in system.connections)
     ssp = system.write(folder / f"{system.name}.ssp")
-    return Job(system.name, kind, system.step, n_steps, str(ssp), tuple(parts), connections, tuple(first))
+    return Job(system.name, kind, system.run_step(), n_steps, str(ssp), tuple(parts), connections, tuple(first))
 
 
 def _initial_row(system: System) -> dict[str, float]:

@@ -372,5 +372,6 @@ def test_starts_are_written_to_the_last_bit(value: float) -> None:
     model = sampled()
     model.output("y", model.input("u", value, description="Input"), description="Output")
     sources, xml = definition(model)
-    assert float(etree.fromstring(xml).find(".//ScalarVariable[@name='u']/Real").get("start")) == value
+    typed = next(etree.fromstring(xml).iterfind(".//ScalarVariable[@name='u']/Real"))
+    assert float(typed.attrib["start"]) == value
     assert f'{{"u", TYPE_REAL, ROLE_INPUT,\n     {value!r},' in sources["model.c"]

@@ -3,6 +3,7 @@
 import logging
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import Any, cast
 
 import numpy as np
 
@@ -65,7 +66,7 @@ def simulated(job: Job, container: Path) -> Record:
         stop_time=job.n_steps * job.step,
         step_size=job.step,
         output_interval=job.step,
-        input=inputs if fields else None,
+        input=cast("Any", inputs if fields else None),  # fmpy takes None too, which its annotation forgets
         output=[OUTPUT + column for column in job.columns],
     )
     return ordered(job, {column: result[OUTPUT + column] for column in job.columns})

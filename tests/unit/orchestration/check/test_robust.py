@@ -9,6 +9,7 @@ import tempfile
 import zipfile
 from contextlib import suppress
 from pathlib import Path
+from typing import Any
 
 import pytest
 from hypothesis import given, settings
@@ -221,7 +222,7 @@ def test_thousands_of_sources_take_no_longer_than_their_bytes(monkeypatch: pytes
     """The archive is opened a few times, not for each of them; findings are counted, not kept."""
     opened, plain = [], zipfile.ZipFile.__init__
 
-    def counted(archive: zipfile.ZipFile, *arguments: object, **options: object) -> None:
+    def counted(archive: zipfile.ZipFile, *arguments: Any, **options: Any) -> None:
         opened.append(arguments[0])
         plain(archive, *arguments, **options)
 

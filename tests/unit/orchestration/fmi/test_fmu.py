@@ -8,6 +8,7 @@ import tempfile
 import zipfile
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -224,7 +225,7 @@ def test_a_failing_step_says_when_and_why(fmu_folder: Path, fmu: Open) -> None:
     ],
 )
 def test_a_refused_start_says_why_and_leaves_nothing(
-    fmu_folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, start: dict[str, list[float]], sentence: str
+    fmu_folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, start: dict[str, Any], sentence: str
 ) -> None:
     monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
     with pytest.raises(InitializationError, match=sentence):
@@ -319,13 +320,20 @@ def test_a_state_that_is_not_serialized_belongs_to_its_instance(fmu_folder: Path
         other.restore(state)
 
 
+def serialized(unit: Fmu) -> bytes:
+    """Return the state of an FMU that serializes it."""
+    state = unit.save()
+    assert isinstance(state, bytes)
+    return state
+
+
 def test_states_that_fit_no_instance_are_refused(fmu_folder: Path, tmp_path: Path, fmu: Open, counter: Path) -> None:
     unit = fmu(fmu_folder / "Plant.fmu")
-    for foreign in (fmu(counter).save(), b"", unit.save()[:30]):
+    for foreign in (fmu(counter).save(), b"", serialized(unit)[:30]):
         with pytest.raises(SignalError, match="of another FMU, or damaged"):
             unit.restore(foreign)
     with pytest.raises(SimulationError, match="Plant: fmi2DeSerializeFMUstate returned fmi2Error"):
-        unit.restore(unit.save()[:-1])
+        unit.restore(serialized(unit)[:-1])
     path = without("canGetAndSetFMUstate", fmu_folder / "Plant.fmu", tmp_path)
     with pytest.raises(SystemDescriptionError, match=r"Plant\.fmu does not declare canGetAndSetFMUstate"):
         fmu(path).save()

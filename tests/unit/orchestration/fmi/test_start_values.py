@@ -1,6 +1,7 @@
 """Evidence for start values and for `replace`: what is refused, what is kept, what is told."""
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -55,7 +56,7 @@ def controllers(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
         ("relay.even", 2, r"relay\.even = 2: true or false is needed"),
     ],
 )
-def test_wrong_values_are_refused(small: dict[str, Path], path: str, value: object, message: str) -> None:
+def test_wrong_values_are_refused(small: dict[str, Path], path: str, value: Any, message: str) -> None:
     with pytest.raises(SystemDescriptionError, match=message):
         mixed(small).set({path: value})
 
@@ -82,7 +83,7 @@ def test_start_values_are_checked_without_set_too(small: dict[str, Path]) -> Non
         ("relay.offset", np.float64(0.1), 0.1),
     ],
 )
-def test_values_of_every_kind_are_taken(small: dict[str, Path], path: str, value: object, number: float) -> None:
+def test_values_of_every_kind_are_taken(small: dict[str, Path], path: str, value: Any, number: float) -> None:
     component, variable = path.split(".")
     changed = mixed(small).set({path: value})
     assert changed.component(component).start[variable] == number
