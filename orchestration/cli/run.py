@@ -205,7 +205,7 @@ def _number(option: str, text: str, kind: type[T]) -> T:
     try:
         return kind(text)
     except ValueError:
-        msg = f"{option}: {text!r} is no {'integer' if kind is int else 'number'}."
+        msg = f"{option}: {text!r} is not {'an integer' if kind is int else 'a number'}."
         raise SystemDescriptionError(msg) from None
 
 
