@@ -239,7 +239,7 @@ class System:
     def stability(
         self, step: float | None = None, algorithm: "str | Algorithm" = "gauss-seidel", *, at: float = 0.0
     ) -> "Verdict":
-        """Judge the stability of an algorithm at a step, s, around a time, s; see `orchestration.analysis.stability`."""
+        """Judge the stability of an algorithm at a step, s, near a time, s; see `orchestration.analysis.stability`."""
         return analysis("stability")(self, step, algorithm, at=at)
 
     def unconnected_inputs(self) -> list[str]:

@@ -47,7 +47,7 @@ def section(name: str, edit: Edit) -> Edit:
 
 BROKEN: dict[str, tuple[Edit, str, Severity, str]] = {
     "version": (swap('fmiVersion="2.0"', 'fmiVersion="3.0"'), "1", ERROR, "fmiVersion 3.0; .* 2.0 are needed"),
-    "not well-formed": (lambda xml: xml[:-9], "1", ERROR, "no well-formed XML"),
+    "not well-formed": (lambda xml: xml[:-9], "1", ERROR, "is not well-formed XML"),
     "schema": (swap('start="2"', 'start="two"'), "1", ERROR, "violates the schema in line [0-9]+: .*two"),
     "model exchange": (
         swap(r"<CoSimulation.*?</CoSimulation>", '<ModelExchange modelIdentifier="HoganImpedance"/>'),

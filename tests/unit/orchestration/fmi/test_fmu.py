@@ -150,7 +150,7 @@ def test_long_runs_miss_no_tick(counter: Path, fmu: Open) -> None:
         (lambda u: u.set(tau=1.0), "Plant: tau takes an array of shape (2,), not ()."),
         (lambda u: u.set(**{"tau[1]": [1.0]}), "Plant: tau[1] takes an array of shape (), not (1,)."),
         (lambda u: u.set(tau="much"), "Plant: tau takes an array of shape (2,), not ()."),
-        (lambda u: u.set(**{"tau[1]": "much"}), "Plant: tau[1] is of type Real, which 'much' is not."),
+        (lambda u: u.set(**{"tau[1]": "much"}), "Plant: tau[1] is of type Real; 'much' is not."),
         (lambda u: u.set(tau=None), "Plant: tau takes"),
         (lambda u: u.set(tau=[1.0, [2.0]]), "Plant: tau takes numbers, not"),
         (lambda u: u.drive(H, {"torque": np.zeros(3)}), "Plant has no variable torque; it has dt_max"),
@@ -193,9 +193,9 @@ def test_what_does_not_fit_is_refused_and_nothing_is_done(
 @pytest.mark.parametrize(
     ("values", "sentence"),
     [
-        ({"whole": 1.5}, "Counter: whole is of type Integer, which 1.5 is not."),
-        ({"whole": np.nan}, "Counter: whole is of type Integer, which nan is not."),
-        ({"flag": [0, 2]}, "Counter: flag[2] is of type Boolean, which 2.0 is not."),
+        ({"whole": 1.5}, "Counter: whole is of type Integer; 1.5 is not."),
+        ({"whole": np.nan}, "Counter: whole is of type Integer; nan is not."),
+        ({"flag": [0, 2]}, "Counter: flag[2] is of type Boolean; 2.0 is not."),
     ],
 )
 def test_values_are_not_rounded(counter: Path, fmu: Open, values: dict[str, float], sentence: str) -> None:
