@@ -85,7 +85,7 @@ AS_IS = Linear()
 def conversion(
     source: UnitDefinition | None, target: UnitDefinition | None, *, relative: bool = False
 ) -> tuple[float, float] | None:
-    """Return the conversion from one unit to another; None if the units have different dimensions.
+    """Return factor and offset with target = factor * source + offset; None if the units cannot be converted.
 
     Parameters
     ----------
