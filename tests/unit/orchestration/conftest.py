@@ -10,14 +10,14 @@ from orchestration.paper.scenarios import SCENARIOS
 from orchestration.results import arrow_table
 from tests.sharing import made_once
 from tests.unit.orchestration.foreign import build_foreign
+from tests.unit.orchestration.small_models import H, build_small_models, mixed
 from tests.unit.orchestration.stored import NAMES
-from tests.unit.orchestration.units import H, build_units, mixed
 
 
 @pytest.fixture(scope="session")
 def small(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     """FMU files of the small units, by model identifier."""
-    return {path.stem: path for path in made_once(tmp_path_factory, "small", build_units).glob("*.fmu")}
+    return {path.stem: path for path in made_once(tmp_path_factory, "small", build_small_models).glob("*.fmu")}
 
 
 @pytest.fixture(scope="session")

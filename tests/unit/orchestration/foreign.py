@@ -5,7 +5,7 @@ import zipfile
 from pathlib import Path
 
 from adaptimp_fmu import ContinuousModel, SampledModel, build
-from tests.unit.orchestration.units import H
+from tests.unit.orchestration.small_models import H
 
 _HEAD = """<?xml version="1.0" encoding="UTF-8"?>
 <ssd:SystemStructureDescription xmlns:ssd="http://ssp-standard.org/SSP1/SystemStructureDescription"

@@ -14,7 +14,7 @@ import pytest
 from orchestration import Connection, Options, PowerBond, System, SystemDescriptionError, ledger, simulate
 from orchestration.fmi.units import Unit, UnitDefinition, conversion
 from orchestration.master.algorithm import DIRECTIONAL, NEWTON, PARALLEL, Algorithm, Correction, StepControl, Tolerance
-from tests.unit.orchestration.units import H, mixed, system
+from tests.unit.orchestration.small_models import H, mixed, system
 
 FINE = 2.0**10  # fine units in a metre
 LOOP = "a.y -> b.u\nb.y -> a.u"

@@ -16,7 +16,7 @@ from orchestration import (
     simulate,
 )
 from orchestration.fmi.description import read_description
-from tests.unit.orchestration.units import H, mixed, system
+from tests.unit.orchestration.small_models import H, mixed, system
 
 
 @pytest.fixture(scope="module")

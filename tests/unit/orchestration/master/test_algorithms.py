@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from orchestration import Options, SystemDescriptionError, simulate
-from tests.unit.orchestration.units import FIRST, H, chain, mixed, system
+from tests.unit.orchestration.small_models import FIRST, H, chain, mixed, system
 
 STEPS = 16
 LENGTH = 3

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from orchestration import Options, OrchestrationError, Result, System, SystemDescriptionError, simulate
-from tests.unit.orchestration.units import chain, mixed
+from tests.unit.orchestration.small_models import chain, mixed
 
 STEPS = 300
 CHOSEN = ("plant.F_ext[1]", "actuator.saturated[2]", "trajectory.x_v[1]", "plant.q[2]")  # in no order

@@ -17,7 +17,7 @@ from orchestration import (
     simulate,
 )
 from orchestration.fmi.description import read_description
-from tests.unit.orchestration.units import H, chain, system
+from tests.unit.orchestration.small_models import H, chain, system
 
 
 def linked(fmus: dict[str, Path], line: str) -> System:

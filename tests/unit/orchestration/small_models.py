@@ -72,7 +72,7 @@ def fragile() -> SampledModel:
     return model
 
 
-def build_units(folder: Path) -> dict[str, Path]:
+def build_small_models(folder: Path) -> dict[str, Path]:
     """Build them all; FMU files by model identifier."""
     models = [source(), relay(), switch(), integrator(), fragile()]
     return {model.name: build(model, folder) for model in models}
