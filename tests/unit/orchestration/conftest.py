@@ -1,4 +1,4 @@
-"""Fixtures: the small units, fig2, and a cache of its own for every test that reads packages."""
+"""Fixtures: the FMUs of small models, fig2, and a cache of its own for every test that reads packages."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -16,13 +16,13 @@ from tests.unit.orchestration.stored import NAMES
 
 @pytest.fixture(scope="session")
 def small(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
-    """FMU files of the small units, by model identifier."""
+    """FMU files of the small models, by model identifier."""
     return {path.stem: path for path in made_once(tmp_path_factory, "small", build_small_models).glob("*.fmu")}
 
 
 @pytest.fixture(scope="session")
 def strange(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
-    """FMU files of foreign units, by model identifier."""
+    """FMU files of foreign models, by model identifier."""
     return {path.stem: path for path in made_once(tmp_path_factory, "strange", build_foreign).glob("*.fmu")}
 
 

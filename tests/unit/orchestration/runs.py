@@ -1,4 +1,4 @@
-"""Systems and algorithms that several tests run: every loop, with and without sampled units and noise."""
+"""Systems and algorithms that several tests run: every loop, with and without sampled FMUs and noise."""
 
 from pathlib import Path
 

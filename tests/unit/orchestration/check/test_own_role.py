@@ -17,7 +17,7 @@ PUMP = Role("pump", "flow", {"flow": Signal("m/s", COUNTED)}, counted="stage", f
 
 @pytest.fixture(scope="module")
 def unit(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A unit with the input u and the output y."""
+    """An FMU with the input u and the output y."""
     folder = tmp_path_factory.mktemp("unit")
     return misbehaving(compiled(folder, "good"), folder / "good.fmu", "none")
 

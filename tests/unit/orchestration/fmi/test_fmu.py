@@ -353,7 +353,7 @@ sys.exit("fmpy" in sys.modules or "numba" in sys.modules)
 
 
 def test_it_serves_as_a_plugin(fmu_folder: Path, tmp_path: Path) -> None:
-    """In a project of somebody else, by `pytest_plugins`; the unit is freed although the test fails."""
+    """In a project of somebody else, by `pytest_plugins`; the FMU is freed although the test fails."""
     (tmp_path / "test_theirs.py").write_text(f"""
 import numpy as np
 pytest_plugins = ["orchestration.fmi.testing"]
