@@ -24,7 +24,7 @@ WRONG: dict[str, tuple[str, Severity, str]] = {
     "step": ("11", ERROR, "Stepping: fmi2DoStep returns fmi2Error at t = 0 s"),
     "crash": ("11", ERROR, "fmi2DoStep dies of SIG.* during the experiment 'stepping'"),
     "hang": ("11", ERROR, "fmi2DoStep does not return within [0-9.]+ s during the experiment 'stepping'"),
-    "stdout": ("9", WARNING, 'writes to standard output: "hello from the unit'),
+    "stdout": ("9", WARNING, 'writes to standard output: "hello from the FMU'),
     "chatter": ("9", WARNING, 'writes to standard output: "step'),
     "reset": ("13", ERROR, "After fmi2Reset, y is 12 in row 0; in a fresh instance it is 0"),
     "state": ("13", ERROR, "After fmi2SetFMUstate, y is .* in row 0; when the state was saved it is"),
