@@ -42,7 +42,7 @@ def model_description(model: Model, guid: str, sources: Iterable[str]) -> bytes:
     Parameters
     ----------
     guid
-        Shared with the binary.
+        GUID that the description shares with the binary.
     sources
         Names of the C files in ``sources/`` that are compiled.
 
@@ -81,7 +81,7 @@ def model_description(model: Model, guid: str, sources: Iterable[str]) -> bytes:
 
 
 def number(value: float, type: Type) -> str:
-    """A value as XML Schema writes it."""
+    """Return a value as a text of XML Schema."""
     if type is Type.BOOLEAN:
         return "true" if value else "false"
     if type is Type.INTEGER or value.is_integer():

@@ -38,7 +38,7 @@ _SETTING = re.compile(r"([^=\s]+)=(.*)", re.DOTALL)
 
 @dataclass(frozen=True)
 class AlgorithmRequest:
-    """A co-simulation algorithm by name, and the options that are asked to differ from its own."""
+    """A co-simulation algorithm by name, with options that replace its own."""
 
     name: str
     exchange: str | None = None
@@ -47,7 +47,7 @@ class AlgorithmRequest:
     absolute: Sequence[str] = ()
 
     def algorithm(self) -> Algorithm:
-        """The algorithm asked for.
+        """Make the requested algorithm.
 
         Raises
         ------
@@ -166,7 +166,7 @@ def _check_output(out: Path | None) -> None:
 
 
 def _warn(system: System, step: float, algorithm: Algorithm) -> None:
-    """Say so if the algorithm is unstable at the start; a system that cannot be judged is run anyway."""
+    """Print a warning if the algorithm is unstable at the start; a system that cannot be judged is run anyway."""
     from orchestration.analysis.stability.verdict import is_stable, stability
 
     try:
@@ -211,7 +211,7 @@ def _number(option: str, text: str, kind: type[T]) -> T:
     try:
         return kind(text)
     except ValueError:
-        msg = f"{option}: {text!r} is no {'integer' if kind is int else 'number'}."
+        msg = f"{option}: {text!r} is not {'an integer' if kind is int else 'a number'}."
         raise SystemDescriptionError(msg) from None
 
 
@@ -235,7 +235,7 @@ def _progress() -> Iterator[Report]:
 
 
 def _keep_partial(result: RecordedRows | None, out: Path | None, when: str) -> None:
-    """Write the complete rows of a run that ended early; those of a Parquet file are written already."""
+    """Write the complete rows of a run that ended early; rows in a Parquet file are already written."""
     if out is None or result is None:
         return
     partial = out.with_name(f"{out.stem}.partial{out.suffix}")

@@ -1,7 +1,7 @@
 """Calls of C functions by address, from compiled and from plain Python code.
 
-Compiled by numba, a call costs what it costs in C. Not compiled, the same names go through ctypes:
-so the loop that uses them also runs undecorated, as a slow oracle of itself. Addresses are
+Compiled by numba, a call costs as much as in C. Without compilation the same functions go through ctypes,
+so a loop that uses them also runs as plain Python, as a slow oracle of itself. Addresses are
 arguments, never constants, so that machine code can be kept from one process to the next.
 """
 
@@ -19,7 +19,7 @@ from numba.core import caching, cgutils
 from numba.extending import intrinsic, overload
 
 SOURCES = (Path(__file__), Path(__file__).with_name("codes.py"))
-"""What is compiled into everything that calls by address."""
+"""Sources that are compiled into every function that calls by address."""
 
 Arguments = ParamSpec("Arguments")
 
@@ -37,7 +37,7 @@ _I8P, _I32, _I64, _F64 = ir.IntType(8).as_pointer(), ir.IntType(32), ir.IntType(
 
 
 def call_transfer(function: int, component: int, references: int, n: int, values: int) -> int:
-    """Call fmi2GetReal or one of its like; all arguments but `n` are addresses.
+    """Call fmi2GetReal or another get or set function; all arguments but `n` are addresses.
 
     Returns
     -------
@@ -51,7 +51,7 @@ def call_transfer(function: int, component: int, references: int, n: int, values
 def call_do_step(function: int, component: int, t: float, h: float) -> int:
     """Call fmi2DoStep at t s with step h s; returns the fmi2Status.
 
-    noSetFMUStatePriorToCurrentPoint is true: fixed-step algorithms never go back.
+    The argument noSetFMUStatePriorToCurrentPoint is true, because fixed-step algorithms never go back.
     """
     return _DO_STEP(int(function))(int(component), t, h, 1)
 
@@ -108,9 +108,9 @@ def keep_machine_code(compiled: Any, function: Callable[..., Any], folder: Path 
     Parameters
     ----------
     compiled
-        What numba made of `function`: by ``njit``, or a ``CFunc`` before it is compiled.
+        numba's object for `function`: from ``njit``, or a ``CFunc`` that is not compiled yet.
     folder
-        From `orchestration.fmi.machine_code.code_folder`; nothing is kept if it is None.
+        A folder from `orchestration.fmi.machine_code.code_folder`; nothing is kept if it is None.
 
     Returns
     -------
@@ -123,7 +123,7 @@ def keep_machine_code(compiled: Any, function: Callable[..., Any], folder: Path 
 
 
 def _cache_in(folder: Path, function: Callable[..., Any]) -> caching.FunctionCache:
-    """A cache of numba's that lies in a folder, whose name stands for the sources."""
+    """Return numba's cache in a folder whose name stands for the sources."""
 
     class Locator(caching._CacheLocator):
         _py_file = function.__code__.co_filename  # numba's warnings name it

@@ -21,7 +21,7 @@ from tests.conformance.binary import ERROR, OK, Binary, Instance
 from tests.conformance.interface import INTERFACES, Signal
 from tests.conformance.scenes import scene
 
-# FMI 2.0.5, section 2.2.7: the combinations of causality and variability that a unit without
+# FMI 2.0.5, section 2.2.7: the combinations of causality and variability that an FMU without
 # constants, locals and calculated parameters may use, and `initial` of each (None: must be absent).
 LEGAL = {
     ("parameter", "fixed"): {"exact"},
@@ -218,7 +218,7 @@ def test_04_direct_dependencies_cover_those_seen(
 ) -> None:
     """Outputs at the end of a vanishing step change with an input only where `Outputs` says so.
 
-    A sampled unit holds its outputs: between ticks no input reaches them. Of a continuous one the
+    A sampled FMU holds its outputs: between ticks no input reaches them. Of a continuous one the
     rates change by less than 1e2 h, forces by 1e3 N.s/m (K_f D_f 1 cm) times that: 1e-7 at h = 1e-12 s.
     """
     h, threshold = 1e-12, 1e-6

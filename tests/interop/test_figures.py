@@ -3,7 +3,7 @@
 50 steps of each of the paper's systems, with the wall moved before the arm's start; then the whole of the
 adaptive ones as they are, 100,000 steps with contact, noise and saturation. ``test_jacobi.py`` compares the
 whole of fig2, ``tests.interop.matrix`` that of all six. ecos sums its times
-and libcosim rounds them to nanoseconds, on which no value of these units depends by more than the last
+and libcosim rounds them to nanoseconds, on which no value of these FMUs depends by more than the last
 bits of a trajectory; agreement is asked to 1e-9 of each signal's size, and bitwise equality is the rule.
 """
 

@@ -1,4 +1,4 @@
-"""What the loop of all algorithms works on: flat arrays and records, beside those of the plan."""
+"""The flat arrays and records that the loop of all algorithms works on, together with the flat form of the system."""
 
 from typing import NamedTuple
 
@@ -8,7 +8,7 @@ from orchestration.master.kernel.records import Link, Method, Records, State, Wa
 
 
 class Coupling(NamedTuple):
-    """Everything that a step of an algorithm reads and writes.
+    """All data that a step of a co-simulation algorithm reads and writes.
 
     The arrays are few, because compiled code hands each of them over as seven numbers at every call.
 

@@ -95,7 +95,7 @@ def container(system: System, path: Path, *, sequential: bool) -> Path:
     Parameters
     ----------
     sequential
-        Whether the units in it step one after the other, on the values of this step; else each sees what
+        Whether the FMUs in it step one after the other, on the values of this step; else each sees what
         the other showed before the step.
     """
     from fmu_manipulation_toolbox.assembly import AssemblyNode

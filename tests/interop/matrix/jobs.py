@@ -1,4 +1,4 @@
-"""The jobs: every unit of the catalog with its reference's inputs, every figure in full length."""
+"""The jobs: every FMU of the catalog with its reference's inputs, every figure in full length."""
 
 import warnings
 from collections.abc import Mapping
@@ -16,11 +16,11 @@ from tests.driver import Driver
 from tests.interop.matrix.protocol import NANOSECONDS, SYSTEM, UNIT, Job, Part, Tool
 
 FIGURES = tuple(name for name in SCENARIOS if name.startswith("fig"))
-ALONE = "unit"  # the component of a unit's job
+ALONE = "unit"  # the component of an FMU's job
 
 
 def unit_job(unit: str, fmus: Mapping[str, Path], folder: Path) -> Job:
-    """A unit alone, driven by ``fmus/reference/UNIT/UNIT_in.csv``."""
+    """An FMU alone, driven by ``fmus/reference/UNIT/UNIT_in.csv``."""
     inputs, step = table(unit, "in"), options(unit)["StepSize"]
     driven = [name for name in inputs.dtype.names or () if name != "time"]
     description = read_description(fmus[unit])
@@ -58,7 +58,7 @@ def our_rows(job: Job, tool: Tool, fmus: Mapping[str, Path]) -> np.ndarray:
 
 
 def _replayed(job: Job, times: np.ndarray, *, nanoseconds: bool) -> np.ndarray:
-    """Rows of a unit driven by its stimulus, set before every step."""
+    """Rows of an FMU driven by its stimulus, set before every step."""
     part = job.parts[0]
     driver = Driver(Path(part.fmu))
     names = [name.partition(".")[2] for name in job.columns]

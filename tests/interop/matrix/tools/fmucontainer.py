@@ -32,7 +32,7 @@ def packed(job: Job, folder: Path) -> Path:
     logging.getLogger("fmu_manipulation_toolbox").setLevel(logging.ERROR)
     quiet = {"auto_link": False, "auto_input": False, "auto_output": False}
     node = AssemblyNode("container.fmu", step_size=job.step, **quiet)
-    # Initialization goes once through the units and cuts a loop before its first: the plant, whose motion at the
+    # Initialization goes once through the FMUs and cuts a loop before its first: the plant, whose motion at the
     # start needs no input.
     for part in (job.parts[-1], *job.parts[:-1]):
         node.add_fmu(f"{part.name}.fmu", part.fmu)

@@ -215,7 +215,8 @@ def test_numbers_with_thousands_of_zeros(name: str) -> None:
 
 def test_the_zeros_are_not_lost() -> None:
     changed = PLAIN.replace('<Unknown index="2" dependencies="1"/></Init', f'<Unknown index="{ZEROS}300"/></Init')
-    assert_found(examined(archived(changed)), "4", Severity.ERROR, "InitialUnknowns: the index 300 is no variable's")
+    sentence = "InitialUnknowns: the index 300 is not that of a variable"
+    assert_found(examined(archived(changed)), "4", Severity.ERROR, sentence)
 
 
 def test_thousands_of_sources_take_no_longer_than_their_bytes(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -17,7 +17,7 @@ from orchestration import (
     simulate,
 )
 from orchestration.fmi.description import read_description
-from tests.unit.orchestration.units import H, mixed, system
+from tests.unit.orchestration.small_models import H, mixed, system
 
 
 @pytest.fixture(scope="module")
@@ -42,7 +42,7 @@ def controllers(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     [
         ("relay.z", 1, "relay has no variable z; it has sample_time, offset"),
         ("relais.u", 1, "has no component relais; it has source, relay, switch, plant"),
-        ("offset", 1, r"'offset' is no component\.variable, such as source\.sample_time"),
+        ("offset", 1, r"'offset' is not of the form component\.variable, such as source\.sample_time"),
         ("relay.y", 1, r"relay\.y has causality output; only parameters and inputs can be set"),
         ("relay.offset", "stiff", r"relay\.offset = 'stiff': a number is needed"),
         ("relay.offset", float("nan"), r"relay\.offset = nan: a number is needed"),

@@ -12,7 +12,7 @@ from orchestration.master.initialization import initialize, opened
 from orchestration.master.kernel import step_program
 from orchestration.master.kernel.codes import Column, Kind
 from orchestration.master.kernel.step_program import operations_of_step
-from tests.unit.orchestration.units import H, mixed, system
+from tests.unit.orchestration.small_models import H, mixed, system
 
 WIDTH = 4
 
