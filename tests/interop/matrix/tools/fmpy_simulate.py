@@ -1,4 +1,4 @@
-"""fmpy's loop for one FMU."""
+"""Adapter for fmpy's loop for one FMU."""
 
 import numpy as np
 
