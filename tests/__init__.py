@@ -1,1 +1,1 @@
-"""Tests, in folders by kind of evidence."""
+"""Tests of the project, in folders by kind of evidence."""

@@ -1,4 +1,4 @@
-"""Drives one FMU call by call, by variable names and times of the test's choice; for tests."""
+"""Drives a single FMU call by call for tests, by variable names."""
 
 from collections.abc import Mapping
 from contextlib import ExitStack

@@ -2,10 +2,10 @@
 
     python -m orchestration.paper.reference_data [--out DIR]
 
-For each unit: ``NAME_in.csv``, what is set at each communication point before the step from there;
+For each FMU: ``NAME_in.csv``, what is set at each communication point before the step from there;
 ``NAME_ref.csv``, the outputs after initialization and at the end of each step; ``NAME_ref.opt``, times,
 step, and the tolerance. Another tool that agrees within ``RelTol`` of each column's largest absolute
-value imports the unit correctly. Tunable parameters are among the inputs, as fmpy accepts them. A unit
+value imports the FMU correctly. Tunable parameters are among the inputs, as fmpy accepts them. An FMU
 without inputs has no ``NAME_in.csv``.
 """
 

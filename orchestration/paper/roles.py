@@ -1,6 +1,6 @@
 """The interface of each role in the paper's control loop: names, units, types and causality of its signals.
 
-A unit that takes a role must have the outputs that others live on. It may leave out inputs that it does
+An FMU that takes a role must have the outputs that other components need. It may leave out inputs that it does
 not use; other outputs, and parameters that scenarios set, are missed by figures and claims alone.
 """
 

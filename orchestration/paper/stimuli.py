@@ -152,4 +152,4 @@ STIMULI: Mapping[str, Stimulus] = {
     "Actuator3R": Stimulus(*_TICKS, _hard_commands(3)),
     "Plant3R": Stimulus(6e-3, 110, _into_the_wall(3)),
 }
-"""One stimulus for each unit of the catalog."""
+"""One stimulus for each FMU of the catalog."""

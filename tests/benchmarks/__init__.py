@@ -1,1 +1,1 @@
-"""Speed, measured: ``python -m tests.benchmarks.master``; no test asserts a time."""
+"""Programs that measure the speed of runs, such as ``python -m tests.benchmarks.master``; no test asserts a time."""

@@ -1,4 +1,4 @@
-"""What a fresh process does for `tests.benchmarks.start`; prints one JSON object.
+"""The program of the fresh processes that `tests.benchmarks.start` measures; it prints a JSON object.
 
     python -m tests.benchmarks.child import MODULE
     python -m tests.benchmarks.child simulate FMU ALGORITHM

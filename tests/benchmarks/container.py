@@ -1,4 +1,4 @@
-"""A system packed into one FMU by fmu_manipulation_toolbox, and the system of that one FMU.
+"""Packs a system into a single FMU with fmu_manipulation_toolbox, to compare the speed of both.
 
 The container steps its FMUs one after the other, in their order, in a C loop of its own; all their
 outputs are outputs of the container.

@@ -1,4 +1,4 @@
-"""Time per communication step of a system of the paper, in six programs, and where it goes.
+"""Measures the time per communication step of a system of the paper in six programs, and its parts.
 
     python -m tests.benchmarks.master [--scenario fig2|fig5] [--json FILE] [--repetitions N] [--steps N]
 

@@ -1,4 +1,4 @@
-"""The C programs to compare with: compiled by zig with the FMUs' flags, called through ctypes.
+"""C programs that the master's speed is compared with; they are compiled with the flags of the FMUs.
 
 The bare functions come from the FMUs' own ``sources/``: each FMU is compiled with ``bare_unit.c``
 in place of its runtime.

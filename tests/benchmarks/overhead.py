@@ -1,4 +1,4 @@
-"""What the master costs: time per communication step of five FMUs that compute next to nothing.
+"""Measures the cost of the master: time per communication step of five FMUs that compute next to nothing.
 
     python -m tests.benchmarks.overhead [--json FILE] [--repetitions N] [--steps N]
 

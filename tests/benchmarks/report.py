@@ -1,4 +1,4 @@
-"""Numbers of a benchmark: rounds, statistics, ratios within rounds, goals, and tables of them."""
+"""Evaluates the times of a benchmark: statistics over rounds, ratios within rounds, goals, and tables."""
 
 import importlib.metadata
 import json

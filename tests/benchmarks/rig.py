@@ -1,4 +1,4 @@
-"""Any system, initialized, and the loops over it that run in this process.
+"""An initialized system, and the loops over it that a benchmark compares in one process.
 
 Every loop starts from the same saved states and buffers, restored outside the measured time; where
 FMUs save no state, from fresh instances.

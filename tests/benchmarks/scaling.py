@@ -1,4 +1,4 @@
-"""How the cost of a step grows: with units, with variables per unit, with steps, with records.
+"""Measures how the cost of a step grows with components, variables per component, steps and records.
 
     python -m tests.benchmarks.scaling [--json FILE] [--repetitions N] [--work N]
 

@@ -1,4 +1,4 @@
-"""What a run costs besides its steps: imports, compilation, memory.
+"""Measures the cost of a run besides its steps: imports, compilation and memory.
 
     python -m tests.benchmarks.start [--json FILE] [--repetitions N] [--rows N]
 

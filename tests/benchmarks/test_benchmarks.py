@@ -1,4 +1,4 @@
-"""The benchmarks run, and compare programs that compute the same; no time is asserted."""
+"""Tests that the benchmarks run, and compare programs that compute the same; no time is asserted."""
 
 import json
 from collections.abc import Callable, Iterable, Mapping

@@ -1,4 +1,4 @@
-"""The paper's five FMUs in a rig, and the same as bare generated functions."""
+"""The five components of the paper's loop as FMUs in a rig, and as bare generated functions."""
 
 from dataclasses import dataclass
 from pathlib import Path

@@ -1,1 +1,1 @@
-"""Every FMU against the checklist of FMI 2.0.5 rules (numbers 1 to 16 in the names of the tests)."""
+"""Tests of every FMU against a checklist of rules of FMI 2.0.5; the rules have numbers from 1 to 16."""

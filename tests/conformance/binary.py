@@ -1,4 +1,4 @@
-"""An FMU's binary called as C, without a master in between: every call returns its status."""
+"""Calls the C functions of an FMU's binary without a master; every call returns its status."""
 
 import ctypes as ct
 import re

@@ -1,4 +1,4 @@
-"""The 34 functions with arguments that are fine in themselves, the states that allow each, and what a refusal is.
+"""Valid arguments for the 34 functions of FMI, the states that allow each function, and the meaning of a refusal.
 
 The table is that of FMI 2.0.5, section 4.2.4 (co-simulation); "error" is stepFailed and error.
 """

@@ -1,4 +1,4 @@
-"""What a shared library of Linux exports and needs, read from its ELF headers (64 bit, little-endian).
+"""Reads the exported and needed names of a Linux library from its ELF headers (64 bit, little-endian).
 
 Enough of the System V ABI to answer without binutils: the dynamic section gives the string and
 symbol tables, the needed libraries, the search paths and the versions of the needed symbols.

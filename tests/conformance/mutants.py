@@ -1,4 +1,4 @@
-"""Planted faults, as data: what `tests.conformance.mutations` changes, and which tests ought to notice first.
+"""Faults for `tests.conformance.mutations` as data: the changed text, and the tests that ought to notice first.
 
 Every old text occurs exactly once in its file under ``adaptimp_fmu/``. None of the faults is equivalent:
 each changes what a host can see. Faults that do not compile, or that the exporter refuses, are not listed.

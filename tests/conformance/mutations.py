@@ -1,4 +1,4 @@
-"""Do the conformance tests notice faults? Plants each one of `mutants` and runs them.
+"""Measures whether the conformance tests notice faults: plants each fault of `mutants` and runs the tests.
 
     python -m tests.conformance.mutations [--only NAME] [--json FILE]
 

@@ -1,4 +1,4 @@
-"""Rule 10: which variables a call names, in which order and how many, makes no difference to each of them.
+"""Tests of rule 10: a variable's value does not depend on the other variables of the same call, or their order.
 
 Between steps the runtime has a quick way for neighbours in their order; all else goes the long way.
 """

@@ -1,4 +1,4 @@
-"""The archive and the binary in it: checklist 7 and 8."""
+"""Tests of rules 7 and 8: the archive of an FMU and the binary in it."""
 
 import getpass
 import os

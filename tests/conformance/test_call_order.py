@@ -1,4 +1,4 @@
-"""Rules 10 and 15: every function in every state, its references and arrays, and any resource location."""
+"""Tests of rules 10 and 15: every function in every state, its references and arrays, and any resource location."""
 
 import ctypes as ct
 from collections.abc import Callable

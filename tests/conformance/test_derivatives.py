@@ -1,4 +1,4 @@
-"""Rule 16: input derivatives, output derivatives and directional derivatives against differences."""
+"""Tests of rule 16: input derivatives, output derivatives and directional derivatives against differences."""
 
 import ctypes as ct
 from collections.abc import Callable

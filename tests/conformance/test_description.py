@@ -1,4 +1,4 @@
-"""modelDescription.xml: checklist 1 to 6, and the interface that DESIGN fixes."""
+"""Tests of rules 1 to 6: modelDescription.xml, and the interface that the components of the paper's loop share."""
 
 import importlib.resources
 import re

@@ -1,4 +1,4 @@
-"""What an FMU shows to people: documentation/index.html, its license, and model.png."""
+"""Tests of the parts of an FMU for people: documentation/index.html, its license, and model.png."""
 
 import importlib
 import struct

@@ -1,4 +1,4 @@
-"""Events of the runtime that no FMU of ours provokes: checklist 11, never a hang."""
+"""Tests of events that none of the project's FMUs provokes: the runtime never hangs (rule 11)."""
 
 from collections.abc import Callable
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Rule 9: what instantiation refuses, and what is logged, when and how."""
+"""Tests of rule 9: instantiations that an FMU refuses, and the messages that it logs."""
 
 import ctypes as ct
 from collections.abc import Callable

@@ -1,4 +1,4 @@
-"""Rule 11, numbers that C cannot calculate with: a divisor of zero, Integers that are none."""
+"""Tests of rule 11: numbers that C cannot calculate with, such as a divisor of zero, are refused."""
 
 import math
 from collections.abc import Callable

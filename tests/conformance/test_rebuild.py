@@ -1,4 +1,4 @@
-"""The FMU's sources, compiled by others: without a warning, and to an FMU that behaves the same (checklist 7)."""
+"""Tests of rule 7: other compilers build an FMU's sources without a warning, to a binary that behaves the same."""
 
 import os
 import shutil

@@ -1,4 +1,4 @@
-"""fmus/reference: the committed trajectories are those of the FMUs, complete, small, and worth comparing with."""
+"""Tests of fmus/reference: the committed trajectories are those of the FMUs, complete, small and informative."""
 
 from collections.abc import Callable
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Rule 12: what can be set when, and when it acts."""
+"""Tests of rule 12: which variables can be set in which state, and when a new value acts."""
 
 from collections.abc import Callable
 

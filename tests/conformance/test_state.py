@@ -1,4 +1,4 @@
-"""What an instance remembers: checklist 13 and 14."""
+"""Tests of rules 13 and 14: the state of an instance can be saved and restored, and instances are independent."""
 
 import ctypes as ct
 import subprocess

@@ -1,4 +1,4 @@
-"""Rule 11: experiments, steps and communication points that cannot be, and those that can."""
+"""Tests of rule 11: impossible experiments, steps and communication points are refused, others are accepted."""
 
 import math
 import time

@@ -1,4 +1,4 @@
-"""The tick rule (DESIGN, semantics 2) on one FMU: no tick missed, none doubled, by exact arithmetic.
+"""Tests of the tick rule (docs/semantics.md, rule 2) on an FMU: every tick comes once, by exact arithmetic.
 
 The FMU counts: tick k shows k. A host's clock gives times t and steps h as doubles that only
 approximate what it means, a whole number of nanoseconds or a ratio; the truth is the number of

@@ -1,1 +1,1 @@
-"""What goes wrong, seen through the command line: one sentence, the right exit code, no debris."""
+"""Tests of errors on the command line: each prints a sentence, has the right exit code, and leaves no debris."""

@@ -1,4 +1,4 @@
-"""The command check: its exit codes, its table and its JSON."""
+"""Tests of ``adaptimp check``: its exit codes, its table and its JSON."""
 
 import json
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""The walls between rooms: tearing one down in a copy of the project is noticed, by the contract that it breaks."""
+"""Tests of the import contracts: a forbidden import in a copy of the project breaks the right contract."""
 
 import os
 import shutil

@@ -1,1 +1,1 @@
-"""The FMUs and our master against other tools, fmpy, ecos, libcosim, and with controllers that others make."""
+"""Tests of the FMUs and the master against other tools (fmpy, ecos, libcosim), and with controllers of other tools."""

@@ -1,4 +1,4 @@
-"""Whatever is done to an FMU, ours or a stranger's, `check` makes a report and `read_description` is clear.
+"""Tests that `check` reports on every damaged FMU, and that `read_description` reads it or refuses it clearly.
 
 Every file is changed by chance from a seed, which names the example when a test fails. A report, or an
 `ArchiveError` of the master, is the only way out: no other exception, no crash, no hang.

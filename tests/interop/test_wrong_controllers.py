@@ -1,4 +1,4 @@
-"""Evidence that a controller with a mistake is told so by `check`, and cannot spoil a run of Fig. 5 in silence.
+"""Tests that `check` finds a mistake in a controller, and that the mistake cannot spoil a run of Fig. 5 in silence.
 
 A controller that ends the process, or never returns, is not run here: a master calls FMUs in its own process,
 dies or waits with them, and nothing can be asserted afterwards. One such run is made in a process of its own;

@@ -1,1 +1,1 @@
-"""Identities that hold at every state: of mechanics, of the control laws, of the wall and the trajectories."""
+"""Tests of identities that hold at every state: of mechanics, of the control laws, of the wall and the trajectories."""

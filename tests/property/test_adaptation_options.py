@@ -1,4 +1,4 @@
-"""update_divisor, projection, dead_zone and freeze_when_saturated act on p_hat as DESIGN.md says.
+"""Tests that update_divisor, projection, dead_zone and freeze_when_saturated act on p_hat.
 
 The plain step of p_hat is compared with the paper's formulas in test_adaptation_ticks.py; here it is the
 yardstick.

@@ -1,4 +1,4 @@
-"""Evidence from mechanics: closed forms, skew symmetry, definiteness, linearity in the parameters (NOTES 2, C18)."""
+"""Evidence from mechanics: closed forms, skew symmetry, definiteness, linearity in the parameters."""
 
 import casadi as ca
 import numpy as np

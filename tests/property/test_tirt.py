@@ -141,7 +141,7 @@ def test_a_run_with_held_force_follows_equation_11_to_first_order_in_the_third_d
 
 
 def test_free_motion_keeps_to_the_virtual_trajectory_within_a_micrometre() -> None:
-    """NOTES, 3: about 1e-6 m at h = 1e-4 s. The bound is M x_v''' h / (2 K) = 1.2e-6 m."""
+    """The error is about 1e-6 m at h = 1e-4 s. The bound is M x_v''' h / (2 K) = 1.2e-6 m."""
     virtual = np.array([ellipse(k * H)[0] for k in range(5001)])
     error = np.abs(run(ellipse, np.zeros((5000, 2)), (2.0, 340.0, 4000.0), H) - virtual).max()
     assert 2e-7 < error <= 2.0 * ELLIPSE[0] * RATE**3 * H / (2 * 4000.0)

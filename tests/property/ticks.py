@@ -1,4 +1,4 @@
-"""Random ticks of the adaptive controllers' FMUs, and what the paper's formulas make of them."""
+"""Random ticks of the adaptive controllers' FMUs, and the results of the paper's formulas for them."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace

@@ -1,1 +1,1 @@
-"""The paper's scenarios from start to end: runs, figures, claims."""
+"""Tests of the paper's scenarios from start to end: runs, figures and claims."""

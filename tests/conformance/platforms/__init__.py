@@ -1,1 +1,1 @@
-"""One FMU on five platforms: built, read, and run where something runs it."""
+"""Tests of an FMU for five platforms: it is built, read, and run where this machine can run it."""

@@ -1,4 +1,4 @@
-"""How far apart two platforms may be: the conditioning of a plan's outputs, measured on one of them."""
+"""Measures the conditioning of a plan's outputs, which limits the difference between two platforms."""
 
 from collections.abc import Iterator
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""What runs a platform's programs here: the processor itself, Wine, or qemu's user mode."""
+"""Runs the programs of a platform on this machine: by the processor itself, Wine, or qemu's user mode."""
 
 import os
 import shutil

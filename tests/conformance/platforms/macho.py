@@ -1,4 +1,4 @@
-"""What a shared library of macOS exports and needs, read from its load commands (64 bit, little-endian).
+"""Reads the exported and needed names of a macOS library from its load commands (64 bit, little-endian).
 
 Enough of Apple's ``mach-o/loader.h`` and ``cs_blobs.h`` to answer without a Mac: exported names come from
 the export trie, which is what the dynamic loader searches, and each page is held against its signature.

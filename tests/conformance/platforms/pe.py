@@ -1,4 +1,4 @@
-"""What a DLL exports and needs, read from its PE headers (64 bit).
+"""Reads the exported and needed names of a Windows DLL from its PE headers (64 bit).
 
 The date in the header is one only if the linker was not asked for reproducible bytes: else it is a part
 of their hash, and a debug entry of the type "repro" says so.

@@ -1,4 +1,4 @@
-"""One FMU for all platforms: what ``adaptimp build --platform all`` leaves, and that it leaves it again."""
+"""Tests that ``adaptimp build --platform all`` builds FMUs for all platforms, and the same bytes again."""
 
 import zipfile
 from collections.abc import Callable

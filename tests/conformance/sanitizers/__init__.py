@@ -1,1 +1,1 @@
-"""The runtime under sanitizers, a fuzzer and valgrind; how much of it the tests execute."""
+"""Tests of the C runtime under sanitizers, a fuzzer and valgrind, and the coverage of the tests."""

@@ -1,4 +1,4 @@
-"""How much of the C runtime the conformance tests execute: ``python -m tests.conformance.sanitizers.coverage``.
+"""Measures how much of the C runtime the tests execute: ``python -m tests.conformance.sanitizers.coverage``.
 
 Runs the tests that call the binaries on FMUs with counters (see `instrument`) and prints lines and
 branches of each file of ``adaptimp_fmu/runtime``, all FMUs together: a line counts if any FMU

@@ -1,1 +1,1 @@
-"""Controllers that other people's tools make: a C file, a Python class, a container; and wrong ones."""
+"""Controllers from other tools for the tests: a C file, a Python class, a container; and wrong controllers."""

@@ -1,4 +1,4 @@
-"""FMU files of controllers that are not ours, from the sources beside this file and from other people's tools."""
+"""Builds the FMU files of foreign controllers, from the sources beside this file and with other tools."""
 
 import logging
 import shutil

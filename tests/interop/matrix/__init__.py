@@ -1,4 +1,4 @@
-"""Every FMU and every figure's package in every other tool, compared with ours: ``docs/interop.md``.
+"""Runs every FMU and every figure's package in every other tool and compares the rows: ``docs/interop.md``.
 
     uv run python -m tests.interop.matrix [--only TOOL] [--job NAME] [--write docs/interop.md]
 

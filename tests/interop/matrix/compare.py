@@ -1,4 +1,4 @@
-"""How far a tool's record is from our rows, in one of seven verdicts."""
+"""Compares the record of a tool with the rows of this project, with one of seven verdicts."""
 
 import math
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""What was measured, kept in ``outcomes.json`` beside this file so that one tool can be measured anew."""
+"""Outcomes of the jobs in other tools, kept in ``outcomes.json`` beside this file; one tool can be measured anew."""
 
 import json
 from collections.abc import Callable, Iterable

@@ -1,4 +1,4 @@
-"""What is asked of a tool and what it answers; imports nothing but the standard library and numpy."""
+"""Jobs for other tools, and the records that they answer; needs the standard library and numpy only."""
 
 import json
 from collections.abc import Mapping

@@ -1,4 +1,4 @@
-"""The document: tables and lists from the outcomes, prose from ``interop.md.j2``."""
+"""Renders docs/interop.md: tables and lists from the outcomes, prose from ``interop.md.j2``."""
 
 import math
 from collections.abc import Sequence

@@ -1,4 +1,4 @@
-"""Starts a worker for a job and a tool, and judges what came of it."""
+"""Runs a job with a tool in a process of its own, and judges the outcome."""
 
 import os
 import re

@@ -1,1 +1,1 @@
-"""Parts of the exporter, one at a time."""
+"""Tests of the package `adaptimp_fmu`, one module at a time."""

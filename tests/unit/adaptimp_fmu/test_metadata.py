@@ -1,4 +1,4 @@
-"""What belongs to a model's author: nothing is claimed that the model does not state."""
+"""Tests of a model's metadata: an FMU does not claim anything that its model does not state."""
 
 import math
 import zipfile

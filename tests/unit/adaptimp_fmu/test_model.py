@@ -1,4 +1,4 @@
-"""What a model's declaration refuses, and what follows from it."""
+"""Tests of the declaration of a model: what it refuses, and what follows from it in the FMU."""
 
 import math
 from typing import Any

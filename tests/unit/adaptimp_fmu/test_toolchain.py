@@ -1,4 +1,4 @@
-"""The compiler and the cache."""
+"""Tests of the compiler of FMUs, and of its cache."""
 
 import os
 import sys

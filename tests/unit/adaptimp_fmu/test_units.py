@@ -1,4 +1,4 @@
-"""Units as FMI 2.0 writes them."""
+"""Tests of physical units as FMI 2.0 writes them."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""What a variable's declaration refuses."""
+"""Tests of the declaration of a variable: what it refuses."""
 
 import math
 from typing import Any

@@ -28,7 +28,7 @@ ROUNDING = 4 * EPS * 300
 
 
 def drawn(seed: int, ticks: range, std: float = STD, bound: float = BOUND) -> np.ndarray:
-    """The noise by DESIGN's recipe from `numpy.random.Philox`, N, shape (len(ticks), 2)."""
+    """The noise of the sensor, drawn with `numpy.random.Philox`, N, shape (len(ticks), 2)."""
     rows = []
     for n in ticks:
         words = np.random.Philox(key=seed, counter=(n - 1) % 2**256).random_raw(2)

@@ -1,4 +1,4 @@
-"""CasADi's importer of FMUs."""
+"""Adapter for CasADi's importer of FMUs."""
 
 from tests.interop.matrix.protocol import CHECKED, UNIT, Job, Record, Tool
 

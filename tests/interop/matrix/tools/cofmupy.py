@@ -1,4 +1,4 @@
-"""CoFMuPy, formerly CoFMPy."""
+"""Adapter for CoFMuPy, formerly CoFMPy."""
 
 import csv
 from pathlib import Path

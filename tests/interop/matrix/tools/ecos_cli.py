@@ -1,4 +1,4 @@
-"""ecos through its program, which the wheel of ecospy holds."""
+"""Adapter for ecos through its program, which the wheel of ecospy holds."""
 
 import shutil
 import subprocess

@@ -1,4 +1,4 @@
-"""ecos through ecospy."""
+"""Adapter for ecos through ecospy."""
 
 from pathlib import Path
 

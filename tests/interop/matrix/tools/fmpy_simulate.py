@@ -1,4 +1,4 @@
-"""fmpy's loop for one FMU."""
+"""Adapter for fmpy's loop for one FMU."""
 
 from typing import Any, cast
 

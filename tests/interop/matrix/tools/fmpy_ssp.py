@@ -1,4 +1,4 @@
-"""fmpy's loop for SSP packages, with the parameters that it can be given."""
+"""Adapter for fmpy's loop for SSP packages, with the parameters that it can be given."""
 
 from types import SimpleNamespace
 

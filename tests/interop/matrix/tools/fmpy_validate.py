@@ -1,4 +1,4 @@
-"""fmpy's static check."""
+"""Adapter for fmpy's static check."""
 
 from tests.interop.matrix.protocol import CHECKED, UNIT, Job, Record, Tool, ToolError
 

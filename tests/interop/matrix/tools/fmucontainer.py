@@ -1,4 +1,4 @@
-"""A container FMU by fmu_manipulation_toolbox, run by fmpy."""
+"""Adapter for a container FMU by fmu_manipulation_toolbox, run by fmpy."""
 
 import logging
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""A container FMU that fmu_manipulation_toolbox makes of an SSP package by itself, run by fmpy."""
+"""Adapter for a container FMU that fmu_manipulation_toolbox makes of an SSP package by itself, run by fmpy."""
 
 import logging
 import shutil

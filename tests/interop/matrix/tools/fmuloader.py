@@ -1,4 +1,4 @@
-"""fmuloader, a binding of FMI's functions without a loop of its own."""
+"""Adapter for fmuloader, a binding of FMI's functions without a loop of its own."""
 
 import xml.etree.ElementTree as ET
 from typing import Any

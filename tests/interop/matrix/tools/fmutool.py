@@ -1,4 +1,4 @@
-"""The checks of fmu_manipulation_toolbox."""
+"""Adapter for the checks of fmu_manipulation_toolbox."""
 
 import subprocess
 import sys

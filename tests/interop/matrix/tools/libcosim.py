@@ -1,4 +1,4 @@
-"""libcosim through libcosimpy."""
+"""Adapter for libcosim through libcosimpy."""
 
 from pathlib import Path
 

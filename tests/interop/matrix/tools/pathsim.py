@@ -1,4 +1,4 @@
-"""PathSim with its block for co-simulation FMUs."""
+"""Adapter for PathSim with its block for co-simulation FMUs."""
 
 from tests.interop.matrix.protocol import SYSTEM, UNIT, Job, Record, Tool, ordered, require_constant_parameters
 

@@ -1,4 +1,4 @@
-"""sofirpy's loop over FMUs."""
+"""Adapter for sofirpy's loop over FMUs."""
 
 from tests.interop.matrix.protocol import SYSTEM, UNIT, Job, Record, Tool, ordered
 

@@ -1,4 +1,4 @@
-"""SySSimX, whose signals carry units."""
+"""Adapter for SySSimX, whose signals carry units."""
 
 from tests.interop.matrix.protocol import SYSTEM, UNIT, Job, Record, Tool, ordered, require_constant_parameters
 

@@ -1,1 +1,1 @@
-"""Tests of the package `orchestration` on small models with predictable numbers."""
+"""Tests of the check of FMU files."""

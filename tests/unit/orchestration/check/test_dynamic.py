@@ -1,4 +1,4 @@
-"""Rules 8 to 16 at run time: binaries that misbehave in one way each, and live on in a process of their own."""
+"""Tests of rules 8 to 16: binaries that misbehave in one way each are found out, in a process of their own."""
 
 import subprocess
 from pathlib import Path

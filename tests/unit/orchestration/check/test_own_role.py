@@ -1,4 +1,4 @@
-"""A check knows no scenario: roles and the trial at the end are the caller's."""
+"""Tests of a check with roles and a trial of the caller's own, which need no scenario of the project."""
 
 from collections.abc import Sequence
 from pathlib import Path

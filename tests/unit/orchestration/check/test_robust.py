@@ -1,4 +1,4 @@
-"""Whatever the file holds, there is a report: random bytes, damaged archives, descriptions and libraries."""
+"""Tests that every file gets a report: random bytes, damaged archives, descriptions and libraries."""
 
 import io
 import json

@@ -1,4 +1,4 @@
-"""The role's interface: what a controller, plant, sensor, actuator or trajectory must show."""
+"""Tests of the interface of each role: controller, plant, sensor, actuator and trajectory."""
 
 import re
 from collections.abc import Mapping

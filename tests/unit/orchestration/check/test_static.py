@@ -1,4 +1,4 @@
-"""Rules 1 to 8: ours break none, and each is noticed by its number when it is broken."""
+"""Tests of rules 1 to 8: the project's FMUs break none, and each broken rule is reported by its number."""
 
 import io
 import warnings

@@ -1,1 +1,1 @@
-"""Tests of the package `orchestration` on small models with predictable numbers."""
+"""Tests of the access to a single FMU: description, library and instance."""

@@ -1,4 +1,4 @@
-"""One FMU driven with arrays: arrays in, arrays out, sentences for what goes wrong."""
+"""Tests of an FMU that is driven with arrays: outputs, states, and the sentences of errors."""
 
 import ctypes
 import re

@@ -1,4 +1,4 @@
-"""Evidence for connections that scale: every algorithm gives what an FMU in other units gives.
+"""Tests of connections that convert units: every algorithm gives what an FMU in other units gives.
 
 `FineDecay` is `Decay` in units of 2**-10 m. Every conversion is a power of two, so a run with it is
 the run without it, bit for bit, also where tolerances, iterations, polynomials and Jacobians are at

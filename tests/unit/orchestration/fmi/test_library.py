@@ -1,4 +1,4 @@
-"""An FMU's library is found, loaded and unloaded; what fails is named and leaves nothing behind."""
+"""Tests that an FMU's library is found, loaded and unloaded, and that a failure leaves nothing behind."""
 
 import os
 import subprocess

@@ -1,4 +1,4 @@
-"""Evidence for start values and for `replace`: what is refused, what is kept, what is told."""
+"""Tests of start values and of `replace`: what is refused, what is kept, and what is reported."""
 
 from pathlib import Path
 from typing import Any

@@ -1,1 +1,1 @@
-"""The paper: its figures, its claims and what they are measured with."""
+"""Tests of the paper's figures and claims, and of their measurement."""
