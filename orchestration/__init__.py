@@ -22,6 +22,7 @@ if TYPE_CHECKING:
         RunInterrupted,
         SimulationError,
         SystemDescriptionError,
+        UnknownNameError,
     )
     from orchestration.master.algorithm import Algorithm, Correction, StepControl, Tolerance
     from orchestration.master.options import Options
@@ -29,12 +30,15 @@ if TYPE_CHECKING:
     from orchestration.master.simulation import Simulation
     from orchestration.master.snapshot import Snapshot
     from orchestration.master.step_arrays import Crossings
+    from orchestration.results.comparison import ColumnDifference, Comparison, compare
     from orchestration.results.result import Result
     from orchestration.system.system import Component, Connection, System
 
 _HOME = {
     "Algorithm": "master.algorithm",
     "ArchiveError": "errors",
+    "ColumnDifference": "results.comparison",
+    "Comparison": "results.comparison",
     "Component": "system.system",
     "Connection": "system.system",
     "Correction": "master.algorithm",
@@ -55,6 +59,8 @@ _HOME = {
     "Tolerance": "master.algorithm",
     "UnconnectedInputWarning": "master.simulate",
     "Verdict": "analysis.stability.verdict",
+    "UnknownNameError": "errors",
+    "compare": "results.comparison",
     "ledger": "analysis.energy",
     "prepare": "master.simulate",
     "simulate": "master.simulate",
@@ -64,6 +70,8 @@ _HOME = {
 __all__ = [
     "Algorithm",
     "ArchiveError",
+    "ColumnDifference",
+    "Comparison",
     "Component",
     "Connection",
     "Correction",
@@ -83,12 +91,19 @@ __all__ = [
     "SystemDescriptionError",
     "Tolerance",
     "UnconnectedInputWarning",
+    "UnknownNameError",
     "Verdict",
+    "compare",
     "ledger",
     "prepare",
     "simulate",
     "stream",
 ]
+
+
+def __dir__() -> list[str]:
+    """The public names."""
+    return sorted(__all__)
 
 
 def __getattr__(name: str) -> Any:

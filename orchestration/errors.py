@@ -41,6 +41,14 @@ class OrchestrationError(Exception):
     """Base of all errors of this package."""
 
 
+class UnknownNameError(OrchestrationError, KeyError):
+    """A name that nothing bears; the message gives near names."""
+
+    def __str__(self) -> str:
+        """The message as it is; a KeyError would quote it."""
+        return str(self.args[0]) if self.args else ""
+
+
 class ArchiveError(OrchestrationError):
     """An archive is missing, unsafe to unpack, or not what it claims to be."""
 

@@ -8,6 +8,9 @@ import numpy as np
 TIME = "time"
 """Name of the column of times, which every file has first."""
 
+COMPLETE, FAILED, INTERRUPTED = "complete", "failed", "interrupted"
+"""What became of the run that recorded the numbers."""
+
 
 @dataclass(frozen=True)
 class Columns:
@@ -29,6 +32,10 @@ class Columns:
         How the numbers came about, texts by key.
     sample_times
         Sampling periods, s, by the name of a sampled component.
+    status
+        ``complete``, or ``failed`` or ``interrupted`` where the rows are those before.
+    message
+        Why the status is not ``complete``, as a sentence.
     """
 
     time: np.ndarray
@@ -38,3 +45,5 @@ class Columns:
     steps_per_tick: Mapping[str, int] = field(default_factory=dict)
     metadata: Mapping[str, str] = field(default_factory=dict)
     sample_times: Mapping[str, float] = field(default_factory=dict)
+    status: str = COMPLETE
+    message: str = ""

@@ -17,12 +17,14 @@ import numpy as np
 
 from orchestration.errors import OrchestrationError
 from orchestration.results.arrow_table import arrow_schema, arrow_table, columns_of, rows_per_group
-from orchestration.results.columns import Columns
+from orchestration.results.columns import COMPLETE, FAILED, INTERRUPTED, Columns
 from orchestration.results.whole_file import draft_path, partial_path, remove_draft, write_errors
 
 PREFIX = "adaptimp."
 UNITS, STEPS_PER_TICK, SAMPLE_TIMES = "units", "steps_per_tick", "sample_times"
-"""Keys of metadata that a file has anyway."""
+STATUS, MESSAGE = "status", "message"
+RESERVED = (UNITS, STEPS_PER_TICK, SAMPLE_TIMES, STATUS, MESSAGE)
+"""Keys of metadata that a file has for itself; those of the status only where it is not complete."""
 
 # Neighbouring values share sign and exponent: split into streams of bytes, a run of Fig. 2 needs half
 # the space of the default dictionaries, and a third of the time.
@@ -39,6 +41,7 @@ def write_parquet(columns: Columns, path: Path) -> None:
     """
     ticks = {"steps_per_tick": columns.steps_per_tick, "sample_times": columns.sample_times}
     with ParquetSink(path, columns.names, columns.units, columns.metadata, **ticks) as sink:
+        sink.status, sink.message = columns.status, columns.message
         sink.append(columns.time, columns.rows)
 
 
@@ -60,7 +63,9 @@ def read_parquet(path: Path) -> Columns:
     declared = {field.name: (field.metadata or {}).get(b"unit", b"").decode() for field in table.schema}
     units = json.loads(found.pop(UNITS)) if UNITS in found else declared
     ratios, periods = (json.loads(found.pop(key, "{}")) for key in (STEPS_PER_TICK, SAMPLE_TIMES))
-    return replace(columns_of(table), units=units, steps_per_tick=ratios, sample_times=periods, metadata=found)
+    status, message = json.loads(found.pop(STATUS, f'"{COMPLETE}"')), json.loads(found.pop(MESSAGE, '""'))
+    kept = {"steps_per_tick": ratios, "sample_times": periods, "status": status, "message": message}
+    return replace(columns_of(table), units=units, metadata=found, **kept)
 
 
 class ParquetSink:
@@ -79,7 +84,7 @@ class ParquetSink:
     units
         Unit of each column, empty where none is declared.
     metadata
-        See `Result`; may not have the keys ``units``, ``steps_per_tick`` and ``sample_times``.
+        See `Result`; may not have the keys of `RESERVED`.
     steps_per_tick, sample_times
         See `Result`.
 
@@ -87,6 +92,8 @@ class ParquetSink:
     ----------
     metadata
         A dictionary that may be supplemented until the block ends.
+    status, message
+        See `Columns`; may be set until the block ends, and are set by an exception.
     count
         Number of rows appended.
     written
@@ -111,6 +118,7 @@ class ParquetSink:
         self.path = path
         self.names = tuple(names)
         self.metadata = dict(metadata or {})
+        self.status, self.message = COMPLETE, ""
         self.count = 0
         self.written: Path | None = None
         ticks = {STEPS_PER_TICK: dict(steps_per_tick or {}), SAMPLE_TIMES: dict(sample_times or {})}
@@ -195,6 +203,9 @@ class ParquetSink:
             self._file_metadata()
         except OrchestrationError as taken:
             fault, self.metadata = fault or taken, {}
+        if fault is not None:
+            self.status = INTERRUPTED if isinstance(fault, KeyboardInterrupt) else FAILED
+            self.message = str(fault)
         try:
             self._close(self.path if fault is None else partial_path(self.path))
         except OrchestrationError as lost:
@@ -244,9 +255,10 @@ class ParquetSink:
 
     def _file_metadata(self) -> dict[str, str]:
         for key, value in self.metadata.items():
-            if key in self._own or not isinstance(value, str):
-                taken = ", ".join(self._own)
+            if key in RESERVED or not isinstance(value, str):
+                taken = ", ".join(RESERVED)
                 msg = f"{self.path}: metadata {key!r} = {value!r}: a text is needed, under another key than {taken}."
                 raise OrchestrationError(msg)
-        own = {key: json.dumps(value, ensure_ascii=False) for key, value in self._own.items()}
+        ended = {} if self.status == COMPLETE else {STATUS: self.status, MESSAGE: self.message}
+        own = {key: json.dumps(value, ensure_ascii=False) for key, value in {**self._own, **ended}.items()}
         return {PREFIX + key: value for key, value in sorted({**self.metadata, **own}.items())}

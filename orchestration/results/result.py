@@ -1,55 +1,110 @@
-"""What a run recorded."""
+"""The result of a run: recorded columns by name, as arrays over time."""
 
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, fields
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from orchestration.errors import OrchestrationError
+from orchestration.errors import OrchestrationError, UnknownNameError
+from orchestration.fmi.names import arrays, suggestion
 from orchestration.results import csv_file, formats, parquet_file
 from orchestration.results.columns import TIME, Columns
 
-TICK_TOLERANCE = 1e-9  # by which a row may miss a tick, in periods
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
+    from matplotlib.axes import Axes
+
+TICK_TOLERANCE = 1e-9
+"""By which a row may miss a tick, in sampling periods."""
 
 
-@dataclass(frozen=True)
-class Result(Columns):
-    """Rows at the communication points.
+@dataclass(frozen=True, eq=False, repr=False)
+class Result(Columns, Mapping[str, np.ndarray]):
+    """Recorded columns by name; a mapping from ``component.variable`` to an array over time.
 
-    Row 0 shows the components after initialization. A plant column in row k is the state at
-    ``time[k]``; a sampled column in row k + 1 is the value held over [time[k], time[k + 1]).
+    Row 0 shows the components after initialization. A column of a continuous component in row k is its state at
+    ``time[k]``. A column of a sampled component in row k + 1 is the value that is held over [time[k], time[k + 1]).
 
-    The attributes are those of `orchestration.results.columns.Columns`.
+    Besides the recorded names, ``"time"`` and the names of whole arrays can be looked up. The attributes are those
+    of `orchestration.results.columns.Columns`.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from orchestration import Result
+    >>> result = Result(np.array([0.0, 0.1]), ("arm.x[1]", "arm.x[2]"), np.array([[1.0, 2.0], [3.0, 4.0]]))
+    >>> result["arm.x[2]"].tolist(), result["arm.x"].shape, "arm.y" in result, list(result)
+    ([2.0, 4.0], (2, 2), False, ['arm.x[1]', 'arm.x[2]'])
     """
 
     def __getitem__(self, name: str) -> np.ndarray:
-        """A column, float64, shape (n_rows,).
-
-        Raises
-        ------
-        OrchestrationError
-            Listing the recorded columns.
-        """
-        if name == TIME:
-            return self.time
-        return self.rows[:, self._index(name)]
-
-    def vector(self, name: str) -> np.ndarray:
-        """The columns ``name[1]``, ``name[2]``, ... side by side, shape (n_rows, n)."""
-        count = sum(column.startswith(f"{name}[") for column in self.names)
-        if count == 0:
-            self._index(f"{name}[1]")
-        return np.column_stack([self[f"{name}[{i + 1}]"] for i in range(count)])
-
-    def at_ticks(self, name: str) -> np.ndarray:
-        """A column realigned to the instants at which its values came about.
+        """A column, or the columns of an array side by side.
 
         Returns
         -------
         ndarray
-            For a sampled component the value of tick j, which belongs to its time j * sample_time
-            (`tick_times`); for any other the value at the start of each step. Without realignment a
-            sampled column lags a plant column by one row.
+            float64, shape (n_rows,); of an array of k variables (n_rows, k), of a matrix (n_rows, k, m).
+
+        Raises
+        ------
+        UnknownNameError
+            A KeyError that gives near names.
+        """
+        if name == TIME:
+            return self.time
+        return self.rows[:, self._places(name)]
+
+    def __iter__(self) -> Iterator[str]:
+        """The recorded names, in the order of the columns."""
+        return iter(self.names)
+
+    def __len__(self) -> int:
+        """Number of columns, without time."""
+        return len(self.names)
+
+    def __contains__(self, name: object) -> bool:
+        """Whether the name can be looked up."""
+        return name == TIME or name in self.names or name in arrays(self.names)
+
+    def __eq__(self, other: object) -> bool:
+        """Whether all attributes agree, numbers bit by bit; so NaN equals itself."""
+        if not isinstance(other, Result):
+            return NotImplemented
+        return all(_same(getattr(self, f.name), getattr(other, f.name)) for f in fields(self))
+
+    __hash__ = None  # type: ignore[assignment] - arrays can change
+
+    def __repr__(self) -> str:
+        """Number of rows, time span and columns in one line."""
+        span = f", t = {self.time[0]:g} to {self.time[-1]:g} s" if len(self.time) else ""
+        names = ", ".join(self.names[:4]) + (f", and {len(self.names) - 4} more" if len(self.names) > 4 else "")
+        state = "" if self.status == "complete" else f", {self.status}"
+        return f"<Result: {len(self.time)} rows{span}, {len(self.names)} columns ({names or 'none'}){state}>"
+
+    def _repr_html_(self) -> str:
+        from orchestration.results.display import result_html
+
+        return result_html(self)
+
+    def _ipython_key_completions_(self) -> list[str]:
+        return [TIME, *arrays(self.names), *self.names]
+
+    def vector(self, name: str) -> np.ndarray:
+        """The columns of an array side by side, shape (n_rows, n)."""
+        return self[name]
+
+    def at_ticks(self, name: str) -> np.ndarray:
+        """A column or an array, realigned to the instants at which its values came about.
+
+        Returns
+        -------
+        ndarray
+            Of a sampled component the value of tick j, which belongs to its time j * sample_time
+            (`tick_times`); of any other component the value at the start of each step. Without realignment a
+            sampled column lags a continuous column by one row.
         """
         column, rows = self[name], self._tick_rows(name)
         return column[:-1] if rows is None else column[rows + 1]
@@ -80,6 +135,65 @@ class Result(Columns):
             msg = f"{name}: not every tick of {period:g} s is recorded; record every step."
             raise OrchestrationError(msg)
         return rows
+
+    def unit(self, name: str) -> str:
+        """Unit of a column, or of an array whose elements share one; empty if there is none."""
+        if name == TIME:
+            return "s"
+        found = {self.units.get(self.names[i], "") for i in np.ravel(self._places(name))}
+        return found.pop() if len(found) == 1 else ""
+
+    def to_pandas(self) -> "pd.DataFrame":
+        """All columns as a DataFrame over time.
+
+        Returns
+        -------
+        DataFrame
+            The index is ``time`` in s, a column bears its recorded name; ``attrs`` has ``units``, ``metadata``,
+            ``status`` and ``message``.
+        """
+        from orchestration.results.exchange import to_pandas
+
+        return to_pandas(self)
+
+    def to_xarray(self) -> "xr.Dataset":
+        """All columns as a Dataset over time.
+
+        Returns
+        -------
+        Dataset
+            Coordinate ``time`` in s. A variable ``component.name`` for each column, or for each array with one more
+            dimension for each index. ``attrs`` of a variable has ``units``, ``attrs`` of the Dataset the metadata.
+        """
+        from orchestration.results.exchange import to_xarray
+
+        return to_xarray(self)
+
+    def plot(self, *names: str, ax: "Axes | None" = None) -> np.ndarray:
+        """Draw columns over time, those of one unit in one panel.
+
+        Parameters
+        ----------
+        names
+            Columns, arrays, or patterns such as ``"plant.*"``; all columns if none is given.
+        ax
+            Axes of matplotlib to draw into, instead of a new figure; then all names must share a unit.
+
+        Returns
+        -------
+        ndarray
+            Axes of matplotlib, shape (n_panels,); notebooks and ``matplotlib.pyplot.show()`` display the figure.
+
+        Raises
+        ------
+        UnknownNameError
+            If a name chooses nothing.
+        OrchestrationError
+            If the columns for one panel have several units.
+        """
+        from orchestration.results.plotting import plot
+
+        return plot(self, names, ax)
 
     def write(self, path: str | Path) -> None:
         """Write all rows as CSV or Parquet, by the suffix of the path.
@@ -113,7 +227,7 @@ class Result(Columns):
 
     @classmethod
     def read(cls, path: str | Path) -> "Result":
-        """Read a file that was written so; from CSV there are names and values only.
+        """Read a CSV or Parquet file; a CSV file has names and values only.
 
         Raises
         ------
@@ -123,10 +237,18 @@ class Result(Columns):
         columns = formats.read_columns(Path(path))
         return cls(**{field.name: getattr(columns, field.name) for field in fields(Columns)})
 
-    def _index(self, name: str) -> int:
-        try:
+    def _places(self, name: str) -> Any:
+        """Position of a column, or positions of the columns of an array, in its shape."""
+        if name in self.names:
             return self.names.index(name)
-        except ValueError:
-            recorded = ", ".join(self.names) or "nothing"
-            msg = f"The result has no column {name}; recorded are {recorded}."
-            raise OrchestrationError(msg) from None
+        positions = arrays(self.names).get(name)
+        if positions is None:
+            msg = f"The result has no column {name}; {suggestion(name, self.names)}"
+            raise UnknownNameError(msg)
+        return positions
+
+
+def _same(a: Any, b: Any) -> bool:
+    if isinstance(a, np.ndarray):
+        return isinstance(b, np.ndarray) and a.shape == b.shape and a.tobytes() == b.tobytes()
+    return a == b
