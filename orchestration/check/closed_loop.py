@@ -6,7 +6,7 @@ The loop itself, a system with a controller known to work, is given: this packag
 import pickle
 import tempfile
 import warnings
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -15,8 +15,10 @@ from orchestration.check.findings import LOOP, Finding, error, note, shown, warn
 from orchestration.errors import OrchestrationError
 from orchestration.fmi.units import AS_IS, Linear
 from orchestration.sandbox.process import work
+from orchestration.sandbox.worker import Announce, Write
 from orchestration.system.system import System
 
+JOB = f"{__name__}:run"
 DURATION = 0.2  # s, in which the tip of the paper's arm moves 0.6 m
 TIMEOUT = 120.0  # s; the first run of a machine compiles the loop
 DIVERGED, LOST = 1.0, 0.1  # m by which the tip misses the virtual trajectory: half the arm's reach, and a lot
@@ -72,7 +74,7 @@ def try_loop(
     with tempfile.TemporaryDirectory(prefix="adaptimp-check-") as name:
         folder = Path(name)
         (folder / "systems").write_bytes(pickle.dumps([loop.system, candidate]))
-        ending = work({"task": "loop", "systems": str(folder / "systems")}, folder, timeout)
+        ending = work(JOB, {"systems": str(folder / "systems")}, folder, timeout=timeout)
     rides, findings = [], ignored
     for line in ending.lines:
         if "ride" in line:
@@ -88,8 +90,8 @@ def try_loop(
     return [*findings, *judge(rides[1], loop)], [_sentence(*rides)]
 
 
-def run(plan: dict[str, Any], write: Callable[..., None]) -> None:
-    """In the worker: run both systems."""
+def run(plan: Mapping[str, Any], write: Write, announce: Announce) -> None:  # noqa: ARG001 - nothing to announce
+    """In a process of its own: run both systems, and write what each run showed."""
     from orchestration.master.options import Options
     from orchestration.master.simulate import simulate
 

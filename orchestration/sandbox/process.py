@@ -1,4 +1,4 @@
-"""Starts a worker, waits for it, and says what it wrote and how it ended; its end is never ours."""
+"""Runs a job in a child process, which may crash or hang without harm, and says what the job wrote and how it ended."""
 
 import json
 import os
@@ -11,7 +11,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from orchestration.check.findings import shown
 from orchestration.sandbox.worker import TRACE_BYTES
 
 POLL = 0.01  # s
@@ -21,18 +20,18 @@ PRINTED = 200  # bytes of what was printed that are read
 
 @dataclass(frozen=True)
 class Ending:
-    """What a worker left.
+    """What a job left; `function` and `printed` are texts of a stranger, of any characters.
 
     Attributes
     ----------
     lines
-        The objects it wrote.
+        The objects that the job wrote.
     how
-        Empty if it ended by itself and was done, else a sentence's end, such as ``dies of SIGSEGV``.
+        Empty if the job came to its end, else the end of a sentence, such as ``dies of SIGSEGV``.
     function
-        The call during which it ended so, empty if in none.
+        What the job had announced last when the process ended before the job did; empty if nothing.
     printed
-        The beginning of what went to its standard output.
+        The beginning of what went to standard output.
     """
 
     lines: Sequence[Mapping[str, Any]]
@@ -41,21 +40,26 @@ class Ending:
     printed: str
 
 
-def work(plan: Mapping[str, Any], folder: Path, timeout: float) -> Ending:
-    """Run a worker.
+def work(job: str, plan: Mapping[str, Any], folder: Path, *, timeout: float, memory: int | None = None) -> Ending:
+    """Run a job in a child process and wait for its end.
 
     Parameters
     ----------
+    job
+        ``module:function``; how the function is called, says `orchestration.sandbox.worker`.
     plan
-        What it has to do; written to `folder`, where its files go too.
+        What the job has to know, as JSON can hold it; written to `folder`, where the results go too.
     timeout
-        How long it may write nothing, s.
+        How long the job may write nothing, s.
+    memory
+        Bytes of addresses that the process may take; as many as it likes if None.
     """
     results, trace, printed = folder / "results", folder / "trace", folder / "printed"
     results.write_bytes(b"")
     trace.write_bytes(bytes(TRACE_BYTES))
     path = folder / "plan.json"
-    path.write_text(json.dumps({**plan, "results": str(results), "trace": str(trace)}), encoding="utf-8")
+    given = {"job": job, "memory": memory, "results": str(results), "trace": str(trace)}
+    path.write_text(json.dumps({**plan, **given}), encoding="utf-8")
     with printed.open("wb") as out:
         process = subprocess.Popen(
             [sys.executable, "-P", "-m", "orchestration.sandbox.worker", str(path)],
@@ -73,8 +77,8 @@ def work(plan: Mapping[str, Any], folder: Path, timeout: float) -> Ending:
             process.wait()
     lines = _lines(results)
     done = any("done" in line for line in lines)
-    function = shown(_beginning(trace, TRACE_BYTES))
-    said = shown(_beginning(printed, PRINTED))
+    function = _beginning(trace, TRACE_BYTES)
+    said = _beginning(printed, PRINTED)
     how = f"does not return within {timeout:g} s" if late else "" if done else _death(process.returncode)
     return Ending(lines, how, "" if done else function, said)
 

@@ -20,6 +20,8 @@ from orchestration.sandbox.process import Ending, work
 
 TIMEOUT = 10.0  # s that an experiment may take
 LAST_OF_BASE = list(BASE)[-1]
+JOB = "orchestration.check.dynamic.job:run_experiments"
+MOST_MEMORY = 8 * 1024**3  # bytes of addresses
 MOST_DEATHS = 4  # workers that may die before the rest is given up
 USUAL_STEP = 1e-3  # s, where the description proposes none
 RULES = {
@@ -99,8 +101,8 @@ def experiment_on(package: Package, timeout: float = TIMEOUT) -> Outcome:
 def _work_off(left: list[str], plan: dict[str, Any], folder: Path, timeout: float, outcome: Outcome) -> list[str]:
     """Run experiments, behind each death in a new worker; returns those that were given up."""
     while left and outcome.deaths < MOST_DEATHS:
-        ending = work({**plan, "experiments": left}, folder, timeout)
-        outcome.printed = outcome.printed or ending.printed
+        ending = work(JOB, {**plan, "experiments": left}, folder, timeout=timeout, memory=MOST_MEMORY)
+        outcome.printed = outcome.printed or shown(ending.printed)
         plan |= _known(ending.lines)
         under_way = _read(ending, outcome)
         outcome.usable = outcome.usable or any(line.get("end") == LAST_OF_BASE for line in ending.lines)
@@ -124,7 +126,6 @@ def _plan(package: Package, folder: Path) -> dict[str, Any]:
     outputs = document.of_causality("output")
     sampled = bool(outputs) and all(v.variability == "discrete" for v in outputs)
     return {
-        "task": "experiments",
         "library": str(folder / (host_library(package) or "")),
         "guid": document.guid,
         "resources": (folder / "resources").as_uri(),
@@ -179,6 +180,6 @@ def _findings(line: Mapping[str, Any], under_way: str) -> Iterator[Finding]:
 
 
 def _obituary(ending: Ending, under_way: str) -> str:
-    what = ending.function or "the binary"
+    what = shown(ending.function) or "the binary"
     during = f" during the experiment {under_way!r}" if under_way else ""
     return f"{what} {ending.how}{during}."

@@ -1,0 +1,47 @@
+"""What the child process of a check does: it runs experiments with a binary and writes down what each one finds."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from orchestration.check.dynamic.experiments import BASE, experiment
+from orchestration.check.dynamic.instance import Binary, MissingError, RefusedError
+from orchestration.check.findings import Finding, Severity
+from orchestration.sandbox.worker import Announce, Write
+
+KNOWN = ("random", "moves")
+
+
+def run_experiments(plan: Mapping[str, Any], write: Write, announce: Announce) -> None:
+    """Run the experiments that the plan lists, in its order.
+
+    Lines tell which experiment begins and ends, what it found or measured, and what it learned for those
+    that follow. An experiment of `BASE` that fails is the last one.
+    """
+    announce("loading the library")
+    try:
+        binary = Binary(dict(plan), announce)
+    except OSError as failed:
+        write(begin="loading")
+        write(refused=f"the library cannot be loaded: {failed}.")
+        return
+    announce("")
+    for name in plan["experiments"]:
+        write(begin=name)
+        failed = False
+        try:
+            for found in experiment(name)(binary):
+                failed |= isinstance(found, Finding) and found.severity == Severity.ERROR
+                write(**_line(found))
+        except (RefusedError, MemoryError, OverflowError) as refused:
+            failed = True
+            write(refused=str(refused) or "the memory does not suffice.")
+        except MissingError as missing:
+            failed = True
+            write(missing=str(missing))
+        if failed and name in BASE:
+            return
+        write(known={key: binary.plan[key] for key in KNOWN if key in binary.plan}, end=name)
+
+
+def _line(found: Finding | str) -> dict[str, Any]:
+    return {"fact": found} if isinstance(found, str) else {"finding": [found.rule, found.severity, found.message]}
