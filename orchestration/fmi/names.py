@@ -92,7 +92,9 @@ def near(name: str, known: Iterable[str]) -> list[str]:
     lower: dict[str, str] = {}
     for candidate in (*known, *map(base_name, known)):
         lower.setdefault(candidate.lower(), candidate)
-    return [lower[match] for match in get_close_matches(name.lower(), lower, MOST_NEAR, 0.6)]
+    close = get_close_matches(name.lower(), lower, MOST_NEAR, 0.6)
+    longer = [candidate for candidate in lower if candidate.startswith(name.lower())]
+    return [lower[match] for match in dict.fromkeys([*close, *longer])][:MOST_NEAR]
 
 
 def suggestion(name: str, known: Iterable[str]) -> str:

@@ -8,20 +8,22 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from orchestration.errors import SystemDescriptionError
-from orchestration.fmi.instance import SAMPLE_TIME, Variable, read_description
+from orchestration.fmi.instance import SAMPLE_TIME, Variable
+from orchestration.fmi.names import arrays
 from orchestration.system.component import (
     Component,
     Connection,
     checked_connection,
     number,
     require_settable,
-    sources_of,
+    spread,
 )
 from orchestration.system.registry import analysis, reader, writer
 from orchestration.system.replacement import replaced
+from orchestration.system.wiring import by_equal_names, parsed
 
 if TYPE_CHECKING:
     from orchestration.analysis.stability.verdict import Verdict
@@ -85,6 +87,34 @@ class System:
             driven.add(target)
 
     @classmethod
+    def of(cls, fmus: "Mapping[str, str | Path | Component]", name: str = "system") -> "System":
+        """Make a system of FMUs, without connections; `connect` adds them.
+
+        Parameters
+        ----------
+        fmus
+            FMU file, or `Component`, by the name that the component gets; their order is the order of stepping.
+
+        Raises
+        ------
+        ArchiveError
+            If a file is no FMI 2.0 co-simulation FMU.
+        SystemDescriptionError
+            If a name is empty or has a dot.
+
+        Examples
+        --------
+        >>> from orchestration import System
+        >>> system = System.of({"plant": "Plant.fmu", "actuator": "Actuator.fmu"})  # doctest: +SKIP
+        >>> system = system.connect("actuator.tau -> plant.tau")  # doctest: +SKIP
+        """
+        components = [
+            replace(fmu, name=component) if isinstance(fmu, Component) else Component.read(fmu, component)
+            for component, fmu in fmus.items()
+        ]
+        return cls(name, tuple(components))
+
+    @classmethod
     def connected_by_name(
         cls, name: str, fmus: Mapping[str, Path], *, step: float = 1e-4, stop_time: float = 2.0
     ) -> "System":
@@ -100,17 +130,8 @@ class System:
         SystemDescriptionError
             If two components have an output of the same name that an input could take.
         """
-        components = tuple(Component(n, read_description(Path(path))) for n, path in fmus.items())
-        connections = []
-        for target in components:
-            for variable in target.description.of_causality("input"):
-                sources = sources_of(components, target, variable.name)
-                if len(sources) > 1:
-                    names = " or ".join(source.name for source in sources)
-                    msg = f"{target.name}.{variable.name} could come from {names}; connect it by hand."
-                    raise SystemDescriptionError(msg)
-                if sources:
-                    connections.append(Connection(sources[0].name, variable.name, target.name, variable.name))
+        components = tuple(Component.read(path, component) for component, path in fmus.items())
+        connections = by_equal_names(components)
         return cls(name, components, tuple(connections), step, stop_time)
 
     @classmethod
@@ -121,6 +142,37 @@ class System:
     def write(self, path: str | Path) -> Path:
         """Write the system to a file, such as an SSP package; see `orchestration.system.registry`."""
         return writer(Path(path))(self, Path(path))
+
+    def connect(self, *connections: str | Connection) -> "System":
+        """Add connections from outputs to inputs.
+
+        Parameters
+        ----------
+        connections
+            ``"source.output -> target.input"`` each; scalars, or whole arrays of the same number of elements. A
+            `Connection` may scale its value. Without any, all inputs that have no source are connected to the
+            outputs of the same name.
+
+        Raises
+        ------
+        SystemDescriptionError
+            If a name is unknown, types or physical dimensions differ, or an input has a source already.
+        """
+        added = [c for line in connections for c in parsed(line, self.components)]
+        if not connections:
+            added = by_equal_names(self.components, self.connections)
+        return replace(self, connections=(*self.connections, *added))
+
+    def __getitem__(self, name: str) -> Component:
+        """A component by name; see `component`."""
+        return self.component(name)
+
+    def __contains__(self, name: object) -> bool:
+        """Whether there is a component of that name."""
+        return any(component.name == name for component in self.components)
+
+    def _ipython_key_completions_(self) -> list[str]:
+        return [component.name for component in self.components]
 
     def component(self, name: str) -> Component:
         """A component by name.
@@ -137,8 +189,13 @@ class System:
         msg = f"System {self.name} has no component {name}; it has {known}."
         raise SystemDescriptionError(msg)
 
-    def set(self, values: Mapping[str, float | bool | str]) -> "System":
-        """Give start values, by ``component.variable``; another value than the assumed one is not assumed.
+    def set(self, values: "Mapping[str, float | bool | str | Sequence[float]]") -> "System":
+        """Give start values; another value than the assumed one is not assumed.
+
+        Parameters
+        ----------
+        values
+            By ``component.variable``. An array takes one number for all of its elements, or one number for each.
 
         Raises
         ------
@@ -146,7 +203,7 @@ class System:
             If a name is unknown, the variable cannot be set, or the value is none of its type.
         """
         changed: dict[str, dict[str, float]] = {}
-        for path, value in values.items():
+        for path, value in self._elementwise(values).items():
             component, variable = self.resolve(path)
             require_settable(component, variable)
             changed.setdefault(component.name, {})[variable.name] = number(path, variable, value)
@@ -155,6 +212,20 @@ class System:
         given = {f"{c}.{name}": value for c, of_component in changed.items() for name, value in of_component.items()}
         kept = {path: text for path, text in self.assumptions.items() if given.get(path) in (None, before.get(path))}
         return replace(self, components=components, assumptions=kept)
+
+    def _elementwise(self, values: Mapping[str, Any]) -> dict[str, Any]:
+        """The same values with those of arrays for each element."""
+        found: dict[str, Any] = {}
+        for path, value in values.items():
+            name, _, variable = path.partition(".")
+            known = tuple(self.component(name).description.variables) if name in self else ()
+            positions = None if variable in known else arrays(known).get(variable)
+            if positions is None:
+                found[path] = value
+                continue
+            elements = [f"{name}.{known[i]}" for i in positions.ravel()]
+            found |= dict(zip(elements, spread(path, value, elements), strict=True))
+        return found
 
     def replace(self, name: str, fmu: str | Path, mapping: Mapping[str, str] | None = None) -> "System":
         """Put another FMU in the place of a component.
