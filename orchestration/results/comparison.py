@@ -90,7 +90,7 @@ class Comparison:
         return f"{head}; worst: {worst.name} by {size} at t = {worst.at:.6g} s ({worst.relative:.2g} of its range)>"
 
     def _repr_html_(self) -> str:
-        from orchestration.results.display import html_table
+        from orchestration.fmi.display import html_table
 
         head = ("column", "unit", "largest difference", "at (s)", "of its range", "first differs (s)")
         rows = [

@@ -1,34 +1,16 @@
 """How results look in a notebook: short HTML tables."""
 
-from collections.abc import Iterable, Sequence
 from html import escape
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from orchestration.fmi.display import html_table
 from orchestration.fmi.names import arrays, base_name
 from orchestration.results.columns import COMPLETE
 
 if TYPE_CHECKING:
     from orchestration.results.result import Result
-
-MOST_ROWS = 24
-"""Rows that a table shows; the others are counted."""
-
-
-def html_table(head: Sequence[str], rows: Iterable[Sequence[object]], most: int = MOST_ROWS) -> str:
-    """A small table; texts are escaped, numbers aligned right."""
-    rows = list(rows)
-    cells = "".join(f"<th>{escape(text)}</th>" for text in head)
-    body = "".join(f"<tr>{''.join(map(_cell, row))}</tr>" for row in rows[:most])
-    rest = f"<tr><td colspan={len(head)}>and {len(rows) - most} more</td></tr>" if len(rows) > most else ""
-    return f"<table><thead><tr>{cells}</tr></thead><tbody>{body}{rest}</tbody></table>"
-
-
-def _cell(value: object) -> str:
-    if isinstance(value, float):
-        return f'<td align="right">{value:.6g}</td>'
-    return f"<td>{escape(str(value))}</td>"
 
 
 def result_html(result: "Result") -> str:

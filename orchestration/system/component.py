@@ -13,11 +13,12 @@ from orchestration.errors import SystemDescriptionError
 from orchestration.fmi.codes import BOOLEAN, INTEGER, REAL, STRING
 from orchestration.fmi.instance import SAMPLE_TIME, Description, Variable, parse_value, read_description
 from orchestration.fmi.units import Linear, conversion
+from orchestration.system.display import component_html, component_line
 
 SETTABLE = ("parameter", "input")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Component:
     """An FMU under a name, with the start values that differ from its own.
 
@@ -56,6 +57,13 @@ class Component:
             known = ", ".join(self.description.variables)
             msg = f"{self.name} has no variable {name}; it has {known}."
             raise SystemDescriptionError(msg) from None
+
+    def __repr__(self) -> str:
+        """Name, model, numbers of inputs and outputs, start values that differ from the FMU's."""
+        return component_line(self)
+
+    def _repr_html_(self) -> str:
+        return component_html(self)
 
     @property
     def sample_time(self) -> float | None:

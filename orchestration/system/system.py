@@ -21,6 +21,7 @@ from orchestration.system.component import (
     require_settable,
     spread,
 )
+from orchestration.system.display import system_html, system_line
 from orchestration.system.registry import analysis, reader, writer
 from orchestration.system.replacement import replaced
 from orchestration.system.wiring import by_equal_names, parsed
@@ -34,7 +35,7 @@ __all__ = ["Component", "Connection", "System"]
 RATIO_TOLERANCE = 1e-9  # by which a quotient of two times may miss an integer
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class System:
     """Components in their order, and connections.
 
@@ -170,6 +171,13 @@ class System:
     def __contains__(self, name: object) -> bool:
         """Whether there is a component of that name."""
         return any(component.name == name for component in self.components)
+
+    def __repr__(self) -> str:
+        """Name, components with their models, and number of connections."""
+        return system_line(self)
+
+    def _repr_html_(self) -> str:
+        return system_html(self)
 
     def _ipython_key_completions_(self) -> list[str]:
         return [component.name for component in self.components]
