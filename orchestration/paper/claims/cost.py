@@ -7,6 +7,7 @@ import numpy as np
 
 from adaptimp_fmu.lowering import lower
 from fmus.catalog import UNITS
+from orchestration.fmi.instance import read_description
 from orchestration.master.flatten import assemble
 from orchestration.master.initialization import initialize, opened
 from orchestration.master.kernel import fixed_step
@@ -15,7 +16,7 @@ from orchestration.paper.claims.claim import Finding, Question
 from orchestration.paper.evidence import DIVISORS, Evidence
 from orchestration.paper.measure import Summary
 from orchestration.paper.scenarios import ADAPTIVE_STEP, CRAIG, SLOTINE_LI
-from orchestration.system.system import Component, System, read_description
+from orchestration.system.system import Component, System
 
 _NOT_ARITHMETIC = (ca.OP_INPUT, ca.OP_OUTPUT, ca.OP_CONST, ca.OP_PARAMETER, ca.OP_ASSIGN)
 TIMED_STEPS, REPETITIONS = 20_000, 9
