@@ -1,21 +1,17 @@
-"""How a declared model becomes an FMI 2.0 co-simulation FMU; knows no robot.
+"""Turn a model that is declared with CasADi into an FMU for co-simulation, FMI 2.0.
 
 Declare a `ContinuousModel` or a `SampledModel`, then `build` it.
 """
 
+from adaptimp_fmu.codegen import runtime_license
+from adaptimp_fmu.continuous_model import ContinuousModel
 from adaptimp_fmu.documentation import present
 from adaptimp_fmu.errors import DefinitionError, ToolchainError
 from adaptimp_fmu.icon import Icon, Stroke
-from adaptimp_fmu.model import (
-    ANY,
-    NOT_NEGATIVE,
-    POSITIVE,
-    ContinuousModel,
-    Limits,
-    Model,
-    SampledModel,
-)
+from adaptimp_fmu.metadata import Experiment, Ownership
+from adaptimp_fmu.model import ANY, NOT_NEGATIVE, POSITIVE, Limits, Model
 from adaptimp_fmu.package import build, default_cache
+from adaptimp_fmu.sampled_model import SampledModel
 from adaptimp_fmu.toolchain import PLATFORMS, Platform, host_platform
 from adaptimp_fmu.variables import Role, Type, Variable
 
@@ -26,9 +22,11 @@ __all__ = [
     "POSITIVE",
     "ContinuousModel",
     "DefinitionError",
+    "Experiment",
     "Icon",
     "Limits",
     "Model",
+    "Ownership",
     "Platform",
     "Role",
     "SampledModel",
@@ -40,4 +38,5 @@ __all__ = [
     "default_cache",
     "host_platform",
     "present",
+    "runtime_license",
 ]

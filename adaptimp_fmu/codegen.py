@@ -1,4 +1,4 @@
-"""C code of a model: CasADi's functions, one table, and the runtime it includes."""
+"""Generate the C code of a model: CasADi's functions, a table of variables, and the runtime."""
 
 import importlib.resources
 import math
@@ -9,12 +9,15 @@ import casadi as ca
 import jinja2
 
 from adaptimp_fmu.lowering import Lowered, lower
-from adaptimp_fmu.model import Model, SampledModel
-from adaptimp_fmu.variables import Variable, element_names
+from adaptimp_fmu.model import Model
+from adaptimp_fmu.sampled_model import SampledModel
+from adaptimp_fmu.variables import Role, Type, Variable, element_names
 
 GUID_PLACEHOLDER = "{guid}"
 MAIN_SOURCE = "model.c"
 EQUATIONS_SOURCE = "equations.h"
+RUNTIME_LICENSE = "runtime_license.txt"
+"""File in ``sources/`` with the license of the runtime, which is part of every FMU whoever owns the model."""
 
 # C parameters of each function of the seam (runtime/model.h): name of the CasADi argument or
 # result, and its C declaration.
@@ -39,7 +42,7 @@ _SEAM = {
 
 @dataclass(frozen=True)
 class Adapter:
-    """A C function of the seam that calls CasADi's function of the same purpose."""
+    """A C function that the runtime calls and that calls CasADi's function of the same name."""
 
     name: str
     signature: str
@@ -52,6 +55,12 @@ def runtime_sources() -> dict[str, str]:
     folder = importlib.resources.files("adaptimp_fmu") / "runtime"
     names = sorted(entry.name for entry in folder.iterdir() if entry.name.endswith((".c", ".h")))
     return {name: (folder / name).read_text(encoding="utf-8") for name in names}
+
+
+def runtime_license() -> str:
+    """License of the runtime and of this toolchain, as one text."""
+    path = importlib.resources.files("adaptimp_fmu") / "templates" / "license.txt"
+    return path.read_text(encoding="utf-8")
 
 
 def generate(model: Model) -> dict[str, str]:
@@ -78,6 +87,7 @@ def generate(model: Model) -> dict[str, str]:
         functions=[_adapter(function) for function in lowered.functions],
         seed=_seed_reference(model),
         divisor=_divisor_reference(model),
+        integer_outputs=any(v.type is Type.INTEGER for v in model.with_role(Role.OUTPUT)),
     )
     return {MAIN_SOURCE: main, EQUATIONS_SOURCE: _equations(lowered.functions), **runtime_sources()}
 

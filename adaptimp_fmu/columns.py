@@ -1,9 +1,10 @@
-"""A model's symbols as column vectors, in the order of their value references."""
+"""Column vectors of a model's symbols, in the order of their FMI value references."""
 
 from collections.abc import Sequence
 
 import casadi as ca
 
+from adaptimp_fmu.errors import DefinitionError
 from adaptimp_fmu.model import Model
 
 
@@ -20,3 +21,25 @@ def parameters(model: Model) -> ca.SX:
 def inputs(model: Model) -> ca.SX:
     """All inputs, shape (n_u,)."""
     return stack(model.input_symbols)
+
+
+def states(model: Model) -> ca.SX:
+    """All states, shape (n_x,)."""
+    return stack([state.symbol for state in model.states])
+
+
+def evolutions(model: Model) -> list[ca.SX]:
+    """What becomes of each state: derivatives of a continuous model, values at the next tick of a sampled one.
+
+    Raises
+    ------
+    DefinitionError
+        If a state has neither.
+    """
+    values = []
+    for state in model.states:
+        if state.evolution is None:
+            msg = f"{model.name}: state {state.name} has no derivative or update."
+            raise DefinitionError(msg)
+        values.append(state.evolution)
+    return values

@@ -1,4 +1,4 @@
-"""modelDescription.xml of a model (FMI 2.0.5, chapter 2.2 and 4.3)."""
+"""Write the modelDescription.xml of an FMU (FMI 2.0.5, chapters 2.2 and 4.3)."""
 
 import importlib.resources
 import math
@@ -9,7 +9,9 @@ from typing import Any
 from lxml import etree
 
 from adaptimp_fmu.errors import DefinitionError
-from adaptimp_fmu.model import Model, SampledModel
+from adaptimp_fmu.metadata import Experiment
+from adaptimp_fmu.model import Model
+from adaptimp_fmu.sampled_model import SampledModel
 from adaptimp_fmu.structure import dependencies
 from adaptimp_fmu.units import QUANTITIES, base_exponents
 from adaptimp_fmu.variables import Role, Type, Variable
@@ -20,7 +22,12 @@ LOG_CATEGORIES = {
     "logStatusWarning": "What a user should know although the call succeeded",
     "logAll": "All messages",
 }
-DEFAULT_EXPERIMENT = {"startTime": "0", "stopTime": "2", "stepSize": "0.0001"}
+_EXPERIMENT = {
+    "start_time": "startTime",
+    "stop_time": "stopTime",
+    "step_size": "stepSize",
+    "tolerance": "tolerance",
+}
 _CAUSALITY = {
     Role.FIXED_PARAMETER: "parameter",
     Role.TUNABLE_PARAMETER: "parameter",
@@ -50,8 +57,7 @@ def model_description(model: Model, guid: str, sources: Iterable[str]) -> bytes:
         modelName=model.name,
         guid=guid,
         description=model.description,
-        version="1",
-        license="MIT",
+        **model.ownership.attributes(),
         generationTool=GENERATION_TOOL,
         variableNamingConvention="structured",
         numberOfEventIndicators="0",
@@ -63,7 +69,7 @@ def model_description(model: Model, guid: str, sources: Iterable[str]) -> bytes:
     categories = etree.SubElement(root, "LogCategories")
     for name, description in LOG_CATEGORIES.items():
         etree.SubElement(categories, "Category", name=name, description=description)
-    etree.SubElement(root, "DefaultExperiment", DEFAULT_EXPERIMENT)
+    _experiment(root, model.experiment)
     listing = etree.SubElement(root, "ModelVariables")
     for reference, variable in enumerate(variables):
         _variable(listing, variable, reference, sampled=isinstance(model, SampledModel))
@@ -115,6 +121,13 @@ def _types(root: Any, variables: Iterable[Variable]) -> None:
         etree.SubElement(simple, "Real", quantity=QUANTITIES[unit], unit=unit)
     if len(definitions):  # the schema has no empty list
         root.append(definitions)
+
+
+def _experiment(root: Any, experiment: Experiment) -> None:
+    stated = experiment.stated()
+    if stated:
+        attributes = {_EXPERIMENT[name]: number(value, Type.REAL) for name, value in stated.items()}
+        etree.SubElement(root, "DefaultExperiment", attributes)
 
 
 def _variable(listing: Any, variable: Variable, reference: int, *, sampled: bool) -> None:

@@ -1,10 +1,9 @@
-"""``documentation/`` of an FMU: what it computes, its interface, its semantics, how to rebuild it, its license.
+"""The pages in ``documentation/`` of an FMU: equations, interface, semantics, how to rebuild it, and its owner.
 
 The equations are the docstrings of the modules that declare them, word for word.
 """
 
 import importlib
-import importlib.resources
 import inspect
 import math
 import re
@@ -12,11 +11,13 @@ from dataclasses import dataclass
 
 import jinja2
 
-from adaptimp_fmu.codegen import runtime_sources
+from adaptimp_fmu.codegen import RUNTIME_LICENSE, runtime_sources
+from adaptimp_fmu.continuous_model import ContinuousModel
 from adaptimp_fmu.description import number
 from adaptimp_fmu.errors import DefinitionError
 from adaptimp_fmu.icon import Icon
-from adaptimp_fmu.model import ContinuousModel, Model, SampledModel
+from adaptimp_fmu.model import Model
+from adaptimp_fmu.sampled_model import SampledModel
 from adaptimp_fmu.variables import Role, Type, Variable
 
 INDEX = "index.html"
@@ -26,7 +27,7 @@ _LIMITS = ("MAX_TICKS", "MAX_SUBSTEPS", "FIRST_EVENTS", "EVENTS_PER_SUBSTEP")
 
 @dataclass(frozen=True)
 class Row:
-    """A line of an interface table, as text."""
+    """A variable of a model as a row of an interface table, in words."""
 
     name: str
     type: str
@@ -39,7 +40,12 @@ class Row:
 
 
 def present(model: Model, icon: Icon, *modules: str) -> None:
-    """Give a model its icon and its documentation, the docstrings of modules: the unit's own first.
+    """Give a model its icon, and the docstrings of modules as its documentation.
+
+    Parameters
+    ----------
+    modules
+        Names of the modules whose docstrings hold the equations, the model's own module first.
 
     Raises
     ------
@@ -71,10 +77,13 @@ def documentation(model: Model) -> dict[str, bytes]:
         },
         demands=[check.sentence for check in (*model.static_checks, *model.checks)],
         limits=_limits(),
-        license=LICENSE,
+        license_file=LICENSE,
+        runtime_license=RUNTIME_LICENSE,
     )
-    text = (importlib.resources.files("adaptimp_fmu") / "templates" / "license.txt").read_text(encoding="utf-8")
-    return {INDEX: html.encode(), LICENSE: text.encode()}
+    pages = {INDEX: html.encode()}
+    if model.ownership.license_text:
+        pages[LICENSE] = model.ownership.license_text.encode()
+    return pages
 
 
 def _environment() -> jinja2.Environment:

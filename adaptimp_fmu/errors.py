@@ -1,4 +1,4 @@
-"""What can go wrong between a definition and a built FMU, and when one is tested."""
+"""Errors of declaring and compiling an FMU."""
 
 
 class DefinitionError(ValueError):
@@ -7,11 +7,3 @@ class DefinitionError(ValueError):
 
 class ToolchainError(RuntimeError):
     """The compiler is missing or refused the generated code."""
-
-
-class FmuError(RuntimeError):
-    """A unit cannot be loaded, or refuses a call; says where, when, and the unit's last message."""
-
-
-class SignalError(ValueError):
-    """A name, a shape, a value or a time that does not fit the unit."""

@@ -1,4 +1,4 @@
-"""A unit's icon: white strokes on a coloured block, drawn and written as PNG without any library of images.
+"""Icons of FMUs: white strokes on a coloured block, written as PNG files without a library of images.
 
 Coordinates run from (0, 0) at the bottom left of the block to (1, 1) at its top right. Only additions,
 products, quotients and square roots are used, which every machine rounds alike: same icon, same bytes.

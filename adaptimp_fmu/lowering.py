@@ -1,4 +1,4 @@
-"""From a declaration to the functions that the runtime calls.
+"""Turn a declared model into the CasADi functions that the C runtime calls.
 
 Expressions of parameters alone are moved into ``calibrate``, which runs when parameters change, and
 those of a continuous model's states alone into ``prepare``, whose values serve derivative, outputs and
@@ -11,15 +11,17 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from adaptimp_fmu.columns import inputs, parameters, stack
+from adaptimp_fmu.columns import evolutions, inputs, parameters, stack, states
+from adaptimp_fmu.continuous_model import ContinuousModel
 from adaptimp_fmu.errors import DefinitionError
-from adaptimp_fmu.model import ContinuousModel, Model, SampledModel
+from adaptimp_fmu.model import Model
+from adaptimp_fmu.sampled_model import SampledModel
 from adaptimp_fmu.sensitivity import sensitivity_functions
 
 
 @dataclass(frozen=True)
 class Lowered:
-    """A model as functions of plain numbers.
+    """A model, written as functions of plain numbers.
 
     Attributes
     ----------
@@ -52,11 +54,11 @@ def lower(model: Model) -> Lowered:
     Raises
     ------
     DefinitionError
-        If the name is no C identifier, there are no outputs, a state has no evolution, or a value
-        depends on a symbol that the model does not declare.
+        If the name is not a C identifier, there are no outputs, a state has no evolution, a divisor or a seed is
+        no suitable parameter, or a value depends on a symbol that the model does not declare.
     """
     _require_complete(model)
-    p, x = parameters(model), stack([state.symbol for state in model.states])
+    p, x = parameters(model), states(model)
     routines = _routines(model)
     flat = stack([stack(list(r.results.values())) for r in routines])
     flat, constants, derived = _extract(flat, p)
@@ -99,15 +101,16 @@ def _calibration(model: Model, p: ca.SX, derived: ca.SX) -> ca.Function:
 
 def _routines(model: Model) -> Sequence[Routine]:
     t, u = model.time, inputs(model)
-    x = stack([state.symbol for state in model.states])
+    x, next_values = states(model), evolutions(model)
     y = stack(model.output_values)
-    evolution = stack([ca.SX(state.evolution) for state in model.states])
+    evolution = stack(next_values)
     checks = stack([check.value for check in model.checks])
     initial = Routine("initial", {"t": t, "u": u}, {"x": stack([s.initial for s in model.states])})
     if isinstance(model, SampledModel):
         w = model.noise.symbol if model.noise else ca.SX(0, 1)
         arguments = {"t": t, "x": x, "u": u, "w": w}
-        held = stack([s.symbol if s.slow else ca.SX(s.evolution) for s in model.states])
+        pairs = zip(model.states, next_values, strict=True)
+        held = stack([state.symbol if state.slow else value for state, value in pairs])
         routines = [initial, Routine("tick", arguments, {"y": y, "next": held, "checks": checks})]
         if model.divisor_name:
             results = {"y": y, "next": evolution, "checks": checks}
@@ -137,15 +140,13 @@ def _noise_active(model: Model) -> ca.SX:
 
 def _require_complete(model: Model) -> None:
     if not re.fullmatch(r"[A-Za-z_][A-Za-z0-9_]*", model.name):
-        msg = f"{model.name!r} is no C identifier, so it cannot name an FMU."
+        msg = f"{model.name!r} is not a C identifier, so it cannot name an FMU."
         raise DefinitionError(msg)
     if not model.output_values:
         msg = f"{model.name} has no outputs."
         raise DefinitionError(msg)
-    for state in model.states:
-        if state.evolution is None:
-            msg = f"{model.name}: state {state.name} has no derivative or update."
-            raise DefinitionError(msg)
+    if isinstance(model, SampledModel):
+        model.require_named_parameters()
 
 
 def _function(name: str, arguments: dict[str, ca.SX], results: dict[str, ca.SX]) -> ca.Function:

@@ -1,4 +1,4 @@
-"""A model, declared once.
+"""The declaration of a model, from which everything in its FMU follows.
 
 Order of variables, value references, XML, C tables, dependencies and GUID follow from the
 declaration. There are two kinds: a `ContinuousModel` has derivatives, which the runtime
@@ -7,13 +7,14 @@ integrates; a `SampledModel` is updated every ``sample_time``.
 Every symbol is a CasADi ``SX`` column vector (a scalar is of length one).
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import casadi as ca
 
 from adaptimp_fmu.errors import DefinitionError
 from adaptimp_fmu.icon import Icon
+from adaptimp_fmu.metadata import Experiment, Ownership
 from adaptimp_fmu.variables import INTEGER_LIMIT, Role, Type, Variable, element_names
 
 Start = float | Sequence[float]
@@ -35,7 +36,7 @@ NOT_NEGATIVE = Limits(minimum=0.0)
 
 @dataclass
 class State:
-    """A state vector: its symbol, its first value, and what becomes of it.
+    """A state vector of a model: its symbol, its first value, and its derivative or update.
 
     A `slow` state of a sampled model is updated at every n-th tick only.
     """
@@ -49,35 +50,15 @@ class State:
 
 @dataclass(frozen=True)
 class Check:
-    """A demand on numbers: `value` must be positive, else `sentence` is the error."""
+    """A demand of a model: the expression `value` must be positive, else `sentence` is the error message."""
 
     value: ca.SX
     sentence: str
 
 
-@dataclass(frozen=True)
-class Event:
-    """A quantity whose change of sign interrupts the integration; `mode` is 1 while it is > 0."""
-
-    name: str
-    mode: ca.SX
-    indicator: ca.SX
-
-
-@dataclass(frozen=True)
-class Noise:
-    """Random numbers, drawn anew at each tick: a function of four uniform numbers in (0, 1)."""
-
-    symbol: ca.SX
-    uniforms: ca.SX
-    value: ca.SX
-    active: ca.SX
-    seed_name: str
-
-
 @dataclass
 class Model:
-    """What both kinds have in common. Use `ContinuousModel` or `SampledModel`.
+    """Base of the two kinds of models, `ContinuousModel` and `SampledModel`.
 
     Parameters
     ----------
@@ -92,6 +73,10 @@ class Model:
         Texts with the equations by title, for the documentation in the FMU.
     icon
         The FMU's picture.
+    ownership
+        Author, version, copyright and license; by default the FMU claims none of them.
+    experiment
+        Default experiment; by default the FMU suggests none.
     """
 
     name: str
@@ -106,6 +91,9 @@ class Model:
     time: ca.SX = field(default_factory=lambda: ca.SX.sym("t"))
     documentation: Mapping[str, str] = field(default_factory=dict)
     icon: Icon = field(default_factory=Icon)
+    ownership: Ownership = field(default_factory=Ownership)
+    experiment: Experiment = field(default_factory=Experiment)
+    period_name: str = field(default="", init=False)
 
     def parameter(
         self,
@@ -171,7 +159,7 @@ class Model:
         self._add_variables(name, Role.OUTPUT, type, [None] * value.numel(), shape, unit, description, ANY)
         self.output_values.append(value)
 
-    def state(self, name: str, initial: ca.SX) -> ca.SX:
+    def state(self, name: str, initial: ca.SX | Start) -> ca.SX:
         """Declare a state, shape (n,), from its first value; returns its symbol.
 
         The first value may depend on parameters and, in a sampled model, on the first tick's inputs.
@@ -187,7 +175,7 @@ class Model:
         A demand on parameters alone is checked when they change, any other at every evaluation
         of the outputs.
         """
-        static = not _depends(value, [self.time, *self.input_symbols, *(s.symbol for s in self.states)])
+        static = not depends(value, [self.time, *self.input_symbols, *(s.symbol for s in self.states)])
         (self.static_checks if static else self.checks).append(Check(ca.SX(value), sentence))
 
     def with_role(self, *roles: Role) -> list[Variable]:
@@ -219,7 +207,7 @@ class Model:
                     )
                     raise DefinitionError(msg)
                 return
-        msg = f"{self.name}: {symbol} is no state of this model."
+        msg = f"{self.name}: {symbol} is not a state of this model."
         raise DefinitionError(msg)
 
     def _declare(
@@ -261,120 +249,6 @@ class Model:
             self.variables.append(Variable(element, role, type, u, text, start, limits.minimum, limits.maximum))
 
 
-@dataclass
-class ContinuousModel(Model):
-    """A model with derivatives, integrated by Runge-Kutta 4 with steps of at most ``dt_max``.
-
-    Parameters
-    ----------
-    dt_max
-        Start of the parameter ``dt_max``, s.
-    """
-
-    dt_max: float = 1e-4
-    events: list[Event] = field(default_factory=list)
-    period_name: str = field(default="dt_max", init=False)
-
-    def __post_init__(self) -> None:
-        """Declare ``dt_max``."""
-        self.parameter(
-            "dt_max",
-            self.dt_max,
-            unit="s",
-            limits=POSITIVE,
-            description="Longest sub-step of the integrator (Runge-Kutta 4)",
-        )
-
-    def derivative(self, state: ca.SX, value: ca.SX) -> None:
-        """Give the time derivative of a state."""
-        self._evolve(state, value)
-
-    def event(self, name: str, indicator: ca.SX) -> ca.SX:
-        """Declare an event at the sign change of `indicator`, a function of states and parameters.
-
-        Returns
-        -------
-        SX
-            Its mode: 1 while the indicator is positive, else 0. Laws that switch use the mode, so
-            that they are smooth between events.
-        """
-        if _depends(indicator, self.input_symbols):
-            msg = f"{self.name}: event {name} depends on inputs; only states, time and parameters may."
-            raise DefinitionError(msg)
-        mode = ca.SX.sym(f"mode_{name}")
-        self.events.append(Event(name, mode, ca.SX(indicator)))
-        return mode
-
-
-@dataclass
-class SampledModel(Model):
-    """A model that is updated every ``sample_time`` and holds its outputs in between.
-
-    Parameters
-    ----------
-    sample_time
-        Start of the parameter ``sample_time``, s.
-    """
-
-    sample_time: float = 1e-4
-    noise: Noise | None = None
-    divisor_name: str | None = field(default=None, init=False)
-    period: ca.SX = field(init=False)
-    period_name: str = field(default="sample_time", init=False)
-
-    def __post_init__(self) -> None:
-        """Declare ``sample_time``."""
-        self.period = self.parameter(
-            "sample_time", self.sample_time, unit="s", limits=POSITIVE, description="Sampling period"
-        )
-
-    def update(self, state: ca.SX, value: ca.SX) -> None:
-        """Give the value of a state at the next tick."""
-        self._evolve(state, value)
-
-    def update_slowly(self, state: ca.SX, value: ca.SX, *, divisor: str) -> None:
-        """Give the value of a state after every n-th tick; in between it is held and `value` costs nothing.
-
-        Parameters
-        ----------
-        divisor
-            Name of the Integer parameter n, the same for all slow states of the model.
-        """
-        if self.divisor_name not in (None, divisor):
-            names = f"{self.divisor_name} and {divisor}"
-            msg = f"{self.name}: slow states have the divisors {names}; one serves all."
-            raise DefinitionError(msg)
-        self.divisor_name = divisor
-        self._evolve(state, value)
-        next(s for s in self.states if s.symbol is state).slow = True
-
-    def random(self, value: Callable[[ca.SX], ca.SX], *, active: ca.SX, seed: str) -> ca.SX:
-        """Declare noise that is drawn at every tick.
-
-        Parameters
-        ----------
-        value
-            Maps four independent uniform numbers in (0, 1), shape (4,), to the noise, shape (n,).
-        active
-            The noise is zero, and costs nothing, unless this function of parameters is positive.
-        seed
-            Name of the Integer parameter that is the generator's key.
-
-        Returns
-        -------
-        SX
-            The noise, shape (n,).
-        """
-        if self.noise is not None:
-            msg = f"{self.name} already declares noise."
-            raise DefinitionError(msg)
-        uniforms = ca.SX.sym("uniforms", 4)
-        drawn = ca.vec(ca.SX(value(uniforms)))
-        symbol = ca.SX.sym("noise", drawn.numel())
-        self.noise = Noise(symbol, uniforms, drawn, ca.SX(active), seed)
-        return symbol
-
-
 def _per_element(texts: PerElement, names: Sequence[str], what: str) -> list[str]:
     """One text per element."""
     if isinstance(texts, str):
@@ -385,6 +259,6 @@ def _per_element(texts: PerElement, names: Sequence[str], what: str) -> list[str
     return list(texts)
 
 
-def _depends(expression: ca.SX, symbols: Sequence[ca.SX]) -> bool:
+def depends(expression: ca.SX, symbols: Sequence[ca.SX]) -> bool:
     """Whether an expression depends on any of the symbols."""
     return bool(ca.depends_on(ca.SX(expression), ca.vertcat(*symbols)))

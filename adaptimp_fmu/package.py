@@ -1,4 +1,4 @@
-"""From a model to an .fmu file: hash, compile, zip; nothing is done twice.
+"""Build an .fmu file from a model: generate, compile, zip. What was compiled before comes from a cache.
 
 Same definition, same bytes: entries of the archive have a fixed order and date, and the GUID is a
 hash of the definition and the runtime.
@@ -15,7 +15,14 @@ from pathlib import Path
 
 import platformdirs
 
-from adaptimp_fmu.codegen import GUID_PLACEHOLDER, MAIN_SOURCE, generate
+from adaptimp_fmu.codegen import (
+    EQUATIONS_SOURCE,
+    GUID_PLACEHOLDER,
+    MAIN_SOURCE,
+    RUNTIME_LICENSE,
+    generate,
+    runtime_license,
+)
 from adaptimp_fmu.description import model_description
 from adaptimp_fmu.documentation import documentation
 from adaptimp_fmu.icon import png
@@ -66,6 +73,7 @@ def build(
         entries[f"binaries/{platform.name}/{model.name}{platform.extension}"] = binary
     for name, text in sources.items():
         entries[f"sources/{name}"] = text.encode()
+    entries[f"sources/{RUNTIME_LICENSE}"] = _license_notice().encode()
     entries |= {f"documentation/{name}": content for name, content in documentation(model).items()}
     content = _archive(entries)
     if folder is None:
@@ -86,6 +94,15 @@ def definition(model: Model) -> tuple[dict[str, str], bytes]:
     guid = "{" + str(uuid.UUID(bytes=digest.digest()[:16])) + "}"
     sources[MAIN_SOURCE] = sources[MAIN_SOURCE].replace(GUID_PLACEHOLDER, guid)
     return sources, draft.replace(GUID_PLACEHOLDER.encode(), guid.encode())
+
+
+def _license_notice() -> str:
+    """License of the runtime, and the files that it does not cover."""
+    scope = (
+        f"This license covers the runtime, which is every file in this folder but {MAIN_SOURCE} and\n"
+        f"{EQUATIONS_SOURCE}. Those two files are generated from the model and belong to the model's owner.\n\n"
+    )
+    return scope + runtime_license()
 
 
 def _binary(sources: dict[str, str], platform: Platform, cache: Path, name: str) -> bytes:

@@ -1,4 +1,4 @@
-"""Exact derivatives of the outputs, by algorithmic differentiation of the declaration.
+"""Exact derivatives of a model's outputs, by algorithmic differentiation.
 
     output_rate          dy/dt along the motion, for inputs that change at the rates v
     output_sensitivity   dy = (dy/du) v at fixed states: what reaches an output within a communication point
@@ -11,8 +11,10 @@ from collections.abc import Sequence
 
 import casadi as ca
 
-from adaptimp_fmu.columns import inputs, parameters, stack
-from adaptimp_fmu.model import ContinuousModel, Model, SampledModel
+from adaptimp_fmu.columns import evolutions, inputs, parameters, stack, states
+from adaptimp_fmu.continuous_model import ContinuousModel
+from adaptimp_fmu.model import Model
+from adaptimp_fmu.sampled_model import SampledModel
 
 
 def sensitivity_functions(model: Model) -> Sequence[ca.Function]:
@@ -26,8 +28,7 @@ def sensitivity_functions(model: Model) -> Sequence[ca.Function]:
     v = ca.SX.sym("v", u.numel())
     functions = [_initial_sensitivity(model, v)]
     if isinstance(model, ContinuousModel):
-        x = stack([state.symbol for state in model.states])
-        dx = stack([ca.SX(state.evolution) for state in model.states])
+        x, dx = states(model), stack(evolutions(model))
         m = stack([event.mode for event in model.events])
         names, arguments = ["t", "x", "u", "p", "m", "v"], [model.time, x, u, p, m, v]
         rate = _along(y, [x, u, model.time], [dx, v, ca.SX(1)])

@@ -1,11 +1,12 @@
-"""Who depends on whom, read off the sparsity of Jacobians."""
+"""Which inputs and parameters each output of a model depends on, read off the sparsity of Jacobians."""
 
 from dataclasses import dataclass
 
 import casadi as ca
 
 from adaptimp_fmu.columns import inputs, parameters, stack
-from adaptimp_fmu.model import Model, SampledModel
+from adaptimp_fmu.model import Model
+from adaptimp_fmu.sampled_model import SampledModel
 
 
 @dataclass(frozen=True)
@@ -16,7 +17,7 @@ class Dependencies:
     ----------
     in_step
         After initialization: inputs that reach the output at the same communication point. A
-        sampled unit has none, since its outputs belong to the tick.
+        sampled model has none, since its outputs belong to the tick.
     initial
         During initialization: parameters and inputs.
     """

@@ -1,4 +1,4 @@
-"""The C compiler: ``python -m ziglang cc``, the same on every machine, for every platform."""
+"""Compiles an FMU's C code for every platform with ``python -m ziglang cc``, the same compiler on every machine."""
 
 import importlib.metadata
 import importlib.resources
@@ -13,7 +13,7 @@ from adaptimp_fmu.errors import ToolchainError
 FLAGS = (
     "-std=c11",
     "-O2",
-    # Numbers go from unit to unit one by one; the code fits the processor's caches (docs/decisions/009).
+    # Numbers go from FMU to FMU one by one; the code fits the processor's caches (docs/decisions/009).
     *("-fno-slp-vectorize", "-fno-vectorize", "-falign-functions=64"),
     "-ffp-contract=off",
     "-fno-math-errno",  # lets sin and cos of one angle become one call, with the same bits

@@ -1,4 +1,4 @@
-"""Variables of a model: what FMI needs to know of each scalar."""
+"""Scalar variables of a model, with all that FMI 2.0 declares of them."""
 
 import enum
 import math
@@ -59,7 +59,7 @@ class Variable:
     def __post_init__(self) -> None:
         """Refuse what FMI 2.0 or a reader could not use."""
         if not _NAME.fullmatch(self.name):
-            msg = f"{self.name!r} is no structured FMI name such as q or q[1]."
+            msg = f"{self.name!r} is not a structured FMI name such as q or q[1]."
             raise DefinitionError(msg)
         if not self.description:
             msg = f"{self.name}: a description is missing."
@@ -68,7 +68,7 @@ class Variable:
             msg = f"{self.name}: only a Real has a unit, this is a {self.type.value} in {self.unit}."
             raise DefinitionError(msg)
         if self.start is not None and not self._is_of_type(self.start):
-            msg = f"{self.name}: start {self.start!r} is no {self.type.value}."
+            msg = f"{self.name}: start {self.start!r} is not of type {self.type.value}."
             raise DefinitionError(msg)
         if self.start is not None and not self.minimum <= self.start <= self.maximum:
             msg = f"{self.name}: start {self.start!r} is outside [{self.minimum!r}, {self.maximum!r}]."
@@ -78,7 +78,9 @@ class Variable:
         """Whether XML, which writes by type, and C, which stores doubles, mean the same number."""
         if self.type is Type.BOOLEAN:
             return value in (0, 1)
-        return math.isfinite(value) and (self.type is Type.REAL or float(value).is_integer())
+        if self.type is Type.INTEGER:
+            return abs(value) <= INTEGER_LIMIT and float(value).is_integer()
+        return math.isfinite(value)
 
 
 def element_names(name: str, shape: int | None) -> list[str]:

@@ -1,4 +1,4 @@
-"""Actuator: holds the commanded torque within symmetric limits, lags, and limits its rate.
+"""Actuator: joint torques that follow their command within limits of torque and rate, with a lag.
 
     target = clip(tau_cmd, -tau_max, tau_max)
     lagged = tau[k-1] + (1 - exp(-Ts / time_constant)) (target - tau[k-1])
@@ -9,8 +9,9 @@ Lag and rate limit are off by default: tau is the target. The first tick starts 
 
 import casadi as ca
 
-from adaptimp_fmu import NOT_NEGATIVE, POSITIVE, SampledModel, Type, present
+from adaptimp_fmu import NOT_NEGATIVE, POSITIVE, SampledModel, Type
 from fmus import icons
+from fmus.project import publish
 
 OFF = 1e9  # N.m or N.m/s, a limit that is none
 
@@ -18,7 +19,7 @@ OFF = 1e9  # N.m or N.m/s, a limit that is none
 def actuator(n: int = 2, name: str = "Actuator") -> SampledModel:
     """Actuators of n joints; ideal by default."""
     model = SampledModel(name, "Joint actuators with torque limits")
-    present(model, icons.saturation(n), __name__, "fmus")
+    publish(model, icons.saturation(n), __name__, "fmus")
     tau_cmd = model.input("tau_cmd", [0.0] * n, unit="N.m", description="Commanded joint torque")
     tau_max = model.parameter(
         "tau_max",

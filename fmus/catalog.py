@@ -1,4 +1,4 @@
-"""The units that exist, by model identifier."""
+"""The models of this project, by model identifier."""
 
 from collections.abc import Callable
 from functools import partial
@@ -13,7 +13,7 @@ from fmus.slotine_li_adaptive_impedance import slotine_li_adaptive_impedance
 from fmus.spong_ortega_adaptive_impedance import spong_ortega_adaptive_impedance
 from fmus.virtual_trajectory import virtual_trajectory
 
-UNITS: dict[str, Callable[[], Model]] = {
+MODELS: dict[str, Callable[[], Model]] = {
     "VirtualTrajectory": virtual_trajectory,
     "ForceSensor": force_sensor,
     "HoganImpedance": hogan_impedance,

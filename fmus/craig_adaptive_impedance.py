@@ -1,4 +1,4 @@
-"""CraigAdaptiveImpedance: algorithm 1, eqs. (8) to (25).
+"""CraigAdaptiveImpedance: adaptive impedance control by algorithm 1 of the paper, eqs. (8) to (25).
 
     tau = H_hat ddq* + C_hat dq + g_hat + f_hat + J' (F_hat + F_c)                     (8)
     ddq* = J^-1 { ddx_v - M^-1 [B (dx - dx_v) + K (x - x_v) + F_hat] - dJ/dt dq }      (9)
@@ -11,13 +11,14 @@ the tip. The measured acceleration ddq is used in the adaptation only.
 
 import casadi as ca
 
-from adaptimp_fmu import SampledModel, present
+from adaptimp_fmu import SampledModel
 from fmus import icons
 from fmus.control.adaptation import declare_adaptation
 from fmus.control.controller import EQUATIONS, declare_controller
 from fmus.control.impedance import resolved_torque, target_acceleration
 from fmus.control.noise_rejection import declare_noise_rejection, declare_outputs
 from fmus.mechanics.algebra import solve_2x2, solve_spd
+from fmus.project import publish
 
 GAIN_UNITS = ("kg2.s2/m2", "N2.s4/rad2", "N2.s2")  # p^2 s^2/m^2 for m, viscous, coulomb
 GAINS = (0.0, 5.0, 0.0, 0.0, 0.0, 0.0)  # assumed: m2 is the unknown payload's mass
@@ -26,7 +27,7 @@ GAINS = (0.0, 5.0, 0.0, 0.0, 0.0, 0.0)  # assumed: m2 is the unknown payload's m
 def craig_adaptive_impedance() -> SampledModel:
     """Algorithm 1: impedance control with the adaptation of Craig, Hsu and Sastry."""
     controller = declare_controller("CraigAdaptiveImpedance", "Adaptive impedance control, algorithm 1 (after Craig)")
-    present(
+    publish(
         controller.model,
         icons.adaptive_impedance(1),
         __name__,

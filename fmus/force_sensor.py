@@ -1,4 +1,4 @@
-"""ForceSensor: samples the tip force, with bounded noise of a truncated normal distribution.
+"""ForceSensor: measures the force of the tip, with bounded noise of a truncated normal distribution.
 
 The error has the density of two independent normal components of standard deviation `noise_std`,
 truncated where its Euclidean norm exceeds `noise_bound`, so |F_hat - F_ext| <= noise_bound (the
@@ -17,8 +17,9 @@ import math
 
 import casadi as ca
 
-from adaptimp_fmu import NOT_NEGATIVE, POSITIVE, SampledModel, Type, present
+from adaptimp_fmu import NOT_NEGATIVE, POSITIVE, SampledModel, Type
 from fmus import icons
+from fmus.project import publish
 
 OFF = 1e9  # N, a range that limits nothing
 
@@ -26,7 +27,7 @@ OFF = 1e9  # N, a range that limits nothing
 def force_sensor() -> SampledModel:
     """Wrist force sensor; ideal by default."""
     model = SampledModel("ForceSensor", "Wrist force sensor with bounded noise")
-    present(model, icons.sensor(), __name__, "fmus")
+    publish(model, icons.sensor(), __name__, "fmus")
     F_ext = model.input("F_ext", [0.0, 0.0], unit="N", description="Force of the tip on the wall")
     std = model.parameter(
         "noise_std",

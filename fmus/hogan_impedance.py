@@ -8,21 +8,22 @@ three; for more joints form (5), which leaves the null space undamped unless `nu
 The measured force is compensated and shaped; acceleration is not used.
 """
 
-from adaptimp_fmu import NOT_NEGATIVE, SampledModel, present
+from adaptimp_fmu import NOT_NEGATIVE, SampledModel
 from fmus import icons
 from fmus.control.controller import EQUATIONS, declare_controller
 from fmus.control.impedance import null_space_damping, torque_mobility, torque_resolved
-from fmus.mechanics.planar_arm import DIMENSION
+from fmus.project import publish
 
 
 def hogan_impedance(n: int = 2, name: str = "HoganImpedance") -> SampledModel:
     """Conventional impedance control of an arm with n joints; p_hat stays at p_start."""
     controller = declare_controller(name, "Conventional impedance control with fixed dynamic parameters", n)
-    present(controller.model, icons.impedance(n), __name__, *EQUATIONS)
+    publish(controller.model, icons.impedance(n), __name__, *EQUATIONS)
     arm_model = controller.arm_model(controller.p_start)
-    law = torque_resolved if n == DIMENSION else torque_mobility
+    task_size = controller.arm.task_size
+    law = torque_resolved if n == task_size else torque_mobility
     tau_cmd = law(controller.measured, arm_model, controller.virtual, controller.impedance)
-    if n > DIMENSION:
+    if n > task_size:
         damping = controller.model.parameter(
             "null_damping",
             0.0,

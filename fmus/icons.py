@@ -1,4 +1,4 @@
-"""The units' icons: one colour per kind of unit, one pictogram per unit."""
+"""Icons of the FMUs: one colour for each kind of model, one pictogram for each model."""
 
 import math
 from collections.abc import Sequence

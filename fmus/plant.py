@@ -1,4 +1,4 @@
-"""Plant: the arm, eq. (1), against a compliant wall.
+"""Plant: a robot arm, eq. (1), whose tip touches a compliant wall.
 
     H(q) ddq + C(q, dq) dq + g(q) + f(dq) = tau - J' F_ext
 
@@ -8,18 +8,30 @@ across the corner of the contact force. Equations: `fmus.mechanics.planar_arm`, 
 
 import casadi as ca
 
-from adaptimp_fmu import NOT_NEGATIVE, POSITIVE, ContinuousModel, present
+from adaptimp_fmu import NOT_NEGATIVE, POSITIVE, ContinuousModel
 from fmus import icons, start
-from fmus.environment.contact import Wall, require_unit_normal
+from fmus.environment.contact import Wall
+from fmus.environment.half_space import declare_half_space
 from fmus.mechanics.algebra import solve_spd
+from fmus.mechanics.arm import Arm
 from fmus.mechanics.planar_arm import PlanarArm
+from fmus.project import publish
 
 
 def plant(n: int = 2, name: str = "Plant") -> ContinuousModel:
     """An arm of n joints, by default the paper's, and the wall."""
     model = ContinuousModel(name, "Planar arm with point masses against a compliant wall")
-    present(model, icons.arm(n), __name__, "fmus.mechanics.planar_arm", "fmus.environment.contact", "fmus")
-    arm, begin = PlanarArm(n), start.ARMS[n]
+    publish(
+        model,
+        icons.arm(n),
+        __name__,
+        "fmus.mechanics.planar_arm",
+        "fmus.environment.contact",
+        "fmus.environment.half_space",
+        "fmus",
+    )
+    arm: Arm = PlanarArm(n)
+    begin = start.ARMS[n]
     tau = model.input("tau", [0.0] * arm.n, unit="N.m", description="Joint torque")
     q_start = model.parameter("q_start", begin.q, unit="rad", description="Joint angle at the start")
     dq_start = model.parameter("dq_start", begin.dq, unit="rad/s", description="Joint rate at the start")
@@ -91,13 +103,7 @@ def plant(n: int = 2, name: str = "Plant") -> ContinuousModel:
 
 def _wall(model: ContinuousModel) -> Wall:
     """Declare the wall's parameters."""
-    normal = model.parameter("wall_normal", start.WALL_NORMAL, description="Unit normal of the wall, pointing into it")
-    offset = model.parameter(
-        "wall_offset",
-        start.WALL_OFFSET,
-        unit="m",
-        description="Distance of the wall's surface from the origin along the normal",
-    )
+    half_space = declare_half_space(model)
     K_f = model.parameter("K_f", 1e5, unit="N/m", limits=NOT_NEGATIVE, description="Stiffness of the wall")
     D_f = model.parameter(
         "D_f",
@@ -114,5 +120,4 @@ def _wall(model: ContinuousModel) -> Wall:
         limits=POSITIVE,
         description="Sliding speed over which friction along the wall changes sign (tanh)",
     )
-    require_unit_normal(model, normal)
-    return Wall(normal, offset, K_f, D_f, mu, friction_velocity)
+    return Wall(half_space.normal, half_space.offset, K_f, D_f, mu, friction_velocity)

@@ -1,4 +1,4 @@
-"""SlotineLiAdaptiveImpedance: algorithm 2, eqs. (29) to (36).
+"""SlotineLiAdaptiveImpedance: adaptive impedance control by algorithm 2 of the paper, eqs. (29) to (36).
 
     s = de + Psi e,  dx_r = dx_t - Psi e,  ddx_r = ddx_t - Psi de
     F = H_hat_x ddx_r + C_hat_x dx_r + g_hat_x + f_hat_x + F_hat - K_d s               (32)
@@ -12,12 +12,13 @@ at dq, not at dq_r.
 
 import casadi as ca
 
-from adaptimp_fmu import NOT_NEGATIVE, SampledModel, present
+from adaptimp_fmu import NOT_NEGATIVE, SampledModel
 from fmus import icons
 from fmus.control.adaptation import declare_adaptation
 from fmus.control.controller import EQUATIONS, declare_controller
 from fmus.control.impedance import target_acceleration
 from fmus.mechanics.algebra import solve_2x2
+from fmus.project import publish
 
 GAIN_UNITS = ("kg.s2/m2", "N.m.s2/rad2", "N.m")  # p^2/(N.m) for m, viscous, coulomb
 GAINS = (0.0, 4.0, 0.0, 0.0, 0.0, 0.0)  # assumed: m2 is the unknown payload's mass
@@ -28,7 +29,7 @@ def slotine_li_adaptive_impedance() -> SampledModel:
     controller = declare_controller(
         "SlotineLiAdaptiveImpedance", "Adaptive impedance control, algorithm 2 (after Slotine and Li)"
     )
-    present(controller.model, icons.adaptive_impedance(2), __name__, "fmus.control.adaptation", *EQUATIONS)
+    publish(controller.model, icons.adaptive_impedance(2), __name__, "fmus.control.adaptation", *EQUATIONS)
     adaptation = declare_adaptation(controller, GAINS, GAIN_UNITS)
     model, measured, arm = controller.model, controller.measured, controller.arm
     K_d = model.parameter(

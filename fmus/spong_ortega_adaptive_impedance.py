@@ -1,4 +1,6 @@
-"""SpongOrtegaAdaptiveImpedance: algorithm 1 with one fixed inverse (III-C, remark 2; Spong and Ortega 1990).
+"""SpongOrtegaAdaptiveImpedance: algorithm 1 of the paper with one fixed inverse of the inertia.
+
+Source: III-C, remark 2; Spong and Ortega 1990.
 
 With the model at p0 = p_start (index 0) and p_hat = p0 - phi_hat:
 
@@ -16,7 +18,7 @@ while the adaptation uses ddq. H(p) + H(phi_hat) must stay positive definite: ch
 
 import casadi as ca
 
-from adaptimp_fmu import NOT_NEGATIVE, SampledModel, present
+from adaptimp_fmu import NOT_NEGATIVE, SampledModel
 from fmus import icons
 from fmus.control.adaptation import declare_adaptation
 from fmus.control.controller import EQUATIONS, declare_controller
@@ -24,6 +26,7 @@ from fmus.control.impedance import resolved_torque, target_acceleration
 from fmus.control.noise_rejection import declare_noise_rejection, declare_outputs
 from fmus.craig_adaptive_impedance import GAIN_UNITS, GAINS
 from fmus.mechanics.algebra import solve_2x2, solve_spd
+from fmus.project import publish
 
 
 def spong_ortega_adaptive_impedance() -> SampledModel:
@@ -32,7 +35,7 @@ def spong_ortega_adaptive_impedance() -> SampledModel:
         "SpongOrtegaAdaptiveImpedance",
         "Adaptive impedance control, algorithm 1 with one fixed inverse (after Spong and Ortega)",
     )
-    present(
+    publish(
         controller.model,
         icons.adaptive_impedance(3),
         __name__,

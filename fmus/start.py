@@ -1,4 +1,4 @@
-"""Start values shared by the units: the paper's arm at the start of its ellipse.
+"""Start values that the FMUs share: the paper's arm at the start of its ellipse.
 
 Inputs start where Plant and VirtualTrajectory are at t0, so that each FMU initialized alone shows
 finite outputs (at q = 0 the arm is singular).

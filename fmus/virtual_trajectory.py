@@ -10,15 +10,16 @@ import math
 
 import casadi as ca
 
-from adaptimp_fmu import POSITIVE, SampledModel, present
+from adaptimp_fmu import POSITIVE, SampledModel
 from fmus import icons, start
-from fmus.environment.contact import require_unit_normal
+from fmus.environment.half_space import HalfSpace, declare_half_space
+from fmus.project import publish
 
 
 def virtual_trajectory() -> SampledModel:
     """The virtual trajectory x_v and its first two derivatives."""
     model = SampledModel("VirtualTrajectory", "Ellipse with a straight segment inside the wall")
-    present(model, icons.cut_ellipse(), __name__, "fmus")
+    publish(model, icons.cut_ellipse(), __name__, "fmus")
     semi_axis = model.parameter(
         "semi_axis",
         start.SEMI_AXIS,
@@ -27,15 +28,8 @@ def virtual_trajectory() -> SampledModel:
         description=["Semi-axis of the ellipse along x1", "Semi-axis of the ellipse along x2"],
     )
     period = model.parameter("period", start.PERIOD, unit="s", limits=POSITIVE, description="Time of one turn")
-    normal = model.parameter("wall_normal", start.WALL_NORMAL, description="Unit normal of the wall, pointing into it")
-    offset = model.parameter(
-        "wall_offset",
-        start.WALL_OFFSET,
-        unit="m",
-        description="Distance of the wall's surface from the origin along the normal",
-    )
+    wall = declare_half_space(model)
     depth = model.parameter("depth", 0.01, unit="m", description="Depth of the straight segment inside the wall")
-    require_unit_normal(model, normal)
 
     rate = 2 * math.pi / period
     angle = rate * model.time
@@ -43,17 +37,17 @@ def virtual_trajectory() -> SampledModel:
     x = semi_axis * radius
     dx = rate * semi_axis * ca.vertcat(-radius[1], radius[0])
     ddx = -(rate**2) * x
-    excess = ca.dot(normal, x) - (offset + depth)
+    excess = HalfSpace(wall.normal, wall.offset + depth).gap(x)
     straight = excess > 0
 
     def clipped(vector: ca.SX, along_normal: ca.SX) -> ca.SX:
-        return vector - ca.if_else(straight, along_normal, 0) * normal
+        return vector - ca.if_else(straight, along_normal, 0) * wall.normal
 
     model.output("x_v", clipped(x, excess), unit="m", description="Virtual position of the tip")
-    model.output("dx_v", clipped(dx, ca.dot(normal, dx)), unit="m/s", description="Virtual velocity of the tip")
+    model.output("dx_v", clipped(dx, wall.along_normal(dx)), unit="m/s", description="Virtual velocity of the tip")
     model.output(
         "ddx_v",
-        clipped(ddx, ca.dot(normal, ddx)),
+        clipped(ddx, wall.along_normal(ddx)),
         unit="m/s2",
         description="Virtual acceleration of the tip",
     )

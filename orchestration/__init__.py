@@ -1,4 +1,8 @@
-"""Who steps the units: systems of FMUs, masters, results.
+"""Couple FMUs to a system, step the system, and judge the result.
+
+An FMU is a file with a model, in the format of the Functional Mock-up Interface (FMI). A `System` says
+which FMUs are coupled and how. `simulate` steps the system from one communication point to the next and
+returns a `Result`: one row of outputs for each communication point.
 
 Example::
 
@@ -20,16 +24,17 @@ if TYPE_CHECKING:
         InitializationError,
         OrchestrationError,
         RunInterrupted,
+        SignalError,
         SimulationError,
         SystemDescriptionError,
         UnknownNameError,
     )
+    from orchestration.fmi.fmu import Fmu
     from orchestration.master.algorithm import Algorithm, Correction, StepControl, Tolerance
-    from orchestration.master.options import Options
+    from orchestration.master.options import Crossings, Options
     from orchestration.master.simulate import UnconnectedInputWarning, prepare, simulate, stream
     from orchestration.master.simulation import Simulation
     from orchestration.master.snapshot import Snapshot
-    from orchestration.master.step_arrays import Crossings
     from orchestration.results.comparison import ColumnDifference, Comparison, compare
     from orchestration.results.result import Result
     from orchestration.system.system import Component, Connection, System
@@ -42,7 +47,8 @@ _HOME = {
     "Component": "system.system",
     "Connection": "system.system",
     "Correction": "master.algorithm",
-    "Crossings": "master.step_arrays",
+    "Crossings": "master.options",
+    "Fmu": "fmi.fmu",
     "InitializationError": "errors",
     "Ledger": "analysis.energy",
     "Options": "master.options",
@@ -50,6 +56,7 @@ _HOME = {
     "PowerBond": "analysis.energy",
     "Result": "results.result",
     "RunInterrupted": "errors",
+    "SignalError": "errors",
     "Simulation": "master.simulation",
     "SimulationError": "errors",
     "Snapshot": "master.snapshot",
@@ -76,6 +83,7 @@ __all__ = [
     "Connection",
     "Correction",
     "Crossings",
+    "Fmu",
     "InitializationError",
     "Ledger",
     "Options",
@@ -83,6 +91,7 @@ __all__ = [
     "PowerBond",
     "Result",
     "RunInterrupted",
+    "SignalError",
     "Simulation",
     "SimulationError",
     "Snapshot",
@@ -107,7 +116,7 @@ def __dir__() -> list[str]:
 
 
 def __getattr__(name: str) -> Any:
-    """Import on first use: the command line's help needs none of numba and fmpy."""
+    """Import a public name when it is used first, so that ``import orchestration`` loads neither numba nor fmpy."""
     if name not in _HOME:
         msg = f"module {__name__!r} has no attribute {name!r}"
         raise AttributeError(msg)

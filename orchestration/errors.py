@@ -1,4 +1,7 @@
-"""What can go wrong in a co-simulation, each with what, where, both values and what to do."""
+"""Errors of the orchestration package.
+
+Every message names the subject, the place and both values, and says what to do.
+"""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
@@ -8,37 +11,36 @@ if TYPE_CHECKING:
 
 
 class RecordedRows(Protocol):
-    """What an error keeps of a run: the rows that were complete; an `orchestration.Result` is one.
+    """The complete rows of a run that failed or was interrupted, as an error carries them.
 
-    Attributes
-    ----------
-    time
-        Communication points, s, shape (n_rows,).
-    names
-        Columns as ``component.variable``.
-    rows
-        Values, float64, shape (n_rows, n_columns).
+    An `orchestration.Result` has this interface. The interface lets this module import no other module.
     """
 
     @property
-    def time(self) -> "np.ndarray": ...  # noqa: D102 - described above
+    def time(self) -> "np.ndarray":
+        """Communication points, s, shape (n_rows,)."""
+        ...
 
     @property
-    def names(self) -> tuple[str, ...]: ...  # noqa: D102 - described above
+    def names(self) -> tuple[str, ...]:
+        """Names of the columns as ``component.variable``."""
+        ...
 
     @property
-    def rows(self) -> "np.ndarray": ...  # noqa: D102 - described above
+    def rows(self) -> "np.ndarray":
+        """Values, float64, shape (n_rows, n_columns), in the units of the columns."""
+        ...
 
     def __getitem__(self, name: str, /) -> "np.ndarray":
-        """A column, float64, shape (n_rows,)."""
+        """Values of a column, float64, shape (n_rows,)."""
         ...
 
     def write(self, path: str | Path) -> None:
-        """Write all rows to a file."""
+        """Write all rows to a file whose suffix names the format."""
 
 
 class OrchestrationError(Exception):
-    """Base of all errors of this package."""
+    """Base class of all errors of the orchestration package."""
 
 
 class UnknownNameError(OrchestrationError, KeyError):
@@ -50,20 +52,24 @@ class UnknownNameError(OrchestrationError, KeyError):
 
 
 class ArchiveError(OrchestrationError):
-    """An archive is missing, unsafe to unpack, or not what it claims to be."""
+    """Error of an FMU or SSP archive that is missing, invalid or unsafe to unpack."""
 
 
 class SystemDescriptionError(OrchestrationError):
-    """A system is described wrongly."""
+    """Error in the description of a coupled system, its options or its algorithm."""
+
+
+class SignalError(OrchestrationError, ValueError):
+    """A name, a shape, a value or a time does not fit the FMU that is driven."""
 
 
 class SimulationError(OrchestrationError):
-    """A run failed.
+    """Error of a run that failed.
 
     Attributes
     ----------
     result
-        All rows that are complete, None if the run failed before the first.
+        All complete rows; None if the run failed before the first row.
     """
 
     def __init__(self, message: str, result: RecordedRows | None = None) -> None:
@@ -72,16 +78,16 @@ class SimulationError(OrchestrationError):
 
 
 class InitializationError(SimulationError):
-    """A component refused its start values, or failed otherwise before the first step."""
+    """Error of a component before the first step, for example on an invalid start value."""
 
 
 class RunInterrupted(KeyboardInterrupt):
-    """A run was interrupted.
+    """Interruption of a run by the user, with the rows until then.
 
     Attributes
     ----------
     result
-        All rows that are complete.
+        All complete rows.
     """
 
     def __init__(self, result: RecordedRows) -> None:

@@ -1,38 +1,32 @@
 """Fixtures shared by all tests."""
 
 from collections.abc import Callable, Iterator
-from contextlib import suppress
 from pathlib import Path
 
 import pytest
 
 from adaptimp_fmu import build
-from fmus.catalog import UNITS
+from fmus.catalog import MODELS
+from tests import selection
+from tests.closing_line import pytest_terminal_summary  # noqa: F401, pytest finds it by its name
 from tests.driver import Driver
-
-ORCHESTRATION = Path(__file__).parents[1] / "orchestration"
-COMPILED = (ORCHESTRATION / "fmi", ORCHESTRATION / "master" / "kernel")
+from tests.sharing import made_once
 
 
-def pytest_configure() -> None:
-    """Forget compiled code that is older than any of its sources.
-
-    numba looks at the file of a function alone, not at those of the functions that it calls.
-    """
-    newest = max(path.stat().st_mtime for folder in COMPILED for path in folder.glob("*.py"))
-    for index in ORCHESTRATION.rglob("__pycache__/*.nbi"):
-        with suppress(OSError):
-            if index.stat().st_mtime < newest:
-                index.unlink()
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Mark the tests that are quick, and those that have to do with processes."""
+    selection.mark(items)
 
 
 @pytest.fixture(scope="session")
 def fmu_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Folder with every unit's FMU, built for this machine."""
-    folder = tmp_path_factory.mktemp("fmus")
-    for declare in UNITS.values():
-        build(declare(), folder)
-    return folder
+
+    def build_all(folder: Path) -> None:
+        for declare in MODELS.values():
+            build(declare(), folder)
+
+    return made_once(tmp_path_factory, "fmus", build_all)
 
 
 @pytest.fixture
@@ -40,9 +34,9 @@ def open_fmu(fmu_folder: Path) -> Iterator[Callable[..., Driver]]:
     """Opens ``NAME.fmu`` as a `Driver`; everything opened is freed after the test."""
     drivers: list[Driver] = []
 
-    def open_one(name: str | Path, **options: object) -> Driver:
+    def open_one(name: str | Path) -> Driver:
         path = name if isinstance(name, Path) else fmu_folder / f"{name}.fmu"
-        drivers.append(Driver(path, **options))
+        drivers.append(Driver(path))
         return drivers[-1]
 
     yield open_one

@@ -1,4 +1,4 @@
-/* Reading and writing variables. A call that is refused changes nothing. */
+/* The FMI functions that get and set variables. A call that is refused changes nothing. */
 #include <math.h>
 #include <string.h>
 
@@ -40,7 +40,24 @@ static int is_settable(const Instance *instance, const ModelVariable *variable, 
              variable->min, variable->max);
         return 0;
     }
+#ifdef MODEL_DIVISOR
+    if (variable == &model_variables[MODEL_DIVISOR] && value < 1) {
+        fail(instance, "%s: %s = %.17g must be at least 1, since it divides the number of ticks.",
+             function, variable->name, value);
+        return 0;
+    }
+#endif
     return 1;
+}
+
+/* An Integer output is any number until initialization ends or a step has succeeded; C must not
+ * convert one that no Integer can hold. */
+static int is_gettable(const Instance *instance, fmi2ValueReference reference, const char *function) {
+    const ModelVariable *variable = &model_variables[reference];
+    const double value = instance->state.values[reference];
+    if (variable->type != TYPE_INTEGER || is_integer(value)) return 1;
+    fail(instance, "%s: %s = %.17g is not an Integer.", function, variable->name, value);
+    return 0;
 }
 
 /* Bookkeeping after values have been stored. */
@@ -135,7 +152,7 @@ static int are_of_kind(const fmi2ValueReference vr[], size_t n, VariableType typ
         return fmi2OK;                                                                             \
     }
 
-#define DEFINE_GETTER(FUNCTION, VALUE, TYPE)                                                       \
+#define DEFINE_GETTER(FUNCTION, VALUE, TYPE, CONVERT)                                              \
     static RARE fmi2Status FUNCTION##_checked(Instance *component, const fmi2ValueReference vr[],  \
                                               size_t nvr, VALUE value[]) {                         \
         Instance *instance = allowed(component, ALLOWED_GET, #FUNCTION);                           \
@@ -143,7 +160,9 @@ static int are_of_kind(const fmi2ValueReference vr[], size_t n, VariableType typ
         for (size_t i = 0; i < nvr; ++i)                                                           \
             if (!is_variable(instance, vr[i], TYPE, #FUNCTION)) return fmi2Error;                  \
         if (instance->state.phase == INITIALIZATION) refresh_outputs(instance);                    \
-        for (size_t i = 0; i < nvr; ++i) value[i] = (VALUE)instance->state.values[vr[i]];          \
+        for (size_t i = 0; i < nvr; ++i)                                                           \
+            if (!is_gettable(instance, vr[i], #FUNCTION)) return fmi2Error;                        \
+        for (size_t i = 0; i < nvr; ++i) value[i] = CONVERT(instance->state.values[vr[i]]);        \
         return fmi2OK;                                                                             \
     }                                                                                              \
                                                                                                    \
@@ -151,7 +170,7 @@ static int are_of_kind(const fmi2ValueReference vr[], size_t n, VariableType typ
                                                  size_t nvr, VALUE value[]) {                      \
         if (!stepping(instance) || !value || !are_of_kind(vr, nvr, TYPE, 0))                       \
             return FUNCTION##_checked(instance, vr, nvr, value);                                   \
-        for (size_t i = 0; i < nvr; ++i) value[i] = (VALUE)instance->state.values[vr[i]];          \
+        for (size_t i = 0; i < nvr; ++i) value[i] = CONVERT(instance->state.values[vr[i]]);        \
         return fmi2OK;                                                                             \
     }                                                                                              \
                                                                                                    \
@@ -162,21 +181,23 @@ static int are_of_kind(const fmi2ValueReference vr[], size_t n, VariableType typ
             !are_neighbours(vr, nvr, TYPE, 0))                                                     \
             return FUNCTION##_scattered(instance, vr, nvr, value);                                 \
         const double *own = instance->state.values + vr[0];                                        \
-        COPY(nvr, value, own, (VALUE))                                                             \
+        COPY(nvr, value, own, CONVERT)                                                             \
         return fmi2OK;                                                                             \
     }
 
 #define AS_IT_IS(x) ((double)(x))
 #define AS_BOOLEAN(x) ((x) ? 1.0 : 0.0)
+#define TO_INTEGER(x) ((fmi2Integer)(x))
+#define TO_BOOLEAN(x) ((x) != 0)
 
 DEFINE_SETTER(fmi2SetReal, fmi2Real, TYPE_REAL, AS_IT_IS)
 DEFINE_SETTER(fmi2SetInteger, fmi2Integer, TYPE_INTEGER, AS_IT_IS)
 DEFINE_SETTER(fmi2SetBoolean, fmi2Boolean, TYPE_BOOLEAN, AS_BOOLEAN)
-DEFINE_GETTER(fmi2GetReal, fmi2Real, TYPE_REAL)
-DEFINE_GETTER(fmi2GetInteger, fmi2Integer, TYPE_INTEGER)
-DEFINE_GETTER(fmi2GetBoolean, fmi2Boolean, TYPE_BOOLEAN)
+DEFINE_GETTER(fmi2GetReal, fmi2Real, TYPE_REAL, AS_IT_IS)
+DEFINE_GETTER(fmi2GetInteger, fmi2Integer, TYPE_INTEGER, TO_INTEGER)
+DEFINE_GETTER(fmi2GetBoolean, fmi2Boolean, TYPE_BOOLEAN, TO_BOOLEAN)
 
-/* No unit has string variables: every reference is refused. */
+/* A model has no string variables, so every reference is refused. */
 fmi2Status fmi2GetString(fmi2Component c, const fmi2ValueReference vr[], size_t nvr,
                          fmi2String value[]) {
     Instance *instance = allowed(c, ALLOWED_GET, "fmi2GetString");

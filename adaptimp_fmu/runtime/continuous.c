@@ -1,5 +1,5 @@
-/* A continuous model: classical Runge-Kutta of order 4 with equal sub-steps no longer than dt_max,
- * and event location.
+/* Steps of a continuous model: the classical Runge-Kutta method of order 4, in equal sub-steps no longer
+ * than dt_max, with location of events.
  *
  * Between events the right-hand side is evaluated in fixed modes, so it is smooth there even when
  * a stage lies beyond the event. When an indicator has changed sign at the end of a sub-step, the

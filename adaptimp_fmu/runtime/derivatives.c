@@ -1,22 +1,23 @@
-/* Derivatives: of inputs, to be continued within a step; of outputs in time; and along directions. */
+/* The FMI functions for derivatives: of inputs, which continue within a step; of outputs in time; and
+ * of outputs along given directions. */
 #include <string.h>
 
 #include "instance.h"
 
-/* The largest order of the input derivatives that a unit uses; a sampled unit's inputs are held. */
+/* The largest order of input derivatives that is used. A sampled model holds its inputs. */
 #define INPUT_ORDER (MODEL_SAMPLED ? 0 : MAX_INPUT_ORDER)
 
 static int is_real_input(const Instance *instance, fmi2ValueReference reference, const char *function) {
     if (!is_variable(instance, reference, TYPE_REAL, function)) return 0;
     if (model_variables[reference].role == ROLE_INPUT) return 1;
-    fail(instance, "%s: %s is no input.", function, model_variables[reference].name);
+    fail(instance, "%s: %s is not an input.", function, model_variables[reference].name);
     return 0;
 }
 
 static int is_real_output(const Instance *instance, fmi2ValueReference reference, const char *function) {
     if (!is_variable(instance, reference, TYPE_REAL, function)) return 0;
     if (model_variables[reference].role == ROLE_OUTPUT) return 1;
-    fail(instance, "%s: %s is no output.", function, model_variables[reference].name);
+    fail(instance, "%s: %s is not an output.", function, model_variables[reference].name);
     return 0;
 }
 
@@ -26,7 +27,7 @@ fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference
     Instance *instance = allowed(c, ALLOWED_SET, name);
     if (!instance) return fmi2Error;
     if (INPUT_ORDER == 0)
-        return fail(instance, "%s: canInterpolateInputs is false; a sampled unit holds its inputs.", name);
+        return fail(instance, "%s: canInterpolateInputs is false; a sampled model holds its inputs.", name);
     if (!arrays_present(instance, nvr, vr, value, name) ||
         !arrays_present(instance, nvr, vr, order, name))
         return fmi2Error;
@@ -74,7 +75,7 @@ static int fill_direction(const Instance *instance, const fmi2ValueReference vr[
         if (!is_variable(instance, vr[i], TYPE_REAL, name)) return 0;
         const VariableRole role = model_variables[vr[i]].role;
         if (role == ROLE_OUTPUT || (role != ROLE_INPUT && instance->state.phase != INITIALIZATION)) {
-            fail(instance, "%s: %s is no known variable in this state (inputs are; parameters during "
+            fail(instance, "%s: %s is not a known variable in this state (inputs are; parameters during "
                            "initialization).",
                  name, model_variables[vr[i]].name);
             return 0;

@@ -1,4 +1,4 @@
-/* One instance of a unit: everything it remembers, in memory of its own. */
+/* One instance of an FMU: all that the instance remembers, in memory of its own. */
 #ifndef INSTANCE_H
 #define INSTANCE_H
 

@@ -1,4 +1,5 @@
-/* From instantiation to termination, and which function may be called when. */
+/* The life of an instance from fmi2Instantiate to fmi2FreeInstance, and which FMI function may be
+ * called in which state. */
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
@@ -86,7 +87,7 @@ fmi2Component fmi2Instantiate(fmi2String instanceName, fmi2Type fmuType, fmi2Str
         return refuse(functions, instanceName, loggingOn, "The instance name is missing or blank.");
     if (fmuType != fmi2CoSimulation)
         return refuse(functions, instanceName, loggingOn,
-                      "fmuType is %d; this unit is for co-simulation (%d).", (int)fmuType,
+                      "fmuType is %d; this FMU is for co-simulation (%d).", (int)fmuType,
                       (int)fmi2CoSimulation);
     if (!fmuGUID || strcmp(fmuGUID, model_guid) != 0)
         return refuse(functions, instanceName, loggingOn,

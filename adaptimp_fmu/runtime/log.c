@@ -1,4 +1,4 @@
-/* Messages to the host: formatted here, so the host's logger gets finished text. */
+/* Messages to the host's logger. The runtime formats them, so that the logger gets finished text. */
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>

@@ -1,8 +1,8 @@
-/* The seam between a model and the runtime.
+/* The interface between a generated model and the runtime.
  *
  * A generated file defines, before anything else is included, the sizes MODEL_N_*, the index
- * MODEL_PERIOD and MODEL_SAMPLED (and the index MODEL_DIVISOR, if there are slow states); after this
- * header it defines the tables and functions declared here. The model never sees FMI, the runtime never sees physics.
+ * MODEL_PERIOD and MODEL_SAMPLED (and the index MODEL_DIVISOR, if there are slow states, and
+ * MODEL_INTEGER_OUTPUTS, if there are any); after this header it defines the tables and functions declared here. The model never sees FMI, the runtime never sees physics.
  *
  * A variable's value reference is its index in model_variables; parameters come first, then
  * inputs, then outputs, so each group is one run of doubles. Booleans and Integers are stored as
@@ -10,6 +10,10 @@
  */
 #ifndef MODEL_H
 #define MODEL_H
+
+#if defined(__FAST_MATH__) || defined(_M_FP_FAST) || (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__)
+#error "Compile without -ffast-math, -Ofast, -ffinite-math-only and /fp:fast. They remove the tests for NaN and infinity, so that an FMU would go on with numbers that mean nothing."
+#endif
 
 #include <stddef.h>
 #include <stdint.h>

@@ -1,5 +1,5 @@
 /* The whole runtime, in order of use. A generated file includes this one after its model, so that
- * model and runtime are one translation unit and nothing but FMI's functions is exported. */
+ * the compiler sees model and runtime as one file and exports nothing but FMI's functions. */
 #include "instance.h"
 
 #include "log.c"

@@ -1,4 +1,4 @@
-/* A sampled model: update every sample_time, outputs held in between.
+/* Steps of a sampled model, which is updated every sample_time and holds its outputs in between.
  *
  * The instance keeps its own position in ticks, since a host's clock is summed or rounded: k ticks
  * have run, and `tick_fraction` in [0, 1) says how far behind the last one the present lies. A
@@ -48,11 +48,20 @@ static void draw_noise(const State *s, double *w) {
 #endif
 }
 
+#ifdef MODEL_DIVISOR
+/* 1 at every n-th tick. A divisor below 1 is refused when it is set; whatever comes here, nothing is
+ * divided by zero. */
+static INLINED int slow_states_move(const State *s) {
+    const int64_t n = (int64_t)s->values[MODEL_DIVISOR];
+    return n <= 1 || s->tick % n == 0;
+}
+#endif
+
 static void compute_tick(State *s, double *y, double *next, double *checks) {
     double w[AT_LEAST_ONE(MODEL_N_NOISE)];
     draw_noise(s, w);
 #ifdef MODEL_DIVISOR
-    if (s->tick % (int64_t)s->values[MODEL_DIVISOR] == 0) {
+    if (slow_states_move(s)) {
         model_tick_update(tick_time(s), s->states, inputs(s), parameters(s), s->constants, w, y, next,
                           checks);
         return;

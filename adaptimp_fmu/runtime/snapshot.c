@@ -1,4 +1,4 @@
-/* Saving, restoring and serializing the state of an instance.
+/* The FMI functions that save, restore and serialize the state of an instance.
  *
  * A serialized state is a header (format, GUID, size, checksum) and the bytes of State, which
  * holds numbers only: it works in another instance or process of the same FMU. All platforms are
@@ -30,9 +30,9 @@ static uint64_t checksum_of(const Snapshot *snapshot) {
     return hash;
 }
 
-/* Whose state it is can be told from its head, which is the same in all units. */
+/* The head of a state says which FMU it belongs to. The head is the same in all FMUs of this runtime. */
 static const char *snapshot_owner_fault(const Snapshot *snapshot) {
-    if (snapshot->mark != SNAPSHOT_MARK) return "it is not a state of such a unit";
+    if (snapshot->mark != SNAPSHOT_MARK) return "it is not a state of an FMU of this runtime";
     if (strncmp(snapshot->guid, model_guid, GUID_LENGTH) != 0) return "it is of another FMU (GUID)";
     return NULL;
 }

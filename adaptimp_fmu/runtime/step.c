@@ -1,4 +1,4 @@
-/* Stepping, and what can be asked about it. */
+/* fmi2DoStep, and the FMI functions that ask for its status. */
 #include <math.h>
 
 #include "instance.h"

@@ -1,5 +1,6 @@
-/* What a model demands of its numbers, and the sentence that says which one is at fault. */
+/* Tests of inputs, parameters, states and outputs; each failure is a sentence that names the variable. */
 #include <float.h>
+#include <limits.h>
 #include <math.h>
 
 #include "instance.h"
@@ -61,8 +62,33 @@ static RARE int output_invalid(const Instance *instance, const double *y, double
     return 0;
 }
 
+/* 1 if the value is a whole number that fmi2Integer holds. */
+static int is_integer(double value) {
+    return value >= INT_MIN && value <= INT_MAX && value == (double)(fmi2Integer)value;
+}
+
+#ifdef MODEL_INTEGER_OUTPUTS
+static int integers_valid(const Instance *instance, const double *y, double t) {
+    for (size_t i = 0; i < MODEL_N_OUTPUTS; ++i) {
+        const ModelVariable *variable = &model_variables[MODEL_FIRST_OUTPUT + i];
+        if (variable->type == TYPE_INTEGER && !is_integer(y[i])) {
+            fail(instance, "Output %s is %.17g at t = %.17g s; an Integer is a whole number of at most "
+                           "32 bits.",
+                 variable->name, y[i], t);
+            return 0;
+        }
+    }
+    return 1;
+}
+#endif
+
 static int outputs_valid(const Instance *instance, const double *y, double t) {
-    return all_finite(y, MODEL_N_OUTPUTS) ? 1 : output_invalid(instance, y, t);
+    if (!all_finite(y, MODEL_N_OUTPUTS)) return output_invalid(instance, y, t);
+#ifdef MODEL_INTEGER_OUTPUTS
+    return integers_valid(instance, y, t);
+#else
+    return 1;
+#endif
 }
 
 static RARE int state_invalid(const Instance *instance, const double *x, double t) {

@@ -1,1 +1,1 @@
-"""Laws of control and adaptation, and what controllers have in common."""
+"""Laws of impedance control and of parameter adaptation, and what the controllers share."""

@@ -1,4 +1,4 @@
-"""Parameter adaptation, shared by the adaptive controllers, eqs. (19) and (33).
+"""Adaptation of the arm's parameters, shared by the adaptive controllers, eqs. (19) and (33).
 
     dp_hat/dt = -Gamma g,   g = W_c' H_hat_x^-1 e*  or  W_s' s
 

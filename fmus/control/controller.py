@@ -1,4 +1,4 @@
-"""What every controller shares: its interface, its picture of the arm, and the TIRT, eq. (11).
+"""What all controllers share: inputs, outputs, a model of the arm, and the reference trajectory of eq. (11).
 
 A controller's outputs are those of a tick: e = x - x_t, the torque, p_hat and x_t are shown before
 the states advance to the next tick.
@@ -13,7 +13,8 @@ from adaptimp_fmu import NOT_NEGATIVE, POSITIVE, SampledModel
 from fmus import start
 from fmus.control.impedance import ArmModel, Measured
 from fmus.control.tirt import Impedance, advance
-from fmus.mechanics.planar_arm import DIMENSION, PlanarArm
+from fmus.mechanics.arm import Arm
+from fmus.mechanics.planar_arm import PlanarArm
 
 # The smallest det(J J') / (l1 + ... + ln)^4 at which the arm is not taken for singular: with two
 # equal links, sin(q2) = 4e-6.
@@ -31,7 +32,7 @@ EQUATIONS = (
 
 @dataclass(frozen=True)
 class Controller:
-    """A controller in the making: its model and the symbols it shares.
+    """A controller that is being declared: its model, and the symbols that every control law uses.
 
     Attributes
     ----------
@@ -48,7 +49,7 @@ class Controller:
     """
 
     model: SampledModel
-    arm: PlanarArm
+    arm: Arm
     measured: Measured
     ddq: ca.SX
     virtual: tuple[ca.SX, ca.SX, ca.SX]
@@ -93,11 +94,12 @@ class Controller:
 def declare_controller(name: str, description: str, n: int = 2) -> Controller:
     """Declare a controller of an arm with n joints: the common inputs, parameters and TIRT."""
     model = SampledModel(name, description)
-    arm, begin = PlanarArm(n), start.ARMS[n]
+    arm: Arm = PlanarArm(n)
+    begin = start.ARMS[n]
     q = model.input("q", begin.q, unit="rad", description="Joint angle")
     dq = model.input("dq", begin.dq, unit="rad/s", description="Joint rate")
     ddq = model.input("ddq", begin.ddq, unit="rad/s2", description="Joint acceleration")
-    F_hat = model.input("F_hat", [0.0] * DIMENSION, unit="N", description="Measured tip force")
+    F_hat = model.input("F_hat", [0.0] * arm.task_size, unit="N", description="Measured tip force")
     x_v = model.input("x_v", start.X_V, unit="m", description="Virtual position of the tip")
     dx_v = model.input("dx_v", start.DX_V, unit="m/s", description="Virtual velocity of the tip")
     ddx_v = model.input("ddx_v", start.DDX_V, unit="m/s2", description="Virtual acceleration of the tip")
@@ -162,7 +164,7 @@ def _impedance(model: SampledModel) -> Impedance:
     return Impedance(*symbols)
 
 
-def _require_regular(model: SampledModel, arm: PlanarArm, q: ca.SX, l: ca.SX) -> None:
+def _require_regular(model: SampledModel, arm: Arm, q: ca.SX, l: ca.SX) -> None:
     """Demand that the arm is not singular."""
     J = arm.jacobian(q, l)
     reach = ca.sum1(l)

@@ -10,12 +10,12 @@ import casadi as ca
 
 from fmus.control.tirt import Impedance
 from fmus.mechanics.algebra import solve_2x2, solve_spd
-from fmus.mechanics.planar_arm import PlanarArm
+from fmus.mechanics.arm import Arm
 
 
 @dataclass(frozen=True)
 class Measured:
-    """What the controller sees: joint state (n,), tip force N (2,)."""
+    """Measurements of a controller: joint angles rad and rates rad/s, shape (n,), and tip force N, shape (2,)."""
 
     q: ca.SX
     dq: ca.SX
@@ -26,7 +26,7 @@ class Measured:
 class ArmModel:
     """The controller's picture of the arm: structure, estimate p of (m, viscous, coulomb), rest known."""
 
-    arm: PlanarArm
+    arm: Arm
     p: ca.SX
     l: ca.SX
     gravity: ca.SX

@@ -1,1 +1,1 @@
-"""Arms: kinematics, dynamics and regressors."""
+"""Robot arms: kinematics, dynamics, and regressors of the dynamics."""

@@ -1,4 +1,4 @@
-"""Small dense linear algebra, written out so that it differentiates and generates to few operations."""
+"""Linear algebra of small matrices, written out so that generated code has few operations."""
 
 import casadi as ca
 

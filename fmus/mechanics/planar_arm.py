@@ -35,6 +35,11 @@ class PlanarArm:
 
     n: int = 2
 
+    @property
+    def task_size(self) -> int:
+        """Number of task coordinates: the two coordinates of the tip in the plane."""
+        return DIMENSION
+
     @cached_property
     def forward_kinematics(self) -> ca.Function:
         """Tip position ``x(q, l)``, m: joint angles (n,) rad and link lengths (n,) m to (2,)."""

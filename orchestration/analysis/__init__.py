@@ -1,1 +1,1 @@
-"""Judgements on a system or a result."""
+"""Analyses that judge a coupled system before a run, or the result after a run."""

@@ -1,23 +1,27 @@
-"""What a coupling adds to the energy of a system: a ledger of the power through a bond.
+"""Energy that the coupling of a co-simulation adds to a system or takes from it, per power bond.
 
-Effort e and flow f cross between two units, each the output of one and an input of the other. Over
-a step each unit accounts for its own output times the input it was given, ~e or ~f:
+A power bond is a pair of connections between two components. One component has the effort e as output and
+the flow f as input, the other component has f as output and e as input. During a step, a component computes
+with its own output and with the input value that the algorithm gave it, ~e or ~f:
 
-    the effort's producer gives       E_e = int e ~f dt
-    the flow's producer receives      E_f = int ~e f dt           residual  E_f - E_e
+    energy given by the component with the effort as output       E_e = int e ~f dt
+    energy received by the component with the flow as output      E_f = int ~e f dt
+    residual                                                      E_f - E_e
 
-Solved monolithically both are equal. The residual is energy out of nothing: positive, it drives; negative, it
-damps (S. Sadjina, L. Kyllingstad, S. Skjong, E. Pedersen, "Energy conservation and power bonds in
+In a monolithic simulation both energies are equal. In a co-simulation the residual is energy that the coupling
+has created (S. Sadjina, L. Kyllingstad, S. Skjong, E. Pedersen, "Energy conservation and power bonds in
 co-simulations", Eng. with Computers 33, 2017; M. Benedikt, D. Watzenig, J. Zehetner, A. Hofer, "NEPCE - a
-nearly energy-preserving coupling element for weak-coupled problems", 2013). Positive e f is power from the
-effort's producer to the flow's; `sign` turns it.
+nearly energy-preserving coupling element for weak-coupled problems", 2013). A positive residual excites the
+system, a negative residual damps it. A positive product e f is power from the component with the effort as
+output to the other component; the sign of a bond can reverse this.
 
-Given values follow from the algorithm: held, the source's value before the step if it steps later or at
-the same time, its new one if it stepped before or was corrected; polynomials run from the value at t to
-the one known, assumed or extrapolated at t + h. The integral over a step is the trapezoid rule, with an own
-output that runs from its old to its new value. It is exact for linear products. An output that jumps with
-an input that is held (direct feedthrough, or a tick) shows its new value during the whole step. One that does
-both, jump and run with states of its unit, is accounted for with an error as large as the residual.
+The input values ~e and ~f follow from the algorithm. A held input has the old output of its source, or the new
+output if the source stepped earlier in the same step or the input was corrected. An interpolated input is a
+polynomial from the value at t to the known, assumed or extrapolated value at t + h. The integral over a step
+uses the trapezoidal rule, with an own output that changes linearly from its old to its new value. An output
+that jumps with a held input has its new value during the whole step. Such jumps come from direct feedthrough
+and from ticks. For an output that both jumps and changes with the states of its component, the error of the
+ledger can be as large as the residual.
 """
 
 from dataclasses import dataclass
@@ -26,27 +30,33 @@ import numpy as np
 
 from orchestration.errors import SystemDescriptionError
 from orchestration.fmi.codes import INTERPOLATES
+from orchestration.fmi.units import Unit
 from orchestration.master.algorithm import SEQUENTIAL, Algorithm, find_algorithm
 from orchestration.results.result import Result
 from orchestration.system.component import unit_scale
 from orchestration.system.system import Component, Connection, System
 
-POWER = {"kg": 1, "m": 2, "s": -3}  # W in base units, radians counting as 1
+POWER = {"kg": 1, "m": 2, "s": -3}  # exponents of the watt; a radian counts as 1
 
 
 @dataclass(frozen=True)
 class PowerBond:
-    """Two connections that carry power together.
+    """Two opposite connections whose variables multiply to a power.
 
     Attributes
     ----------
     effort, flow
-        Outputs as ``component.variable``, such as ``wall.F`` (N) and ``mass.v`` (m/s).
+        Output variables as ``component.variable``, such as ``wall.F`` (N) and ``mass.v`` (m/s).
     sign
-        1 if positive effort times flow is power into the flow's producer, else -1.
+        1 if a positive product of effort and flow is power into the component with the flow as output, else -1.
     jumps
-        Those of the two that take their new value at the start of a step; None for those that depend
-        directly on inputs, by modelDescription.xml.
+        Names of effort and flow variables that jump at the start of a step. Default: those that declare
+        direct feedthrough.
+
+    Raises
+    ------
+    SystemDescriptionError
+        If the sign is neither 1 nor -1.
     """
 
     effort: str
@@ -55,26 +65,30 @@ class PowerBond:
     jumps: tuple[str, ...] | None = None
 
     def __post_init__(self) -> None:
-        """Check the sign."""
+        """Refuse a sign other than 1 and -1."""
         if self.sign not in (1, -1):
             msg = f"Power bond {self}: the sign {self.sign!r} is neither 1 nor -1."
             raise SystemDescriptionError(msg)
 
     def __str__(self) -> str:
-        """``wall.F * mass.v``."""
+        """Product of both variables, such as ``wall.F * mass.v``."""
         return f"{self.effort} * {self.flow}"
 
 
 @dataclass(frozen=True)
 class Ledger:
-    """Cumulative energies, J, each of shape (n_rows,).
+    """Energies through a power bond since the start of a run.
 
     Attributes
     ----------
+    bond
+        Power bond.
     time
-        s.
-    given, received
-        What the effort's producer accounts for as given, and the flow's as received.
+        Communication points, s, shape (n_rows,).
+    given
+        Energy given by the component that has the effort as output, J, shape (n_rows,).
+    received
+        Energy received by the component that has the flow as output, J, shape (n_rows,).
     """
 
     bond: PowerBond
@@ -84,26 +98,35 @@ class Ledger:
 
     @property
     def residual(self) -> np.ndarray:
-        """Energy that the coupling has added, J, shape (n_rows,)."""
+        """Energy that the coupling has created, J, shape (n_rows,)."""
         return self.received - self.given
 
 
 def ledger(result: Result, bond: PowerBond, system: System, algorithm: str | Algorithm = "gauss-seidel") -> Ledger:
-    """Account for the power through a bond.
+    """Compute the energies through a power bond from the result of a run.
 
     Parameters
     ----------
     result
-        Of a run with that algorithm, its rows at all communication points.
+        Result with a row at every communication point.
+    bond
+        Power bond.
     system
-        As it was run: the order of its components decides who was given what.
+        System of the run. The order of its components decides which output an input had during a step.
+    algorithm
+        Algorithm of the run, or its name.
+
+    Returns
+    -------
+    Ledger
+        Energies at all communication points, J.
 
     Raises
     ------
     SystemDescriptionError
-        If the two are not connected to each other, or their product is no power.
+        If effort and flow are not connected to each other, or their product is not a power.
     OrchestrationError
-        If one of them was not recorded.
+        If the result has no column of the effort or of the flow.
     """
     algorithm = find_algorithm(algorithm)
     to_flow, to_effort = (
@@ -124,14 +147,14 @@ def ledger(result: Result, bond: PowerBond, system: System, algorithm: str | Alg
 def _given(
     system: System, algorithm: Algorithm, connection: Connection, y: np.ndarray, h: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Values of an input at start and end of each step, shapes (n_steps,)."""
+    """Values of an input at the start and at the end of each step, shapes (n_steps,)."""
     names = [component.name for component in system.components]
     source, target = system.component(connection.source), system.component(connection.target)
     smooth = source.continuous and target.continuous
     earlier = names.index(source.name) < names.index(target.name)
     known = (algorithm.exchange == SEQUENTIAL and earlier) or (smooth and _corrects(algorithm))
     old, new = y[:-1], y[1:]
-    if not (_interpolates(algorithm, source, target)):
+    if not _interpolates(algorithm, source, target):
         held = new if known else old
         return held, held
     if known:
@@ -146,10 +169,12 @@ def _given(
 
 
 def _corrects(algorithm: Algorithm) -> bool:
+    """Whether an algorithm corrects inputs by at least one repeated sweep."""
     return algorithm.correction is not None and algorithm.correction.sweeps != 1
 
 
 def _interpolates(algorithm: Algorithm, source: Component, target: Component) -> bool:
+    """Whether an input is a polynomial in time during a step."""
     smooth = source.continuous and target.continuous
     return algorithm.order > 0 and smooth and target.description.can(INTERPOLATES)
 
@@ -162,54 +187,47 @@ def _jumps(system: System, bond: PowerBond, path: str, algorithm: Algorithm) -> 
     if not component.continuous:
         return True
     if component.description.can(INTERPOLATES) and algorithm.order > 0:
-        return False  # its inputs run, and so does it
-    import fmpy
-
-    raw = fmpy.read_model_description(str(component.description.path), validate=False)
-    inputs = {v.fmu_name for v in component.description.of_causality("input")}
-    for unknown in raw.outputs:
-        if unknown.variable.name == variable.fmu_name:
-            depends = inputs if unknown.dependencies is None else {v.name for v in unknown.dependencies}
-            return bool(depends & inputs)
-    return False
+        return False  # an output with interpolated inputs changes continuously
+    return variable.direct
 
 
 def _connection(system: System, bond: PowerBond, source: str, target: str) -> Connection:
-    """The connection from an output to the component of another."""
+    """Connection from an output to the component that has a given other output."""
     (component, variable), (other, _) = system.resolve(source), system.resolve(target)
     for connection in system.connections:
         if (connection.source, connection.output) == (component.name, variable.name):
             if connection.target == other.name:
                 by_units = unit_scale(component, variable, other, other.variable(connection.input))
                 if connection.scale != by_units:
-                    msg = f"Power bond {bond}: {connection} changes the value on its way, so the powers differ."
+                    msg = f"Power bond {bond}: {connection} changes the value, so both ends compute different powers."
                     raise SystemDescriptionError(msg)
                 return connection
-    msg = f"Power bond {bond}: {source} is not connected to {other.name}, so no power goes through it."
+    msg = f"Power bond {bond}: {source} is not connected to {other.name}, so the bond carries no power."
     raise SystemDescriptionError(msg)
 
 
 def _watts(system: System, bond: PowerBond) -> float:
-    """Watts per effort times flow, in their units; an end without a unit counts as one in SI.
+    """Watts per product of effort and flow; a variable without a unit counts as one in SI units.
 
     Raises
     ------
     SystemDescriptionError
-        If the product is no power.
+        If the product is not a power.
     """
     exponents: dict[str, int] = {}
     factor, names = 1.0, []
     for path in (bond.effort, bond.flow):
         component, variable = system.resolve(path)
-        unit = component.description.units.get(variable.unit)
+        unit = component.description.unit(variable)
         names.append(variable.unit or "none")
         if unit is None:
             return factor
-        factor *= unit.factor
-        for name, exponent in ((unit.name, 1),) if unit.exponents is None else unit.exponents:
+        meaning = unit.meaning or Unit(((unit.name, 1),))
+        factor *= meaning.factor
+        for name, exponent in meaning.exponents:
             exponents[name] = exponents.get(name, 0) + exponent
     found = {name: exponent for name, exponent in exponents.items() if exponent and name != "rad"}
     if found != POWER:
-        msg = f"Power bond {bond}: {names[0]} times {names[1]} is no power, such as N times m/s or N.m times rad/s."
+        msg = f"Power bond {bond}: {names[0]} times {names[1]} is not a power; N times m/s or N.m times rad/s is."
         raise SystemDescriptionError(msg)
     return factor

@@ -1,23 +1,25 @@
-"""Does an FMU keep its contract? Static rules, experiments in a process of its own, its role's interface.
+"""Does an FMU keep its contract? Static rules, experiments in a process of its own, the interface of a role.
 
     report = check(Path("X.fmu"))
     report.failed, report.findings, report.facts
 
 Rules have numbers: 1 to 8 are about files, 9 to 16 about calls. Whatever the file holds, there is a report.
+What place an FMU is for, and how it is tried there, the caller says: with roles, and with a trial.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
-from orchestration.check import roles
-from orchestration.check.closed_loop import Loop, try_loop
+from orchestration.check import interface
 from orchestration.check.dynamic import supervision as dynamic
 from orchestration.check.findings import Finding, Report, Severity, capped
+from orchestration.check.interface import Role
 from orchestration.check.static import archive_rules, binary_rules, description_rules, structure_rules
 from orchestration.check.static.binary_rules import host_library
-from orchestration.errors import ArchiveError, SystemDescriptionError
+from orchestration.errors import ArchiveError
 
-__all__ = ["Finding", "Loop", "Report", "Severity", "check"]
+__all__ = ["Candidate", "Finding", "Report", "Role", "Severity", "Trial", "check"]
 
 STATIC = (
     archive_rules.sources_are_complete,
@@ -40,12 +42,37 @@ STATIC = (
 )
 
 
+@dataclass(frozen=True)
+class Candidate:
+    """An FMU that asks to be tried in its role.
+
+    Attributes
+    ----------
+    count
+        How many elements its counted signals have; see `orchestration.check.interface.Signal`.
+    mapping
+        The FMU's names by ours.
+    failed
+        Whether the rules, the experiments or the interface have shown an error.
+    """
+
+    path: Path
+    role: Role
+    count: int
+    mapping: Mapping[str, str]
+    failed: bool
+
+
+Trial = Callable[[Candidate], tuple[Sequence[Finding], Sequence[str]]]
+"""Tries an FMU in its role; returns findings, and sentences about what was measured or not tried."""
+
+
 def check(
     path: Path,
-    role: str | None = None,
+    role: Role | Iterable[Role] = (),
     *,
     mapping: Mapping[str, str] | None = None,
-    loop: Callable[[int], Loop | None] | None = None,
+    trial: Trial | None = None,
     timeout: float = dynamic.TIMEOUT,
 ) -> Report:
     """Examine an FMU.
@@ -53,11 +80,12 @@ def check(
     Parameters
     ----------
     role
-        Whose interface it must have; guessed from its outputs if None.
+        The role whose interface the FMU must have; or several roles, of which it has the one that its
+        outputs tell, if they tell one. By default no interface is compared.
     mapping
         The FMU's names by ours, as for `orchestration.System.replace`.
-    loop
-        The loop to try a controller in, by the number of joints; none if None.
+    trial
+        What to do at the end with an FMU that has a role and could be run.
     timeout
         How long an experiment may take, s.
 
@@ -65,43 +93,35 @@ def check(
     ------
     ArchiveError
         If there is no such file.
-    SystemDescriptionError
-        If there is no such role, or a mapped name is unknown.
     """
-    if role is not None and role not in roles.ROLES:
-        msg = f"There is no role {role}; there are {', '.join(roles.ROLES)}."
-        raise SystemDescriptionError(msg)
     if not path.is_file():
         msg = f"{path}: there is no such file."
         raise ArchiveError(msg)
     _require_readable(path)
     path = path.resolve()
+    mapping, taken = mapping or {}, role if isinstance(role, Role) else None
     try:
         package = archive_rules.open_package(path)
     except archive_rules.UnreadableError as ended:
-        return Report(path, role, (ended.finding,), ("Nothing further could be examined.",))
-    document = package.document.renamed(mapping or {})
-    role = role or roles.guess(document)
+        return _report(path, taken, [ended.finding], ["Nothing further could be examined."])
+    document = package.document.renamed(mapping)
+    if not isinstance(role, Role):
+        taken = interface.told_role(document, role)
     findings = [finding for rule in STATIC for finding in capped(rule(package))]
-    findings += capped(roles.mapping_finds(package.document, mapping or {}))
-    if role is not None:
-        findings += capped(roles.interface_is_kept(document, role))
-    facts: list[str] = []
+    findings += capped(interface.mapping_finds(package.document, mapping))
+    if taken is not None:
+        findings += capped(interface.interface_is_kept(document, taken))
     if not host_library(package):
-        return _report(path, role, findings, ["The binary was not run."])
+        return _report(path, taken, findings, ["The binary was not run."])
     outcome = dynamic.experiment_on(package, timeout)
     findings += outcome.findings
-    facts += outcome.facts
-    if role == "controller" and loop is not None:
+    facts = list(outcome.facts)
+    if taken is not None and trial is not None:
         failed = any(finding.severity == Severity.ERROR for finding in findings)
-        given = None if failed else loop(roles.joints(document, roles.ROLES[role]))
-        if given is None:
-            facts.append("The closed loop was not tried" + (": there are errors." if failed else "."))
-        else:
-            more, measured = try_loop(path, given, mapping or {})
-            findings += more
-            facts += measured
-    return _report(path, role, findings, facts)
+        more, measured = trial(Candidate(path, taken, interface.count(document, taken), mapping, failed))
+        findings += more
+        facts += measured
+    return _report(path, taken, findings, facts)
 
 
 def _require_readable(path: Path) -> None:
@@ -113,8 +133,8 @@ def _require_readable(path: Path) -> None:
         raise ArchiveError(msg) from failed
 
 
-def _report(path: Path, role: str | None, findings: list[Finding], facts: list[str]) -> Report:
+def _report(path: Path, role: Role | None, findings: list[Finding], facts: list[str]) -> Report:
     """The worst first, each once."""
     order = list(Severity)
     once = sorted(dict.fromkeys(findings), key=lambda finding: order.index(finding.severity))
-    return Report(path, role, tuple(once), tuple(facts))
+    return Report(path, None if role is None else role.name, tuple(once), tuple(facts))

@@ -13,7 +13,7 @@ from pathlib import Path
 
 MOST_ALIKE = 8  # findings that one rule may add; the rest are counted
 LONGEST_NAME = 80  # characters of a stranger's name or value that are shown
-ROLE, LOOP = "role", "loop"  # in the place of a number: the role's interface, and the closed loop
+ROLE = "role"  # in the place of a rule's number: the interface of a role
 
 
 class Severity(StrEnum):
@@ -31,7 +31,7 @@ class Finding:
     Attributes
     ----------
     rule
-        Number in the checklist, 1 to 16, or `ROLE` or `LOOP`.
+        Number in the checklist, 1 to 16, or a word for what has no number, such as `ROLE`.
     message
         A sentence that names what and where.
     """

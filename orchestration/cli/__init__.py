@@ -1,4 +1,4 @@
-"""The command ``adaptimp``."""
+"""The command line, ``adaptimp``."""
 
 from orchestration.cli.app import main
 

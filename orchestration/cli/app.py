@@ -1,4 +1,4 @@
-"""Commands and their options; what they do is imported when they run.
+"""The commands of ``adaptimp`` and their options; a command imports what it needs when it runs.
 
 Exit codes: 0 success, 1 a run failed, 2 the request cannot be carried out as it stands.
 """
@@ -14,7 +14,7 @@ from orchestration.cli.codes import INTERRUPTED
 
 
 class Interruptible(TyperGroup):
-    """Commands that say so when Ctrl-C ends them."""
+    """A group of commands that say so when Ctrl-C ends them."""
 
     def invoke(self, ctx: Any) -> Any:
         """Run a command.
@@ -187,7 +187,7 @@ def check(
 
 
 def main() -> None:
-    """Entry point: errors of ours are one sentence on standard error, not a traceback."""
+    """Run the command line; an error of this package is one sentence on standard error, not a traceback."""
     from orchestration.errors import InitializationError, OrchestrationError, SimulationError
 
     try:

@@ -1,4 +1,4 @@
-"""What the option --assumptions of run prints: values that the paper leaves open, and why they are so."""
+"""Prints the assumed values of a system with the reasons for them: ``adaptimp run --assumptions``."""
 
 import typer
 from rich.table import Column, Table
@@ -9,7 +9,7 @@ from orchestration.system.system import System
 
 
 def print_assumptions(system: System) -> None:
-    """Print assumed values, those of one reason together."""
+    """Print the assumed values of a system, those with the same reason together."""
     reasons: dict[str, list[str]] = {}
     for path in sorted(system.assumptions):
         reasons.setdefault(system.assumptions[path], []).append(f"{path} = {_value(system, path)}")

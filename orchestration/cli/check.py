@@ -1,4 +1,4 @@
-"""What the command check does.
+"""Examines an FMU and prints the report: ``adaptimp check``.
 
 Exit codes: 0 no errors, 1 errors were found, 2 the file cannot be examined.
 """
@@ -11,14 +11,14 @@ import typer
 from rich.table import Column, Table
 from rich.text import Text
 
-from orchestration.check import Loop, Report, Severity, check
+from orchestration.check import Report, Severity, check
 from orchestration.cli.commands import console, setting_of
 from orchestration.errors import ArchiveError, SystemDescriptionError
+from orchestration.paper.closed_loop import in_loop, paper_loop
+from orchestration.paper.roles import ROLES, role_named
 
 COLOURS = {Severity.ERROR: "red", Severity.WARNING: "yellow", Severity.NOTE: "dim"}
 FAILED, NOT_EXAMINED = 1, 2
-STEP = 1e-4  # s
-REDUNDANT_LIMIT = 1e4  # N.m, far above what three joints of the redundant arm need
 
 
 def run_check(path: Path, role: str | None = None, json: bool = False, mapping: Sequence[str] = ()) -> int:
@@ -26,12 +26,15 @@ def run_check(path: Path, role: str | None = None, json: bool = False, mapping: 
 
     Parameters
     ----------
+    role
+        The role whose interface the FMU must have; the one that its outputs tell if None.
     mapping
         Texts OURS=THEIRS.
     """
     try:
         names = dict(map(setting_of("--map"), mapping))
-        report = check(path, role, mapping=names, loop=paper_loop)
+        wanted = ROLES.values() if role is None else role_named(role)
+        report = check(path, wanted, mapping=names, trial=in_loop(paper_loop))
     except (ArchiveError, SystemDescriptionError, OSError) as error:
         if json:
             typer.echo(formats.dumps({"file": str(path), "error": str(error)}, indent=2))
@@ -42,32 +45,6 @@ def run_check(path: Path, role: str | None = None, json: bool = False, mapping: 
     else:
         _print(report)
     return FAILED if report.failed else 0
-
-
-def paper_loop(joints: int) -> Loop | None:
-    """The loop for two joints or three, without noise and limits; None for more.
-
-    That of Fig. 2, with the damping of Figs. 5 to 7, with which adaptive controllers are strictly positive real.
-    """
-    from orchestration.paper.built_fmus import fmus
-    from orchestration.paper.scenarios import TORQUE_LIMITS, VARIANTS
-    from orchestration.system.system import System
-
-    if joints == 2:
-        chosen = VARIANTS["ideal"]
-        return Loop(chosen.system(fmus(chosen.units.values())).with_sample_time(STEP), TORQUE_LIMITS)
-    if joints == 3:
-        units = {
-            "trajectory": "VirtualTrajectory",
-            "sensor": "ForceSensor",
-            "controller": "HoganImpedance3R",
-            "actuator": "Actuator3R",
-            "plant": "Plant3R",
-        }
-        files = fmus(units.values())
-        system = System.connected_by_name("redundant", {name: files[unit] for name, unit in units.items()})
-        return Loop(system, (REDUNDANT_LIMIT,) * 3)
-    return None
 
 
 def _print(report: Report) -> None:

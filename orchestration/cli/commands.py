@@ -1,4 +1,4 @@
-"""What the commands build and paper do; `orchestration.cli.run` has run."""
+"""Builds FMUs, reproduces the paper, exports scenarios: ``adaptimp build``, ``paper`` and ``export``."""
 
 import re
 import tempfile
@@ -23,7 +23,7 @@ errors = Console(stderr=True, markup=False, highlight=False)
 def build_fmus(files: Sequence[Path], out: Path, platforms: Sequence[str]) -> None:
     """Build the models of Python files into a folder, or every unit if there are no files."""
     from adaptimp_fmu import PLATFORMS
-    from fmus.catalog import UNITS
+    from fmus.catalog import MODELS
     from orchestration.cli.models import models_of
     from orchestration.paper.built_fmus import built_model
 
@@ -32,7 +32,7 @@ def build_fmus(files: Sequence[Path], out: Path, platforms: Sequence[str]) -> No
             msg = f"There is no platform {name}; there are {', '.join(PLATFORMS)} and all."
             raise SystemDescriptionError(msg)
     chosen = list(PLATFORMS.values()) if "all" in platforms else [PLATFORMS[n] for n in platforms]
-    models = models_of(files) if files else [declare() for declare in UNITS.values()]
+    models = models_of(files) if files else [declare() for declare in MODELS.values()]
     require_folder(out)
     for model in models:
         path = built_model(model, out, chosen)
@@ -40,7 +40,7 @@ def build_fmus(files: Sequence[Path], out: Path, platforms: Sequence[str]) -> No
 
 
 def reproduce_paper(out: Path, image: str, *, fresh: bool) -> None:
-    """Run, draw, measure; print the table of claims."""
+    """Reproduce the figures and claims of the paper, and print the table of claims."""
     from orchestration.paper.report import reproduce
 
     if image not in IMAGES:
@@ -61,7 +61,7 @@ def reproduce_paper(out: Path, image: str, *, fresh: bool) -> None:
 
 
 def require_folder(folder: Path) -> None:
-    """Make a folder, and refuse one that cannot be written to before the work is done."""
+    """Make a folder for results; refuse one that nothing can be written to before any work is done."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=folder):
@@ -87,7 +87,7 @@ def export_scenario(name: str, out: Path) -> None:
 
 
 def setting_of(option: str) -> Callable[[str], tuple[str, str]]:
-    """What splits the texts of an option NAME=VALUE."""
+    """A function that splits the texts NAME=VALUE of an option."""
 
     def split(text: str) -> tuple[str, str]:
         match = _SETTING.fullmatch(text)

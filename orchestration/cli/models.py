@@ -1,4 +1,4 @@
-"""Models in a Python file of the user's own, for the command build.
+"""Finds the models that a user's Python file declares, for ``adaptimp build FILE.py``.
 
 The file declares models at its top level; whatever it names there is built:
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 
 def models_of(files: Sequence[Path]) -> "list[Model]":
-    """Models that Python files name at their top level, in their order.
+    """The models that Python files name at their top level, in their order.
 
     A model without documentation gets that of its file, the docstring.
 
@@ -60,7 +60,7 @@ def _models(path: Path) -> "list[Model]":
 
 
 def _run(path: Path) -> dict[str, object]:
-    """Names of a file once it has run; its failure is one sentence with the line."""
+    """The names that a file defines when it is run; if it fails, the error is one sentence with the line."""
     try:
         with _beside(path):
             return runpy.run_path(str(path))
@@ -74,7 +74,7 @@ def _run(path: Path) -> dict[str, object]:
 
 
 def _line(path: Path, error: Exception) -> int | None:
-    """The innermost line of the file that an error came through."""
+    """The number of the innermost line of a file that an error came through."""
     lines = [frame.lineno for frame in traceback.extract_tb(error.__traceback__) if frame.filename == str(path)]
     return lines[-1] if lines else None
 

@@ -1,4 +1,4 @@
-"""What the command run does."""
+"""Runs a system and prints or writes what it did: ``adaptimp run``."""
 
 import re
 import time
@@ -18,9 +18,9 @@ from orchestration.cli.codes import INTERRUPTED
 from orchestration.cli.commands import console, errors, require_folder, setting_of
 from orchestration.errors import OrchestrationError, RunInterrupted, SimulationError, SystemDescriptionError
 from orchestration.master.algorithm import Algorithm, Tolerance, find_algorithm
+from orchestration.master.options import Crossings
 from orchestration.master.options import Progress as Report
 from orchestration.master.simulate import Options, prepare
-from orchestration.master.step_arrays import Crossings
 from orchestration.results.result import Result
 from orchestration.system.system import System
 
@@ -32,7 +32,7 @@ _SETTING = re.compile(r"([^=\s]+)=(.*)", re.DOTALL)
 
 @dataclass(frozen=True)
 class AlgorithmRequest:
-    """The algorithm by name, and what is asked to be different from it."""
+    """A co-simulation algorithm by name, and the options that are asked to differ from its own."""
 
     name: str
     exchange: str | None = None
@@ -90,7 +90,7 @@ class RunRequest:
 
 
 def run_system(request: RunRequest) -> None:
-    """Run a system as asked; a run that fails half-way still writes the rows it made."""
+    """Run a system as the request says; a run that fails half-way still writes its complete rows."""
     _check_output(request.out)
     system, algorithm = _system(request), request.algorithm.algorithm()
     for notice in system.notices:
@@ -100,7 +100,7 @@ def run_system(request: RunRequest) -> None:
         return
     if request.order is not None:
         system = system.ordered(request.order)
-    step = system.step if request.step is None else request.step
+    step = system.run_step(request.step)
     order = " > ".join(component.name for component in system.components)
     typer.echo(f"{system.name}: {algorithm.name}, order {order}, step {step:g} s")
     if request.out is not None:
@@ -229,7 +229,7 @@ def _progress() -> Iterator[Report]:
 
 
 def _keep_partial(result: Result | None, out: Path | None, when: str) -> None:
-    """Write the rows there are; those of a Parquet file are kept by what writes it."""
+    """Write the complete rows of a run that ended early; those of a Parquet file are written already."""
     if out is None or result is None:
         return
     partial = out.with_name(f"{out.stem}.partial{out.suffix}")

@@ -30,9 +30,11 @@ WORST_ACCEPTED = int(Status.WARNING)
 """A call with a status up to this one did its work."""
 
 
+def accepted(status: int) -> bool:
+    """Whether a call did its work: its status is fmi2OK or fmi2Warning."""
+    return Status.OK <= status <= WORST_ACCEPTED
+
+
 def status_name(status: int) -> str:
     """Name of a status in the standard; an unknown number is named by its value."""
-    try:
-        return str(Status(status))
-    except ValueError:
-        return f"status {status}"
+    return str(Status(status)) if Status.OK <= status <= Status.PENDING else f"status {status}"

@@ -13,14 +13,26 @@ and tolerances included, and a system without scaling runs the very same code as
 
 from collections.abc import Callable, Mapping
 from functools import cache
-from typing import Any
+from pathlib import Path
+from typing import Any, cast
 
 import numpy as np
 from llvmlite import ir
-from numba import cfunc, types
+from numba import types
+from numba.core.ccallback import CFunc
 from numba.extending import intrinsic
 
-from orchestration.fmi.native_calls import call_direction, call_do_step, call_rates, call_state, call_transfer
+from orchestration.fmi.codes import Status
+from orchestration.fmi.machine_code import code_folder
+from orchestration.fmi.native_calls import (
+    SOURCES,
+    emit_direction,
+    emit_do_step,
+    emit_rates,
+    emit_state,
+    emit_transfer,
+    keep_machine_code,
+)
 from orchestration.fmi.units import Linear
 
 # Slots of the stand-in, eight bytes each: the instance, addresses of its functions, then the number of
@@ -36,7 +48,7 @@ _N, _REFERENCES, _FACTORS, _OFFSETS, _BUFFER, _CAPACITY = range(_FIRST, _FIRST +
 _DO_STEP, _SET_REAL = _SLOTS["fmi2DoStep"], _SLOTS["fmi2SetReal"]
 _SET_RATES, _DIRECTION = _SLOTS["fmi2SetRealInputDerivatives"], _SLOTS["fmi2GetDirectionalDerivative"]
 _ORDERS = 2  # of input derivatives that are handed over at once
-_ERROR = 3  # fmi2Error
+_ERROR = int(Status.ERROR)
 _I64 = types.int64
 
 
@@ -91,16 +103,23 @@ def _stand_in(function: str) -> int:
         state = function.endswith("FMUstate")
         signature = types.int32(_I64, _I64) if state else types.int32(*[_I64] * 4)
         body = _forward_state(slot) if state else _forward_transfer(slot)
-    compiled = cfunc(signature, nopython=True, cache=True, error_model="numpy")(body)
-    _compiled[function] = compiled
-    return compiled.address
+    made = CFunc(body, (signature.args, signature.return_type), locals={}, options={"error_model": "numpy"})
+    keep_machine_code(made, body, _folder()).compile()
+    _compiled[function] = made
+    return cast("int", made.address)
+
+
+@cache
+def _folder() -> Path | None:
+    """Where the machine code is kept."""
+    return code_folder([Path(__file__), *SOURCES])
 
 
 _compiled: dict[str, Any] = {}  # keeps the code that addresses point to
 
 
-def _do_step(unit, t, h, final):  # noqa: ARG001 - call_do_step says that no step is undone
-    return call_do_step(_integer(unit + 8 * _DO_STEP), _integer(unit), t, h)
+def _do_step(unit, t, h, final):  # noqa: ARG001 - emit_do_step says that no step is undone
+    return emit_do_step(_integer(unit + 8 * _DO_STEP), _integer(unit), t, h)
 
 
 def _set_real(unit, references, n, values):
@@ -114,7 +133,7 @@ def _set_real(unit, references, n, values):
                 factor = _real(_integer(unit + 8 * _FACTORS) + 8 * j)
                 value = factor * value + _real(_integer(unit + 8 * _OFFSETS) + 8 * j)
         _put(buffer + 8 * i, value)
-    return call_transfer(_integer(unit + 8 * _SET_REAL), _integer(unit), references, n, buffer)
+    return emit_transfer(_integer(unit + 8 * _SET_REAL), _integer(unit), references, n, buffer)
 
 
 def _set_rates(unit, references, n, orders, values):
@@ -127,7 +146,7 @@ def _set_rates(unit, references, n, orders, values):
             if _reference(_integer(unit + 8 * _REFERENCES) + 4 * j) == _reference(references + 4 * i):
                 value *= _real(_integer(unit + 8 * _FACTORS) + 8 * j)
         _put(buffer + 8 * i, value)
-    return call_rates(_integer(unit + 8 * _SET_RATES), _integer(unit), references, n, orders, buffer)
+    return emit_rates(_integer(unit + 8 * _SET_RATES), _integer(unit), references, n, orders, buffer)
 
 
 def _direction(unit, unknowns, n, known, one, seed, values):  # noqa: ARG001 - there is one known variable
@@ -137,19 +156,19 @@ def _direction(unit, unknowns, n, known, one, seed, values):  # noqa: ARG001 - t
         if _reference(_integer(unit + 8 * _REFERENCES) + 4 * j) == _reference(known):
             value *= _real(_integer(unit + 8 * _FACTORS) + 8 * j)
     _put(buffer, value)
-    return call_direction(_integer(unit + 8 * _DIRECTION), _integer(unit), unknowns, n, known, buffer, values)
+    return emit_direction(_integer(unit + 8 * _DIRECTION), _integer(unit), unknowns, n, known, buffer, values)
 
 
 def _forward_transfer(slot: int) -> Callable:
     def forward(unit, references, n, values):
-        return call_transfer(_integer(unit + 8 * slot), _integer(unit), references, n, values)
+        return emit_transfer(_integer(unit + 8 * slot), _integer(unit), references, n, values)
 
     return forward
 
 
 def _forward_state(slot: int) -> Callable:
     def forward(unit, state):
-        return call_state(_integer(unit + 8 * slot), _integer(unit), state)
+        return emit_state(_integer(unit + 8 * slot), _integer(unit), state)
 
     return forward
 

@@ -2,17 +2,24 @@
 
 Compiled by numba, a call costs what it costs in C. Not compiled, the same names go through ctypes:
 so the loop that uses them also runs undecorated, as a slow oracle of itself. Addresses are
-arguments, never constants, so that numba's cache stays valid.
+arguments, never constants, so that machine code can be kept from one process to the next.
 """
 
 import ctypes
+import pickle
+from collections.abc import Callable
+from contextlib import suppress
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 from llvmlite import ir
 from numba import types
-from numba.core import cgutils
+from numba.core import caching, cgutils
 from numba.extending import intrinsic, overload
+
+SOURCES = (Path(__file__), Path(__file__).with_name("codes.py"))
+"""What is compiled into everything that calls by address."""
 
 _TRANSFER = ctypes.CFUNCTYPE(ctypes.c_int32, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_size_t, ctypes.c_void_p)
 _DO_STEP = ctypes.CFUNCTYPE(ctypes.c_int32, ctypes.c_void_p, ctypes.c_double, ctypes.c_double, ctypes.c_int32)
@@ -88,8 +95,78 @@ def copy_run(source: np.ndarray, first: int, rows: np.ndarray, row: int, column:
     rows[row, int(column) : int(column + n)] = source[int(first) : int(first + n)]
 
 
+def copy_bytes(source: int, target: int, n: int) -> None:
+    """Copy n bytes from an address to another; the ranges do not overlap."""
+    ctypes.memmove(int(target), int(source), int(n))
+
+
+def keep_machine_code(compiled: Any, function: Callable[..., Any], folder: Path | None) -> Any:
+    """Let numba keep the machine code of a function in a folder.
+
+    Parameters
+    ----------
+    compiled
+        What numba made of `function`: by ``njit``, or a ``CFunc`` before it is compiled.
+    folder
+        From `orchestration.fmi.machine_code.code_folder`; nothing is kept if it is None.
+
+    Returns
+    -------
+    object
+        `compiled`.
+    """
+    if folder is not None and compiled is not function:  # it is with NUMBA_DISABLE_JIT=1
+        compiled._cache = _cache_in(folder, function)
+    return compiled
+
+
+def _cache_in(folder: Path, function: Callable[..., Any]) -> caching.FunctionCache:
+    """A cache of numba's that lies in a folder, whose name stands for the sources."""
+
+    class Locator(caching._CacheLocator):
+        _py_file = function.__code__.co_filename  # numba's warnings name it
+
+        def get_cache_path(self) -> Any:
+            return str(folder)
+
+        def get_source_stamp(self) -> Any:
+            return folder.name
+
+        def get_disambiguator(self) -> Any:
+            return str(function.__code__.co_firstlineno)
+
+        @classmethod
+        def from_function(cls, py_func: Any, py_file: str) -> Any:  # noqa: ARG003 - numba gives both
+            return cls()
+
+    class Results(caching.CompileResultCacheImpl):
+        _locator_classes = (Locator,)
+
+    class Cache(caching.FunctionCache):
+        _impl_class = Results
+
+        def load_overload(self, sig: Any, target_context: Any) -> Any:
+            try:
+                return super().load_overload(sig, target_context)
+            except OSError:
+                self.disable()
+            except (EOFError, pickle.UnpicklingError):  # damaged: begin anew
+                with suppress(OSError):
+                    self.flush()
+            return None
+
+        def save_overload(self, sig: Any, data: Any) -> None:
+            try:
+                super().save_overload(sig, data)
+            except OSError:
+                self.disable()  # a full or locked disk: the next process compiles again
+
+    return Cache(function)
+
+
 @intrinsic
-def _transfer(typing: Any, function: Any, component: Any, references: Any, n: Any, values: Any) -> Any:
+def emit_transfer(typing: Any, function: Any, component: Any, references: Any, n: Any, values: Any) -> Any:
+    """What `call_transfer` compiles to."""
     signature = types.int32(types.int64, types.int64, types.int64, types.int64, types.int64)
     kind = ir.FunctionType(_I32, [_I8P, _I8P, _I64, _I8P])
 
@@ -103,7 +180,8 @@ def _transfer(typing: Any, function: Any, component: Any, references: Any, n: An
 
 
 @intrinsic
-def _do_step(typing: Any, function: Any, component: Any, t: Any, h: Any) -> Any:
+def emit_do_step(typing: Any, function: Any, component: Any, t: Any, h: Any) -> Any:
+    """What `call_do_step` compiles to."""
     signature = types.int32(types.int64, types.int64, types.float64, types.float64)
     kind = ir.FunctionType(_I32, [_I8P, _F64, _F64, _I32])
 
@@ -117,7 +195,8 @@ def _do_step(typing: Any, function: Any, component: Any, t: Any, h: Any) -> Any:
 
 
 @intrinsic
-def _state(typing: Any, function: Any, component: Any, state: Any) -> Any:
+def emit_state(typing: Any, function: Any, component: Any, state: Any) -> Any:
+    """What `call_state` compiles to."""
     signature = types.int32(types.int64, types.int64, types.int64)
     kind = ir.FunctionType(_I32, [_I8P, _I8P])
 
@@ -130,7 +209,8 @@ def _state(typing: Any, function: Any, component: Any, state: Any) -> Any:
 
 
 @intrinsic
-def _rates(typing: Any, function: Any, component: Any, references: Any, n: Any, orders: Any, values: Any) -> Any:
+def emit_rates(typing: Any, function: Any, component: Any, references: Any, n: Any, orders: Any, values: Any) -> Any:
+    """What `call_rates` compiles to."""
     signature = types.int32(*[types.int64] * 6)
     kind = ir.FunctionType(_I32, [_I8P, _I8P, _I64, _I8P, _I8P])
 
@@ -144,9 +224,10 @@ def _rates(typing: Any, function: Any, component: Any, references: Any, n: Any, 
 
 
 @intrinsic
-def _direction(
+def emit_direction(
     typing: Any, function: Any, component: Any, unknowns: Any, n: Any, known: Any, seed: Any, values: Any
 ) -> Any:
+    """What `call_direction` compiles to."""
     signature = types.int32(*[types.int64] * 7)
     kind = ir.FunctionType(_I32, [_I8P, _I8P, _I64, _I8P, _I64, _I8P, _I8P])
 
@@ -176,32 +257,44 @@ def _copy_run(typing: Any, source: Any, first: Any, rows: Any, row: Any, column:
     return signature, generate
 
 
+@intrinsic
+def _copy_bytes(typing: Any, source: Any, target: Any, n: Any) -> Any:
+    signature = types.void(types.int64, types.int64, types.int64)
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        source, target = (builder.inttoptr(address, _I8P) for address in arguments[:2])
+        cgutils.raw_memcpy(builder, target, source, arguments[2], 1)
+        return context.get_dummy_value()
+
+    return signature, generate
+
+
 # numba compares the signatures of overload and implementation, annotations included: both have none.
 @overload(call_transfer)
 def _compile_transfer(function, component, references, n, values):
-    return lambda function, component, references, n, values: _transfer(function, component, references, n, values)
+    return lambda function, component, references, n, values: emit_transfer(function, component, references, n, values)
 
 
 @overload(call_do_step)
 def _compile_do_step(function, component, t, h):
-    return lambda function, component, t, h: _do_step(function, component, t, h)
+    return lambda function, component, t, h: emit_do_step(function, component, t, h)
 
 
 @overload(call_state)
 def _compile_state(function, component, state):
-    return lambda function, component, state: _state(function, component, state)
+    return lambda function, component, state: emit_state(function, component, state)
 
 
 @overload(call_rates)
 def _compile_rates(function, component, references, n, orders, values):
-    return lambda function, component, references, n, orders, values: _rates(
+    return lambda function, component, references, n, orders, values: emit_rates(
         function, component, references, n, orders, values
     )
 
 
 @overload(call_direction)
 def _compile_direction(function, component, unknowns, n, known, seed, values):
-    return lambda function, component, unknowns, n, known, seed, values: _direction(
+    return lambda function, component, unknowns, n, known, seed, values: emit_direction(
         function, component, unknowns, n, known, seed, values
     )
 
@@ -209,3 +302,8 @@ def _compile_direction(function, component, unknowns, n, known, seed, values):
 @overload(copy_run)
 def _compile_copy_run(source, first, rows, row, column, n):
     return lambda source, first, rows, row, column, n: _copy_run(source, first, rows, row, column, n)
+
+
+@overload(copy_bytes)
+def _compile_copy_bytes(source, target, n):
+    return lambda source, target, n: _copy_bytes(source, target, n)

@@ -3,7 +3,6 @@
 import ctypes as ct
 from typing import Any
 
-OK, WARNING, DISCARD, ERROR, FATAL, PENDING = range(6)
 CO_SIMULATION = 1
 
 _component, _text, _flag, _size = ct.c_void_p, ct.c_char_p, ct.c_int, ct.c_size_t
@@ -69,3 +68,8 @@ OTHERS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "fmi2FreeInstance": (None, (_component,)),
 }
 FUNCTIONS = (*OTHERS, *ARGUMENTS)
+
+
+def prototype(function: str) -> tuple[Any, tuple[Any, ...]]:
+    """C types of a function: of its result, and of all its arguments."""
+    return OTHERS[function] if function in OTHERS else (ct.c_int, (_component, *ARGUMENTS[function]))

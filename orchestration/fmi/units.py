@@ -5,6 +5,7 @@ A unit says how its numbers become numbers in SI base units (FMI 2.0.4, 2.2.2; S
     base value = factor * value + offset
 """
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -13,19 +14,42 @@ UNCHANGED = (1.0, 0.0)
 
 
 @dataclass(frozen=True)
-class UnitDefinition:
-    """A physical unit: exponents of the SI base units, factor and offset to them.
+class Unit:
+    """What a physical unit means: exponents of the SI base units, factor and offset to them.
 
     Attributes
     ----------
     exponents
-        Those that are not zero, in the order of `BASE_UNITS`; None if nothing but the name is known.
+        Those that are not zero, in the order of `BASE_UNITS`.
     """
 
-    name: str
-    exponents: tuple[tuple[str, int], ...] | None = ()
+    exponents: tuple[tuple[str, int], ...] = ()
     factor: float = 1.0
     offset: float = 0.0
+
+    def __str__(self) -> str:
+        """Factor and exponents, such as ``0.001 kg m2 s-2``."""
+        powers = " ".join(f"{base}{'' if power == 1 else power}" for base, power in self.exponents)
+        factor = "" if self.factor == 1 else f"{self.factor:g} "
+        offset = f" + {self.offset:g}" if self.offset else ""
+        return f"{factor}{powers or '1'}{offset}"
+
+    @property
+    def convertible(self) -> bool:
+        """Whether numbers can be converted: factor and offset are finite, and the factor is not zero."""
+        return math.isfinite(self.factor) and self.factor != 0 and math.isfinite(self.offset)
+
+    def without_angle(self) -> "Unit":
+        """The same with the radian taken for a number."""
+        return Unit(tuple(power for power in self.exponents if power[0] != "rad"), self.factor, self.offset)
+
+
+@dataclass(frozen=True)
+class UnitDefinition:
+    """A physical unit by name; its meaning is None if nothing but the name is known."""
+
+    name: str
+    meaning: Unit | None = Unit()
 
     def equivalent(self, other: "UnitDefinition") -> bool:
         """Whether a number means the same in both units; names decide only where definitions lack."""
@@ -72,15 +96,16 @@ def conversion(
     """
     if source is None or target is None:
         return UNCHANGED
-    if source.exponents is None or target.exponents is None:
+    given, wanted = source.meaning, target.meaning
+    if given is None or wanted is None:
         return UNCHANGED if source.name == target.name else None
-    if source.exponents != target.exponents:
+    if given.exponents != wanted.exponents:
         return None
-    same_offset = relative or source.offset == target.offset
-    if source.factor == target.factor and same_offset:
+    same_offset = relative or given.offset == wanted.offset
+    if given.factor == wanted.factor and same_offset:
         return UNCHANGED
-    offset = 0.0 if relative else (source.offset - target.offset) / target.factor
-    return source.factor / target.factor, offset
+    offset = 0.0 if relative else (given.offset - wanted.offset) / wanted.factor
+    return given.factor / wanted.factor, offset
 
 
 def defined(name: str | None, units: Mapping[str, UnitDefinition]) -> UnitDefinition | None:

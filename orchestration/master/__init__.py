@@ -1,1 +1,1 @@
-"""A run of a system: initialization, the steps of an algorithm, rows."""
+"""The master runs a system: initialization, the steps of a co-simulation algorithm, recorded rows."""

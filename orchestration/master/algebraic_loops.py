@@ -1,8 +1,8 @@
-"""Algebraic loops in initialization mode.
+"""Algebraic loops between components, solved in initialization mode by a damped Newton method.
 
-There, outputs are functions y(u) of the inputs, and the connections ask for u = y(u). Newton's method
-with the Jacobian from differences (of one unit's outputs at a time, since its outputs depend on its own
-inputs only), and a step that is halved while it makes the residual larger.
+In initialization mode, outputs are functions y(u) of the inputs, and the connections ask for u = y(u).
+The Jacobian comes from differences. The outputs of a component depend on the inputs of that component
+only, so each difference evaluates one component. A correction that makes the residual larger is halved.
 """
 
 from collections.abc import Callable
@@ -11,29 +11,33 @@ import numpy as np
 
 from orchestration.errors import InitializationError
 from orchestration.master.flatten import Assembly
-from orchestration.master.kernel.flat_system import END_REAL, FIRST_REAL
+from orchestration.master.kernel.codes import Column
 
 MAX_ITERATIONS, MAX_HALVINGS = 50, 20
-TOLERANCE = 1e-12  # of u - y(u), over 1 + |y|: some hundred roundings
-DISPLACEMENT = 1e-7  # of an input, over 1 + |u|: near the root of the rounding error
+TOLERANCE = 1e-12  # accepted |u - y(u)| / (1 + |y|); this is some hundred rounding errors
+DISPLACEMENT = 1e-7  # displacement of an input for a difference, over 1 + |u|; near the root of the rounding error
 
-Evaluate = Callable[[int | None], None]  # hand over the inputs, fetch the outputs, of one component or of all
+Evaluate = Callable[[int | None], None]  # sets the inputs and gets the outputs, of one component or of all (None)
 
 
 def solve_loops(name: str, assembly: Assembly, evaluate: Evaluate) -> None:
-    """Find inputs that equal their sources; afterwards all buffers and units have them.
+    """Find inputs that equal the outputs which drive them, and hand these inputs to all components.
 
     Parameters
     ----------
     name
-        Of the system.
+        Name of the system, for messages.
+    assembly
+        Buffers and links of the system. Afterwards the buffers hold the solution.
     evaluate
-        Sets the inputs in the plan's buffers and gets the outputs, of a component or of all (None).
+        Function that sets the inputs in the buffers and gets the outputs, of one component (by index) or
+        of all components (None).
 
     Raises
     ------
     InitializationError
-        Naming the connection with the largest residual.
+        If no solution is found near the start values. The message names the connection with the largest
+        residual.
     """
     reals, links = assembly.plan.reals, assembly.plan.real_links.astype(np.int64)
     sources, targets = links[:, 0], links[:, 1]
@@ -67,19 +71,19 @@ def solve_loops(name: str, assembly: Assembly, evaluate: Evaluate) -> None:
 
 
 def _size(residual: np.ndarray) -> float:
-    """The largest element, 0 if there is none; infinite if one is no number."""
+    """Return the largest magnitude: 0 for an empty array, infinity if an element is not finite."""
     return float(np.abs(residual).max(initial=0.0)) if np.isfinite(residual).all() else np.inf
 
 
 def _direction(assembly: Assembly, evaluate: Evaluate) -> np.ndarray:
-    """Newton's correction of the inputs, from outputs that have been evaluated; shape (n_links,)."""
+    """Return Newton's correction of the inputs, shape (n_links,), from outputs that have been evaluated."""
     plan = assembly.plan
     reals, links = plan.reals, plan.real_links.astype(np.int64)
     sources, targets = links[:, 0], links[:, 1]
     base = reals.copy()
     jacobian = -np.eye(len(links))
     for i, row in enumerate(plan.table):
-        for j in range(row[FIRST_REAL], row[END_REAL]):
+        for j in range(row[Column.FIRST_REAL], row[Column.END_REAL]):
             value = base[targets[j]]
             reals[targets[j]] = value + DISPLACEMENT * (1 + abs(value))
             evaluate(i)

@@ -1,23 +1,25 @@
-"""Co-simulation algorithms, each the same small record: what is exchanged when, what is corrected.
+"""Co-simulation algorithms: when values are exchanged, and which of them are corrected.
 
-One communication step from t to t + h, for every algorithm:
+Every algorithm is one small record, `Algorithm`. A communication step goes from t to t + h:
 
-    save the continuous units                               if inputs are corrected
+    save the states of the continuous components            if inputs are corrected
     sweep: set inputs, doStep, get outputs
         sequential: component by component                  (Gauss-Seidel)
         parallel:   all inputs, all steps, all outputs      (Jacobi)
     until inputs and outputs at t + h agree:                if inputs are corrected
-        correct the inputs; restore the continuous units; sweep over them again
+        correct the inputs; restore the continuous components; sweep over these components again
 
-A sampled unit takes part in the first sweep only: its tick has happened, and its outputs hold. Its
-inputs are never extrapolated. Inputs of continuous units that come from continuous units follow,
-over a step, a polynomial of degree `order` through the values of their sources at t + h, as far as
-these are known or assumed, and at the communication points before. Degree 0 holds a value.
+A sampled component takes part in the first sweep only, because its tick has happened then and its
+outputs hold. Inputs of sampled components are never extrapolated. An input of a continuous component
+follows a polynomial over a step if its source is continuous too. This polynomial has the degree
+`order`. It passes through the values of the source at the communication points before, and through
+the value at t + h as far as that is known or assumed. Degree 0 holds a value.
 
-With step control, a step is made once as a whole and once in halves; their difference, divided by
-2^(order + 1) - 1, estimates the error of the halves (E. Hairer, S. Noersett, G. Wanner, "Solving
-Ordinary Differential Equations I", II.4), and a PI controller chooses the next step (K. Gustafsson,
-"Control theoretic techniques for stepsize selection in explicit Runge-Kutta methods", 1991).
+With step control, a step is made once as a whole and once in two halves. The difference of the two
+results, divided by 2^(order + 1) - 1, estimates the error of the halves (E. Hairer, S. Noersett,
+G. Wanner, "Solving Ordinary Differential Equations I", II.4). A PI controller chooses the next step
+(K. Gustafsson, "Control theoretic techniques for stepsize selection in explicit Runge-Kutta
+methods", 1991).
 """
 
 import math
@@ -33,6 +35,7 @@ MAX_ORDER = 2
 
 
 def _choice(what: str, value: str, known: tuple[str, ...]) -> None:
+    """Refuse a value that is not known, with a message that lists the known values."""
     if value not in known:
         msg = f"There is no {what} {value!r}; there are {', '.join(known)}."
         raise SystemDescriptionError(msg)
@@ -40,48 +43,62 @@ def _choice(what: str, value: str, known: tuple[str, ...]) -> None:
 
 @dataclass(frozen=True)
 class Tolerance:
-    """An error is accepted up to ``absolute + relative |value|``.
+    """Bound of an error that is accepted: ``absolute + relative |value|``.
 
     Attributes
     ----------
     relative
-        Dimensionless.
+        Share of the absolute value, dimensionless.
     absolute
-        By unit, such as ``{"m": 1e-9, "N": 1e-3}``, in that unit; `relative` where none is given.
+        Absolute part for each physical unit, such as ``{"m": 1e-9, "N": 1e-3}``. A unit that is missing
+        here gets the number `relative`, in that unit.
+
+    Raises
+    ------
+    SystemDescriptionError
+        If a number is not positive and finite.
     """
 
     relative: float
     absolute: Mapping[str, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        """Refuse numbers that accept nothing."""
+        """Refuse numbers that are not positive and finite."""
         for name, value in (("relative", self.relative), *self.absolute.items()):
             if not (math.isfinite(value) and value > 0):
                 msg = f"The tolerance {name} = {value!r} is not positive and finite."
                 raise SystemDescriptionError(msg)
 
     def absolute_of(self, unit: str) -> float:
-        """The absolute part for a variable of that unit."""
+        """Return the absolute part for a variable with the physical unit `unit`, in that unit."""
         return self.absolute.get(unit, self.relative)
 
 
 @dataclass(frozen=True)
 class Correction:
-    """Iterate each step until inputs and outputs at its end agree.
+    """How each step is repeated until inputs and outputs at the end of the step agree.
 
     Attributes
     ----------
     method
-        `FIXED_POINT` with Aitken's relaxation, or `NEWTON`.
+        `FIXED_POINT` iteration with Aitken's relaxation, or `NEWTON`.
     tolerance
-        Of the difference between an input and its source.
+        Accepted difference between an input and its source.
     max_iterations
-        Sweeps per step; one more is an error that names the worst connection.
+        Largest number of sweeps in one step. A run that needs more ends in an error that names the worst
+        connection.
     sweeps
-        Make exactly so many sweeps and test nothing, if given.
+        Exact number of sweeps in one step. With this number no agreement is tested. Default: sweep until
+        inputs and outputs agree.
     jacobian
-        Of Newton: `DIFFERENCES` of repeated steps, or `DIRECTIONAL` derivatives of the units, which see
-        direct feedthrough only (`PARALLEL` exchange).
+        Where Newton's method takes its Jacobian from: `DIFFERENCES` of repeated steps, or `DIRECTIONAL`
+        derivatives that the FMUs compute. Directional derivatives see direct feedthrough only, and need
+        the `PARALLEL` exchange.
+
+    Raises
+    ------
+    SystemDescriptionError
+        If a choice is not known, or a number of sweeps is not a positive integer.
     """
 
     method: str = FIXED_POINT
@@ -91,7 +108,7 @@ class Correction:
     jacobian: str = DIFFERENCES
 
     def __post_init__(self) -> None:
-        """Check the choices."""
+        """Refuse unknown choices and impossible numbers of sweeps."""
         _choice("correction", self.method, (FIXED_POINT, NEWTON))
         _choice("Jacobian", self.jacobian, (DIFFERENCES, DIRECTIONAL))
         for name, value in (("max_iterations", self.max_iterations), ("sweeps", self.sweeps)):
@@ -102,16 +119,26 @@ class Correction:
 
 @dataclass(frozen=True)
 class StepControl:
-    """Choose the step by its estimated error.
+    """How the length of each step is chosen from its estimated error.
 
     Attributes
     ----------
     tolerance
-        Of the outputs of continuous units at the stop time: a step may spend the share of it that it
-        takes of the run, so that the errors of all steps add up to it. Outputs that declare a
-        dependency on an input do not add up errors; each step may spend all of it.
-    first, smallest, largest
-        Steps, s. If None: the system's step, 1e-6 of it, and the time between two ticks (or the whole run).
+        Accepted error of the outputs of continuous components at the stop time. The errors of all steps
+        add up, so a step that takes a tenth of the run may spend a tenth of the tolerance. Errors of
+        outputs with direct feedthrough do not add up; for these outputs each step may spend the whole
+        tolerance.
+    first
+        Length of the first step, s. Default: the step of the run.
+    smallest
+        Shortest step that is tried before the run ends in an error, s. Default: 1e-6 of the step of the run.
+    largest
+        Longest step, s. Default: the time between two ticks, or the whole run if nothing is sampled.
+
+    Raises
+    ------
+    SystemDescriptionError
+        If a step is not positive and finite.
     """
 
     tolerance: Tolerance = Tolerance(1e-4)
@@ -120,7 +147,7 @@ class StepControl:
     largest: float | None = None
 
     def __post_init__(self) -> None:
-        """Check the steps."""
+        """Refuse steps that are not positive and finite."""
         for name in ("first", "smallest", "largest"):
             value = getattr(self, name)
             if value is not None and not (math.isfinite(value) and value > 0):
@@ -134,12 +161,22 @@ class Algorithm:
 
     Attributes
     ----------
+    name
+        Name of the algorithm in messages and in the metadata of results.
     exchange
-        `SEQUENTIAL` or `PARALLEL`.
+        When values are exchanged: `SEQUENTIAL` (Gauss-Seidel) or `PARALLEL` (Jacobi).
     order
-        Degree, 0 to 2, of the inputs' polynomials; units that cannot interpolate hold their inputs.
-    correction, control
-        See `Correction` and `StepControl`; None for none.
+        Degree of the polynomials that inputs follow over a step, 0 to 2. A component whose FMU cannot
+        interpolate holds its inputs.
+    correction
+        How a step is repeated. Default: each step is made once.
+    control
+        How the length of a step is chosen. Default: all steps are equal.
+
+    Raises
+    ------
+    SystemDescriptionError
+        If a choice is not known, or the choices do not fit together.
     """
 
     name: str
@@ -149,25 +186,25 @@ class Algorithm:
     control: StepControl | None = None
 
     def __post_init__(self) -> None:
-        """Check the choices."""
+        """Refuse unknown choices, and choices that do not fit together."""
         _choice("exchange", self.exchange, (SEQUENTIAL, PARALLEL))
         if self.order not in range(MAX_ORDER + 1):
-            msg = f"The order {self.order!r} of the inputs is none of 0, 1, 2."
+            msg = f"The order {self.order!r} of the inputs is not 0, 1 or 2."
             raise SystemDescriptionError(msg)
         if self.correction is None:
             return
         if self.correction.jacobian == DIRECTIONAL and self.exchange != PARALLEL:
-            msg = "Directional derivatives serve the parallel exchange only; use differences."
+            msg = "Directional derivatives go with the parallel exchange only; use differences."
             raise SystemDescriptionError(msg)
 
     @property
     def plain(self) -> bool:
-        """Whether nothing is extrapolated, corrected or controlled."""
+        """Whether inputs are held, each step is made once, and all steps are equal."""
         return self.order == 0 and self.correction is None and self.control is None
 
     @property
     def rolls_back(self) -> bool:
-        """Whether units must save and restore their state."""
+        """Whether components must save and restore their states."""
         return self.control is not None or (self.correction is not None and self.correction.sweeps != 1)
 
 
@@ -184,12 +221,12 @@ ALGORITHMS: Mapping[str, Algorithm] = {
 
 
 def find_algorithm(algorithm: str | Algorithm) -> Algorithm:
-    """An algorithm by name; one that is given is returned.
+    """Return the algorithm with a name; an `Algorithm` is returned as it is.
 
     Raises
     ------
     SystemDescriptionError
-        Listing the known names.
+        If there is no algorithm of that name. The message lists the known names.
     """
     if isinstance(algorithm, Algorithm):
         return algorithm

@@ -1,4 +1,4 @@
-"""From a system and its instances to the flat arrays of the hot loop."""
+"""The flat form of a system: buffers of values, addresses of functions, and what is copied where."""
 
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field
@@ -9,24 +9,25 @@ from orchestration.errors import SystemDescriptionError
 from orchestration.fmi.codes import BOOLEAN, INTEGER, REAL, STRING
 from orchestration.fmi.instance import Instance
 from orchestration.master.kernel import flat_system
+from orchestration.master.kernel.codes import GROUP_SIZE, N_COLUMNS, Column, Group
 from orchestration.master.kernel.flat_system import Plan
 from orchestration.system.system import Component, Connection, System
 
 Path = tuple[str, str]  # component, variable
 
 _CALLS = {
-    ("input", REAL): (flat_system.SET_REAL, "fmi2SetReal"),
-    ("input", INTEGER): (flat_system.SET_INTEGER, "fmi2SetInteger"),
-    ("input", BOOLEAN): (flat_system.SET_BOOLEAN, "fmi2SetBoolean"),
-    ("output", REAL): (flat_system.GET_REAL, "fmi2GetReal"),
-    ("output", INTEGER): (flat_system.GET_INTEGER, "fmi2GetInteger"),
-    ("output", BOOLEAN): (flat_system.GET_BOOLEAN, "fmi2GetBoolean"),
+    ("input", REAL): (Column.SET_REAL, "fmi2SetReal"),
+    ("input", INTEGER): (Column.SET_INTEGER, "fmi2SetInteger"),
+    ("input", BOOLEAN): (Column.SET_BOOLEAN, "fmi2SetBoolean"),
+    ("output", REAL): (Column.GET_REAL, "fmi2GetReal"),
+    ("output", INTEGER): (Column.GET_INTEGER, "fmi2GetInteger"),
+    ("output", BOOLEAN): (Column.GET_BOOLEAN, "fmi2GetBoolean"),
 }
 
 
 @dataclass(frozen=True)
 class Assembly:
-    """A plan, and the arrays whose addresses it holds.
+    """A system in its flat form, and the arrays whose addresses it holds.
 
     Attributes
     ----------
@@ -86,14 +87,14 @@ def assemble(
     record: Collection[str] | None,
     fetched: Collection[str] = (),
 ) -> Assembly:
-    """Lay out buffers and addresses for a run; instances are in the order of the components.
+    """Flatten a system for a run; instances are in the order of the components.
 
     Outputs in `fetched` are fetched even if they are neither recorded nor connected.
 
     Raises
     ------
     SystemDescriptionError
-        If a variable to record is unknown or no output.
+        If a variable to record is unknown or not an output.
     """
     recorded = _recorded_paths(system, record)
     sources = {(c.target, c.input): c for c in system.connections}
@@ -104,8 +105,8 @@ def assemble(
     reals, discretes = np.zeros(len(buffers.reals)), np.zeros(len(buffers.discretes), np.int32)
     table, references = _table(instances, calls, reals, discretes)
     columns = {path: column for column, path in enumerate(recorded)}
-    real_links, real_connections = _links(system, buffers.reals, sources, table, flat_system.FIRST_REAL)
-    discrete_links, discrete_connections = _links(system, buffers.discretes, sources, table, flat_system.FIRST_DISCRETE)
+    real_links, real_connections = _links(system, buffers.reals, sources, table, Column.FIRST_REAL)
+    discrete_links, discrete_connections = _links(system, buffers.discretes, sources, table, Column.FIRST_DISCRETE)
     plan = Plan(
         table,
         real_links,
@@ -144,20 +145,20 @@ def _table(
     instances: Sequence[Instance], calls: Sequence[_Call], reals: np.ndarray, discretes: np.ndarray
 ) -> tuple[np.ndarray, list[np.ndarray]]:
     """The table without ranges of links, and the arrays of value references it points to."""
-    table = np.zeros((len(instances), flat_system.N_COLUMNS), np.int64)
+    table = np.zeros((len(instances), N_COLUMNS), np.int64)
     for row, instance in zip(table, instances, strict=True):
-        row[flat_system.COMPONENT] = instance.component
-        row[flat_system.DO_STEP] = instance.address("fmi2DoStep")
+        row[Column.INSTANCE] = instance.component
+        row[Column.DO_STEP] = instance.address("fmi2DoStep")
     kept = []
     for call in calls:
         column, function = _CALLS[call.causality, call.kind]
         references = np.array([call.component.variable(n).reference for n in call.names], np.uint32)
         buffer = reals if call.kind == REAL else discretes
-        group = table[call.row, column : column + 4]
-        group[flat_system.FUNCTION] = instances[call.row].address(function)
-        group[flat_system.REFERENCES] = references.ctypes.data
-        group[flat_system.COUNT] = len(call.names)
-        group[flat_system.VALUES] = buffer.ctypes.data + call.first * buffer.itemsize
+        group = table[call.row, column : column + GROUP_SIZE]
+        group[Group.FUNCTION] = instances[call.row].address(function)
+        group[Group.REFERENCES] = references.ctypes.data
+        group[Group.COUNT] = len(call.names)
+        group[Group.VALUES] = buffer.ctypes.data + call.first * buffer.itemsize
         kept.append(references)
     return table, kept
 

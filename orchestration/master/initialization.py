@@ -1,39 +1,37 @@
-"""Instances of a system's components, brought through FMI 2.0's initialization."""
+"""How the components of a system are instantiated and brought through the initialization mode of FMI 2.0."""
 
-import ctypes
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 
 import numpy as np
 
 from orchestration.errors import InitializationError
-from orchestration.fmi.codes import BOOLEAN, INTEGER, REAL, WORST_ACCEPTED
-from orchestration.fmi.instance import Instance, needed_to_run
+from orchestration.fmi.codes import REAL, WORST_ACCEPTED, accepted
+from orchestration.fmi.instance import Instance
+from orchestration.fmi.library import needed_to_run
 from orchestration.master.algebraic_loops import solve_loops
 from orchestration.master.flatten import Assembly
-from orchestration.master.kernel.flat_system import (
-    CALL_NAMES,
-    END_DISCRETE,
-    END_REAL,
-    FIRST_DISCRETE,
-    FIRST_REAL,
-    copy_links,
-    get_outputs,
-    set_inputs,
-)
+from orchestration.master.kernel.codes import CALL_NAMES, Column
+from orchestration.master.kernel.flat_system import copy_links, get_outputs, set_inputs
 from orchestration.sandbox.archive import unpacked
 from orchestration.system.system import Component, System
-
-_C_TYPES = {REAL: ctypes.c_double, INTEGER: ctypes.c_int32, BOOLEAN: ctypes.c_int32}
 
 
 @contextmanager
 def opened(system: System) -> Iterator[list[Instance]]:
-    """Instantiate every component, in order; all are freed at the end.
+    """Instantiate every component of a system; the end of the context frees all instances.
+
+    Yields
+    ------
+    list of Instance
+        Instances in the order of the components.
 
     Raises
     ------
-    ArchiveError, InitializationError
+    ArchiveError
+        If an FMU cannot be unpacked safely.
+    InitializationError
+        If a library cannot be loaded, or an FMU refuses to be instantiated.
     """
     with ExitStack() as stack:
         folders = {
@@ -57,10 +55,22 @@ def opened(system: System) -> Iterator[list[Instance]]:
 
 
 def initialize(system: System, instances: Sequence[Instance], assembly: Assembly, t0: float) -> None:
-    """Set start values, propagate outputs to inputs in initialization mode, and leave it.
+    """Set start values, propagate outputs to inputs in initialization mode, and leave this mode.
 
-    Outputs are transferred until nothing changes, so a chain of any length settles; what does not
-    settle so is an algebraic loop, and solved. Afterwards the plan's outputs hold row 0.
+    Outputs are transferred to inputs until nothing changes, so a chain of any length settles. What does
+    not settle is an algebraic loop, which `solve_loops` solves. Afterwards the buffers of `assembly`
+    hold the outputs of row 0.
+
+    Parameters
+    ----------
+    system
+        System with start values and connections.
+    instances
+        Instances in the order of the components.
+    assembly
+        Buffers and links of the system as flat arrays.
+    t0
+        Start time, s.
 
     Raises
     ------
@@ -69,14 +79,7 @@ def initialize(system: System, instances: Sequence[Instance], assembly: Assembly
     """
     for component, instance in zip(system.components, instances, strict=True):
         set_values(component, instance, component.start)
-        arguments = (
-            ctypes.c_int(0),
-            ctypes.c_double(0),
-            ctypes.c_double(t0),
-            ctypes.c_int(0),
-            ctypes.c_double(0),
-        )
-        instance.call("fmi2SetupExperiment", *arguments)
+        instance.set_up(t0)
         instance.call("fmi2EnterInitializationMode")
     _propagate(system, instances, assembly)
     for instance in instances:
@@ -85,22 +88,32 @@ def initialize(system: System, instances: Sequence[Instance], assembly: Assembly
 
 
 def set_values(component: Component, instance: Instance, values: Mapping[str, float]) -> None:
-    """Set variables of an instance, one by one.
+    """Set variables of an instance, one call for each variable.
+
+    Parameters
+    ----------
+    component
+        Component that declares the variables.
+    instance
+        Instance of the component.
+    values
+        Numbers by variable name, in the physical units that the FMU declares.
 
     Raises
     ------
     InitializationError
-        If the unit refuses a value.
+        If the FMU refuses a value.
     """
     for name, value in values.items():
         variable = component.variable(name)
-        reference = ctypes.c_uint32(variable.reference)
         number = int(value) if variable.type != REAL else value
-        c_value = _C_TYPES[variable.type](number)
-        instance.call(f"fmi2Set{variable.type}", ctypes.byref(reference), ctypes.c_size_t(1), ctypes.byref(c_value))
+        status = instance.set(variable.type, [variable.reference], [number])
+        if not accepted(status):
+            raise InitializationError(instance.failure(f"fmi2Set{variable.type}", status))
 
 
 def _propagate(system: System, instances: Sequence[Instance], assembly: Assembly) -> None:
+    """Transfer outputs to inputs until nothing changes, or solve the algebraic loops that remain."""
     plan = assembly.plan
     _get_all(instances, assembly)
     # A chain passes through each connection at most once; anything longer is an algebraic loop.
@@ -116,7 +129,7 @@ def _propagate(system: System, instances: Sequence[Instance], assembly: Assembly
     def evaluate(i: int | None) -> None:
         for k in range(len(instances)) if i is None else (i,):
             row = plan.table[k]
-            copy_links(plan.discrete_links, row[FIRST_DISCRETE], row[END_DISCRETE], plan.discretes)
+            copy_links(plan.discrete_links, row[Column.FIRST_DISCRETE], row[Column.END_DISCRETE], plan.discretes)
             _raise_failure(instances[k], *set_inputs(plan.table, k))
             _raise_failure(instances[k], *get_outputs(plan.table, k))
 
@@ -129,23 +142,25 @@ def _propagate(system: System, instances: Sequence[Instance], assembly: Assembly
 
 
 def _transfer(assembly: Assembly, i: int) -> None:
-    """Copy what the sources of component i show to its inputs."""
+    """Copy the outputs that drive component i to the inputs of component i."""
     plan = assembly.plan
     row = plan.table[i]
-    copy_links(plan.real_links, row[FIRST_REAL], row[END_REAL], plan.reals)
-    copy_links(plan.discrete_links, row[FIRST_DISCRETE], row[END_DISCRETE], plan.discretes)
+    copy_links(plan.real_links, row[Column.FIRST_REAL], row[Column.END_REAL], plan.reals)
+    copy_links(plan.discrete_links, row[Column.FIRST_DISCRETE], row[Column.END_DISCRETE], plan.discretes)
 
 
 def _get_all(instances: Sequence[Instance], assembly: Assembly) -> None:
+    """Get the outputs of all instances into the buffers."""
     for i, instance in enumerate(instances):
         _raise_failure(instance, *get_outputs(assembly.plan.table, i))
 
 
 def _same(a: np.ndarray, b: np.ndarray) -> bool:
-    """Bitwise equality, so that NaN equals itself."""
+    """Compare two arrays bit by bit, so that NaN equals NaN."""
     return a.tobytes() == b.tobytes()
 
 
 def _raise_failure(instance: Instance, call: int, status: int) -> None:
+    """Raise an error if a call returned a status worse than a warning."""
     if status > WORST_ACCEPTED:
-        raise InitializationError(instance.failure(CALL_NAMES[call], status, " during initialization"))
+        raise InitializationError(instance.failure(CALL_NAMES[Column(call)], status, " during initialization"))

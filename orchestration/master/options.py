@@ -1,38 +1,66 @@
-"""How a run is made, besides the system, its duration, its step and its algorithm."""
+"""Choices for a run beyond its system, duration, step and algorithm: rows, multirate, crossings."""
 
-from collections.abc import Callable, Collection, Mapping
+import math
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from orchestration.errors import SystemDescriptionError
-from orchestration.master.step_arrays import Crossings
 
 Progress = Callable[[int, int], None]
 
 
 @dataclass(frozen=True)
+class Crossings:
+    """Outputs whose change of sign ends a step.
+
+    Attributes
+    ----------
+    outputs
+        As ``component.variable``, Real.
+    tolerance
+        How closely the change is located, s.
+    """
+
+    outputs: Sequence[str] = ()
+    tolerance: float = 1e-9
+
+    def __post_init__(self) -> None:
+        """Refuse a tolerance that cannot be met."""
+        if not (math.isfinite(self.tolerance) and self.tolerance > 0):
+            msg = f"The tolerance of crossings, {self.tolerance!r} s, is not positive and finite."
+            raise SystemDescriptionError(msg)
+
+
+@dataclass(frozen=True)
 class Options:
-    """Choices that have a default.
+    """Choices for a run that all have a default.
 
     Attributes
     ----------
     record
-        Outputs to record as ``component.variable``; None records all.
+        Outputs to record, as ``component.variable``. Default: all outputs.
     every
-        Of how many steps one is recorded; row 0 always is.
+        Every n-th step is recorded. Row 0 is always recorded.
     start_time
         Time of row 0, s.
     strict
         Whether an unconnected input is an error instead of a warning.
     allow_stale_inputs
-        Whether a sampling period may be shorter than, or no multiple of, the step; ticks within a
-        step then use the inputs of its start.
+        Whether a sampling period need not be a multiple of the step. A tick within a step then uses the
+        inputs of the beginning of the step.
     ratios
-        Multirate: how many communication steps one step of a component takes, by name. A sampled
-        component shows its outputs at once, a continuous one when their time has come.
+        Multirate: the number of communication steps that one step of a component takes, by component
+        name. A sampled component shows its outputs at the beginning of its step, a continuous component
+        at the end.
     crossings
-        Outputs whose change of sign ends a step; the step after it extrapolates nothing.
+        Outputs whose change of sign ends a step. The step after a crossing extrapolates nothing.
     progress
-        Called now and then with (steps made, steps in all).
+        Function that is called now and then with two numbers: the steps made, and all steps of the run.
+
+    Raises
+    ------
+    SystemDescriptionError
+        If `every` or a ratio is not a positive integer.
     """
 
     record: Collection[str] | None = None
@@ -45,16 +73,16 @@ class Options:
     progress: Progress | None = None
 
     def __post_init__(self) -> None:
-        """Check numbers."""
+        """Refuse numbers that are not positive integers."""
         if not (isinstance(self.every, int) and self.every >= 1):
-            msg = f"every = {self.every!r}: every n-th step is recorded, n an integer of at least 1."
+            msg = f"every = {self.every!r}: every n-th step is recorded, where n is an integer of at least 1."
             raise SystemDescriptionError(msg)
         for name, ratio in self.ratios.items():
             if not (isinstance(ratio, int) and ratio >= 1):
-                msg = f"{name}: the ratio {ratio!r} of its step to the communication step is no positive integer."
+                msg = f"{name}: the ratio {ratio!r} of its step to the communication step is not a positive integer."
                 raise SystemDescriptionError(msg)
 
     @property
     def slow(self) -> bool:
-        """Whether a component makes longer steps than others."""
+        """Whether a component makes steps that are longer than the communication step."""
         return any(ratio != 1 for ratio in self.ratios.values())

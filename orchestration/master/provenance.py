@@ -1,4 +1,4 @@
-"""What a result was made from: enough to make it again, and nothing that differs from place to place."""
+"""Provenance of a result: everything that is needed to repeat the run, and nothing about place, time or user."""
 
 import json
 import math
@@ -11,7 +11,7 @@ from orchestration.errors import ArchiveError
 from orchestration.sandbox.archive import file_hash
 from orchestration.system.system import Component, System
 
-FORMAT = "1"  # of what `provenance` returns
+FORMAT = "1"  # version of the dictionary that `provenance` returns
 SEED = "seed"
 PACKAGES = ("adaptimp", "fmpy", "numpy", "numba")
 
@@ -25,34 +25,39 @@ def provenance(
     stop_time: float,
     order: Sequence[str] | None,
 ) -> dict[str, str]:
-    """How a run was made, for the metadata of its result.
+    """Describe how a run was made, for the metadata of its result.
 
-    Same run, same texts: there are no dates, no folders and no names of users or machines. The
-    entries ``components``, ``start``, ``seeds``, ``connections``, ``order`` and ``versions`` are JSON.
+    The same run gives the same texts: the texts hold neither dates nor folders nor names of users or
+    machines. The entries ``components``, ``start``, ``seeds``, ``connections``, ``order`` and
+    ``versions`` are JSON.
 
     Parameters
     ----------
+    system
+        System that was run.
     algorithm
-        How the components were stepped.
-    step, start_time, stop_time
-        s.
+        Name or ``repr`` of the co-simulation algorithm.
+    step
+        Communication step, s.
+    start_time, stop_time
+        First and last communication point, s.
     order
-        Component names in the order of stepping; the order of the system if None.
+        Component names in the order of stepping. Default: the order of the system.
 
     Returns
     -------
     dict
         ``format``, ``system``, ``components`` (name, file, model, identifier, GUID and SHA-256 of each
-        FMU), ``start`` (values that differ from the FMU's own, by component), ``seeds`` (by
-        ``component.seed``, the FMU's own included), ``connections``, ``order``, ``algorithm``,
-        ``step``, ``start_time``, ``stop_time``, ``versions``.
+        FMU), ``start`` (start values that the system sets, by component), ``seeds`` (all seeds in force,
+        by ``component.seed``), ``connections``, ``order``, ``algorithm``, ``step``, ``start_time``,
+        ``stop_time``, ``versions``.
 
     Raises
     ------
     ArchiveError
         If an FMU cannot be read.
     SystemDescriptionError
-        Unless the order names each component once.
+        If the order does not name each component once.
     """
     ordered = system if order is None else system.ordered(order)
     return {
@@ -72,6 +77,7 @@ def provenance(
 
 
 def _fmu(component: Component) -> dict[str, str]:
+    """Describe the FMU of a component by its file, identifier, GUID and hash."""
     description = component.description
     try:
         digest = file_hash(description.path)
@@ -89,7 +95,7 @@ def _fmu(component: Component) -> dict[str, str]:
 
 
 def _seeds(system: System) -> dict[str, float | None]:
-    """Seeds as they are in force, by ``component.seed``."""
+    """Return the seeds in force, by ``component.seed``: values of the system, else start values of the FMU."""
     return {
         f"{component.name}.{SEED}": component.start.get(SEED, component.description.variables[SEED].start)
         for component in system.components
@@ -98,6 +104,7 @@ def _seeds(system: System) -> dict[str, float | None]:
 
 
 def _versions() -> dict[str, str]:
+    """Return the versions of the packages that decide the numbers, of Python and of the platform."""
     return {
         **{package: _version(package) for package in PACKAGES},
         "python": platform.python_version(),
@@ -106,14 +113,15 @@ def _versions() -> dict[str, str]:
 
 
 def _version(package: str) -> str:
+    """Return the version of an installed package."""
     try:
         return version(package)
     except PackageNotFoundError:
-        return "not installed"  # run from a checkout
+        return "not installed"  # the package is imported from a source folder
 
 
 def _numbers(values: Mapping[str, float | None]) -> dict[str, float | str | None]:
-    """Sorted; JSON has no infinity."""
+    """Sort values by name, and write those that are not finite as text, because JSON lacks them."""
     return {
         name: value if value is None else float(value) if math.isfinite(value) else str(float(value))
         for name, value in sorted(values.items())
@@ -121,4 +129,5 @@ def _numbers(values: Mapping[str, float | None]) -> dict[str, float | str | None
 
 
 def _json(value: Any) -> str:
+    """Write a value as JSON."""
     return json.dumps(value, ensure_ascii=False, allow_nan=False)

@@ -1,30 +1,36 @@
-"""Rows as they come: kept in memory, or handed to a file."""
+"""A recorder collects the rows of a run, in memory or in a file."""
 
 from typing import Protocol
 
 import numpy as np
 
-BLOCK_BYTES = 2**22  # of the rows that are handed on at a time, if they are not all preallocated
+BLOCK_BYTES = 2**22  # size of a block of rows, if the rows of the run are not all preallocated
 
 
 class Sink(Protocol):
-    """Takes rows; `orchestration.results.parquet_file.ParquetSink` is one."""
+    """Receiver of rows, such as `orchestration.results.parquet_file.ParquetSink`."""
 
     def append(self, time: np.ndarray, rows: np.ndarray) -> object:
-        """Take times, s, shape (n,), and rows, shape (n, n_columns)."""
+        """Take rows, shape (n, n_columns), and the times of the rows, s, shape (n,)."""
 
 
 class Recorder:
-    """Collects rows.
+    """Collects the rows of a run.
 
     Parameters
     ----------
     n_columns
-        Width of a row.
+        Number of recorded outputs.
     expected
-        Number of rows, if it is known: all are preallocated, so that memory holds them once.
+        Number of rows of the whole run. Memory for all rows is then preallocated, so that memory holds
+        each row once. None if the number is not known.
     sink
-        Where rows go instead of being kept.
+        Receiver of the rows. None to keep the rows in memory.
+
+    Attributes
+    ----------
+    count
+        Number of rows collected, those that a sink has received included.
     """
 
     def __init__(self, n_columns: int, expected: int | None, sink: Sink | None) -> None:
@@ -38,24 +44,28 @@ class Recorder:
         self.count = 0
 
     def room(self) -> tuple[np.ndarray, np.ndarray]:
-        """Times and rows to be filled from the beginning; at least one unless all expected are there."""
+        """Return free places for times, shape (n,), and rows, shape (n, n_columns).
+
+        There is at least one free place unless all expected rows have been collected. `filled` says how
+        many places were used.
+        """
         if self._filled == len(self._times) and not self._fixed:
             self._hand_on()
         return self._times[self._filled :], self._rows[self._filled :]
 
     def filled(self, n: int) -> tuple[np.ndarray, np.ndarray]:
-        """Accept n rows of what `room` gave; returns them."""
+        """Accept the first n places that `room` returned as rows; return the times and rows accepted."""
         first, self._filled = self._filled, self._filled + n
         self.count += n
         return self._times[first : self._filled], self._rows[first : self._filled]
 
     def drop(self, n: int) -> None:
-        """Take back the last n rows, which must be of the last call of `filled`."""
+        """Take back the last n rows, which must belong to the last call of `filled`."""
         self._filled -= n
         self.count -= n
 
     def reset(self, times: np.ndarray, rows: np.ndarray) -> None:
-        """Go back to having just these rows."""
+        """Replace all rows by the given rows, shape (n, n_columns), at `times`, s, shape (n,)."""
         self._full, self.count = [], len(times)
         if self._fixed:
             self._filled = len(times)
@@ -65,7 +75,7 @@ class Recorder:
             self._full.append((times.copy(), rows.copy()))
 
     def rows(self) -> tuple[np.ndarray, np.ndarray]:
-        """All rows that are kept; those of a sink are not."""
+        """Return the times and rows in memory; rows that a sink has received are not in memory."""
         present = (self._times[: self._filled], self._rows[: self._filled])
         if not self._full:
             return present
@@ -73,17 +83,18 @@ class Recorder:
         return np.concatenate([t for t, _ in parts]), np.concatenate([r for _, r in parts])
 
     def flush(self) -> None:
-        """Hand to the sink what it does not have yet."""
+        """Hand the rows in memory to the sink."""
         if self._sink is not None and self._filled:
             self._sink.append(self._times[: self._filled], self._rows[: self._filled])
             self._filled = 0
 
     @property
     def streams(self) -> bool:
-        """Whether rows leave, so that they cannot be taken back."""
+        """Whether rows go to a sink, from which rows cannot be taken back."""
         return self._sink is not None
 
     def _hand_on(self) -> None:
+        """Hand a full block to the sink, or keep it and begin another block."""
         if self._sink is not None:
             self.flush()
         else:
@@ -93,9 +104,24 @@ class Recorder:
 
 
 def not_finite(columns: tuple[str, ...], times: np.ndarray, rows: np.ndarray, *, first: int) -> tuple[int, str] | None:
-    """The first row with a value that is NaN or infinite, and the sentence that says so."""
+    """Find the first row with a value that is NaN or infinite.
+
+    Parameters
+    ----------
+    columns
+        Names of the outputs.
+    times, rows
+        Times, s, shape (n,), and rows, shape (n, n_columns).
+    first
+        Number of the first of these rows in the run.
+
+    Returns
+    -------
+    tuple of int and str, or None
+        Index of the row and a sentence for the user; None if all values are finite.
+    """
     with np.errstate(over="ignore", invalid="ignore"):
-        if np.isfinite(rows.sum()):  # NaN and infinity stay in a sum; one that overflows is looked at below
+        if np.isfinite(rows.sum()):  # NaN and infinity stay in a sum; a sum that overflows is looked at below
             return None
     finite = np.isfinite(rows)
     if finite.all():

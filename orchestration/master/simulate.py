@@ -1,8 +1,8 @@
-"""Run a system.
+"""Run a system of coupled FMUs from a start time to a stop time.
 
     result = simulate(system, stop_time=2.0, step=1e-4)
 
-Pseudocode of the whole:
+A run is this loop:
 
     instantiate; set start values; propagate outputs to inputs in initialization mode
     row 0 = outputs
@@ -10,7 +10,8 @@ Pseudocode of the whole:
         a step of the algorithm; see `orchestration.master.algorithm`
         row k + 1 = outputs
 
-Outputs are never read after inputs are set without a doStep in between.
+After initialization, the master calls fmi2DoStep between a set of inputs and the next get of outputs,
+as FMI 2.0 demands.
 """
 
 import warnings
@@ -24,7 +25,7 @@ from orchestration.master.algorithm import ALGORITHMS, Algorithm, find_algorithm
 from orchestration.master.options import Options, Progress
 from orchestration.master.provenance import provenance
 from orchestration.master.simulation import Simulation
-from orchestration.master.time_grid import Grid, fixed_grid, tick_grid
+from orchestration.master.time_grid import Grid, fixed_grid, given_grid, tick_grid
 from orchestration.results.result import Result
 from orchestration.system.system import System
 
@@ -32,7 +33,7 @@ __all__ = ["ALGORITHMS", "Options", "Progress", "UnconnectedInputWarning", "prep
 
 
 class UnconnectedInputWarning(UserWarning):
-    """Inputs that no connection drives keep their start values."""
+    """Warning that inputs without a connection keep their start values during the run."""
 
 
 def simulate(
@@ -45,36 +46,41 @@ def simulate(
     times: np.ndarray | None = None,
     options: Options | None = None,
 ) -> Result:
-    """Run a system.
+    """Run a system of coupled FMUs, and return the rows it recorded.
 
     Parameters
     ----------
-    stop_time, step
-        s; the system's own if None. The duration must be a multiple of the step.
+    system
+        Components, start values and connections.
+    stop_time
+        End of the run, s. Default: the stop time of the system, which must then have one. The duration must be
+        a multiple of the step.
+    step
+        Communication step, s. Default: the step of the system, which must then have one.
     algorithm
-        One of `ALGORITHMS`, or an `Algorithm`.
+        Name of one of `ALGORITHMS`, or an `Algorithm`.
     order
-        Component names; the order of the system if None.
+        Component names in the order of stepping. Default: the order of the system.
     times
         Communication points, s, shape (n + 1,), increasing, instead of `stop_time` and `step`.
     options
-        See `Options`.
+        Further choices for the run. Default: those of `Options`.
 
     Returns
     -------
     Result
-        A row per recorded step, and row 0.
+        Row 0, and one row for each recorded step.
 
     Raises
     ------
     SystemDescriptionError
         If the system cannot be run as asked.
     InitializationError
-        If a component refuses its start values.
+        If a component refuses its start values, or an algebraic loop has no solution.
     SimulationError
-        If a component fails; ``error.result`` has the rows made before.
+        If a component fails. ``error.result`` holds the rows before the failure.
     RunInterrupted
-        If the user interrupts; it has the rows made before.
+        If the user interrupts the run. ``error.result`` holds the rows before the interrupt.
     """
     with prepare(system, stop_time, step, algorithm, order=order, times=times, options=options) as simulation:
         simulation.run()
@@ -91,9 +97,16 @@ def stream(
     order: Sequence[str] | None = None,
     options: Options | None = None,
 ) -> int:
-    """Run a system, writing rows to a Parquet file as they come; memory stays bounded.
+    """Run a system and write its rows to a Parquet file during the run, so that memory stays bounded.
 
-    If the run fails or is interrupted, the rows made before are in ``STEM.partial.parquet``.
+    If the run fails or is interrupted, the rows before are in ``STEM.partial.parquet``.
+
+    Parameters
+    ----------
+    path
+        Parquet file to write.
+    system, stop_time, step, algorithm, order, options
+        As for `simulate`.
 
     Returns
     -------
@@ -102,8 +115,10 @@ def stream(
 
     Raises
     ------
-    OrchestrationError, RunInterrupted
-        As `simulate`; also if the file cannot be written.
+    OrchestrationError
+        If the file cannot be written, and where `simulate` raises one of the subclasses.
+    RunInterrupted
+        If the user interrupts the run.
     """
     run = prepare(system, stop_time, step, algorithm, order=order, options=options)
     run.stream_to(Path(path))
@@ -122,12 +137,17 @@ def prepare(
     times: np.ndarray | None = None,
     options: Options | None = None,
 ) -> Simulation:
-    """A run that can be saved, taken back, branched and continued; parameters as of `simulate`.
+    """Prepare a run that can be stopped, saved, restored, changed and continued.
+
+    Parameters
+    ----------
+    system, stop_time, step, algorithm, order, times, options
+        As for `simulate`.
 
     Returns
     -------
     Simulation
-        To be used as a context manager.
+        Context manager. The FMUs are instantiated when the context is entered.
 
     Raises
     ------
@@ -157,15 +177,18 @@ def _grid(
     algorithm: Algorithm,
     options: Options,
 ) -> Grid:
+    """Return the communication points of a run, and refuse ratios that do not fit them."""
     stop_time, step, times = wanted
-    span = (options.start_time, system.stop_time if stop_time is None else stop_time)
-    step = system.step if step is None else step
-    if algorithm.control is not None:
-        if times is not None:
-            msg = f"Algorithm {algorithm.name} chooses its communication points; give no times."
-            raise SystemDescriptionError(msg)
-        return tick_grid(system, span, step)
-    grid = fixed_grid(system, span, step, times, stale=options.allow_stale_inputs)
+    if algorithm.control is not None and times is not None:
+        msg = f"Algorithm {algorithm.name} chooses its communication points itself; do not give times."
+        raise SystemDescriptionError(msg)
+    if times is None:
+        span, step = (options.start_time, system.run_stop_time(stop_time)), system.run_step(step)
+        if algorithm.control is not None:
+            return tick_grid(system, span, step)
+        grid = fixed_grid(system, span, step, stale=options.allow_stale_inputs)
+    else:
+        grid = given_grid(system, times, stale=options.allow_stale_inputs)
     for name, ratio in options.ratios.items():
         if ratio >= 1 and (grid.n % ratio or grid.steps_per_tick.get(name, ratio) % ratio or grid.lengths.size > 1):
             msg = (
@@ -177,6 +200,7 @@ def _grid(
 
 
 def _report_unconnected(system: System, options: Options) -> None:
+    """Warn of unconnected inputs, or refuse them if the run is strict."""
     inputs = system.unconnected_inputs()
     if not inputs:
         return

@@ -34,16 +34,17 @@ from orchestration.errors import (
 from orchestration.fmi.codes import WORST_ACCEPTED
 from orchestration.fmi.instance import Instance
 from orchestration.master.algorithm import SEQUENTIAL, Algorithm
+from orchestration.master.capabilities import check_capabilities, check_crossings
 from orchestration.master.failure_text import failure_message
 from orchestration.master.flatten import Assembly, assemble
 from orchestration.master.initialization import initialize, opened, set_values
-from orchestration.master.kernel import coupling as places
 from orchestration.master.kernel import fixed_step
-from orchestration.master.kernel.step_program import CALL, SUBJECT, operations_of_step
+from orchestration.master.kernel.codes import Failure
+from orchestration.master.kernel.step_program import operations_of_step
 from orchestration.master.options import Options
 from orchestration.master.recorder import Recorder, Sink, not_finite
-from orchestration.master.snapshot import Snapshot, free_states, identity, restore_state, save_state
-from orchestration.master.step_arrays import Experiment, Layout, check_capabilities, check_crossings, layout
+from orchestration.master.snapshot import Snapshot, identity
+from orchestration.master.step_arrays import Experiment, Layout, layout
 from orchestration.master.time_grid import Grid
 from orchestration.results.result import Result
 from orchestration.system.system import System
@@ -98,6 +99,7 @@ class Simulation:
         self._stream: ParquetSink | None = None
         self._stack = ExitStack()
         self._chunk = _FIRST_CHUNK
+        self._begun = self._open = False
 
     def __enter__(self) -> Self:
         """Open and initialize the units; row 0 is recorded."""
@@ -108,6 +110,7 @@ class Simulation:
             initialize(self.system, self._instances, self._assembly, float(self.grid.times[0]))
             self._operations = operations_of_step(self._assembly.plan, sequential=self.algorithm.exchange == SEQUENTIAL)
             self._layout = self._lay_out()
+            self._state = self._layout.coupling.state
             stack.callback(lambda: self._layout.free(self._instances))
             stack.callback(self._free_snapshots)
             known = None if self.algorithm.control or self.options.crossings.outputs else self._expected()
@@ -118,6 +121,7 @@ class Simulation:
             if fault := not_finite(self._assembly.columns, *self._recorder.filled(1), first=0):
                 raise InitializationError(fault[1])
             self._stack = stack.pop_all()
+        self._begun = self._open = True
         return self
 
     def __exit__(
@@ -130,6 +134,7 @@ class Simulation:
         SimulationError
             If a unit fails to terminate after a run that went well.
         """
+        self._open = False
         try:
             if kind is None:
                 self._terminate()
@@ -147,17 +152,20 @@ class Simulation:
     @property
     def count(self) -> int:
         """Number of rows recorded."""
+        self._require_begun()
         return self._recorder.count
 
     @property
     def time(self) -> float:
         """Where the run is, s."""
-        return float(self._layout.work.numbers[places.TIME])
+        self._require_begun()
+        return float(self._state.time)
 
     @property
     def steps_made(self) -> int:
         """Number of steps that were accepted."""
-        return int(self._layout.work.integers[places.STEPS_MADE])
+        self._require_begun()
+        return int(self._state.steps_made)
 
     def run(self, until: float | None = None) -> None:
         """Go on.
@@ -177,10 +185,10 @@ class Simulation:
         RunInterrupted
             A KeyboardInterrupt, with the rows until then.
         """
+        self._require_open()
         last = self.grid.n if until is None else self.grid.ahead(until, self.time)
-        work = self._layout.work
         try:
-            while work.integers[places.INTERVAL] < last:
+            while self._state.interval < last:
                 started = clock.perf_counter()
                 self._run_plain(last) if self._plain else self._run_general(last)
                 elapsed = clock.perf_counter() - started
@@ -192,6 +200,7 @@ class Simulation:
 
     def result(self) -> Result:
         """What is recorded so far; views of the run's memory where that is possible."""
+        self._require_begun()
         times, rows = self._recorder.rows()
         assembly = self._assembly
         return Result(
@@ -216,6 +225,7 @@ class Simulation:
         SimulationError
             If the unit refuses, for example because the parameter is fixed.
         """
+        self._require_open()
         changed = System("_", self.system.components).set(values)
         for component, before, instance in zip(
             changed.components, self.system.components, self._instances, strict=True
@@ -232,13 +242,14 @@ class Simulation:
         SystemDescriptionError
             If a unit saves no state, or rows go to a file.
         """
+        self._require_open()
         if self._recorder.streams:
             msg = f"System {self.system.name}: rows that go to a file cannot be taken back; keep them in memory."
             raise SystemDescriptionError(msg)
-        states = tuple(save_state(instance) for instance in self._instances)
-        work, plan = self._layout.work, self._assembly.plan
+        states = tuple(instance.save() for instance in self._instances)
+        plan = self._assembly.plan
         times, rows = self._recorder.rows()
-        arrays = {name: getattr(work, name).copy() for name in _SAVED_WORK}
+        arrays = self._layout.save()
         arrays |= {"reals": plan.reals.copy(), "discretes": plan.discretes.copy()}
         arrays |= {"times": times.copy(), "rows": rows.copy(), "changes": np.array(json.dumps(self._changes))}
         snapshot = Snapshot(self.time, self._identity(), arrays, states)
@@ -254,6 +265,7 @@ class Simulation:
         SystemDescriptionError
             If the snapshot is of another system, algorithm, grid or choice of columns.
         """
+        self._require_open()
         if snapshot.identity != self._identity():
             msg = (
                 f"System {self.system.name}: the snapshot at t = {snapshot.time:.9g} s is of another run;"
@@ -265,23 +277,41 @@ class Simulation:
             msg = "The snapshot has states that live in another run; their units do not serialize."
             raise SystemDescriptionError(msg)
         for instance, state in zip(self._instances, snapshot.states, strict=True):
-            restore_state(instance, state)
-        work, plan = self._layout.work, self._assembly.plan
-        for name in _SAVED_WORK:
-            getattr(work, name)[...] = snapshot.arrays[name]
+            instance.restore(state)
+        plan = self._assembly.plan
+        self._layout.restore(snapshot.arrays)
         plan.reals[:], plan.discretes[:] = snapshot.arrays["reals"], snapshot.arrays["discretes"]
         self._changes = json.loads(str(snapshot.arrays["changes"]))
         self._recorder.reset(snapshot.arrays["times"], snapshot.arrays["rows"])
 
+    def _require_open(self) -> None:
+        """Refuse what needs instances before they are there, or after they are freed.
+
+        Raises
+        ------
+        OrchestrationError
+            Outside the ``with`` block.
+        """
+        if not self._open:
+            when = "is over" if self._begun else "has not begun"
+            example = "with prepare(system, stop_time, step) as simulation: simulation.run()"
+            msg = f"System {self.system.name}: the run {when}; step it inside its block, as in `{example}`."
+            raise OrchestrationError(msg)
+
+    def _require_begun(self) -> None:
+        """Refuse what needs rows before there are any; they stay when the block is left."""
+        if not self._begun:
+            self._require_open()
+
     def _described(self) -> dict[str, str]:
         """The metadata, what was set on the way, and what the algorithm needed."""
-        described, counters = dict(self._metadata), self._layout.work.integers
+        described, state = dict(self._metadata), self._state
         if self._changes:
             described["changes"] = json.dumps(self._changes)
         if not self._plain:
-            described["steps_made"] = str(counters[places.STEPS_MADE])
-            described["steps_rejected"] = str(counters[places.REJECTED])
-            described["sweeps"] = str(counters[places.ITERATIONS])
+            described["steps_made"] = str(state.steps_made)
+            described["steps_rejected"] = str(state.rejected)
+            described["sweeps"] = str(state.iterations)
         return described
 
     def _sink(self, stack: ExitStack) -> Sink | None:
@@ -304,15 +334,13 @@ class Simulation:
             self.options.crossings,
         )
         found = layout(self.system, self._instances, self._assembly, self.algorithm, experiment)
-        found.work.past[0], found.work.past_times[0] = self._assembly.plan.reals, times[0]
-        found.work.integers[places.N_PAST] = 1
-        found.work.numbers[places.TIME] = times[0]
+        found.start(self._assembly.plan.reals, float(times[0]))
         return found
 
     def _run_plain(self, last: int) -> None:
         """A chunk of the short loop."""
-        integers, every = self._layout.work.integers, self.options.every
-        done = int(integers[places.INTERVAL])
+        state, every = self._state, self.options.every
+        done = int(state.interval)
         room = self._recorder.room()[1]
         most = max(1, _CHUNK_VALUES // max(1, room.shape[1])) * every
         end = min(last, done + min(self._chunk, most), (done // every + len(room)) * every + every - 1)
@@ -322,22 +350,19 @@ class Simulation:
         n = k // every - done // every
         times[:n] = self.grid.times[(done // every + 1) * every : k + 1 : every]
         self._finish_rows(*self._recorder.filled(n))
-        integers[places.INTERVAL] = integers[places.STEPS_MADE] = k
-        self._layout.work.numbers[places.TIME] = self.grid.times[k]
+        state.interval = state.steps_made = k
+        state.time = self.grid.times[k]
         if k < end:
-            failed = self._operations[int(j)].tolist()
-            self._fail((failed[SUBJECT], failed[CALL], status))
+            failed = self._operations[int(j)]
+            self._fail((int(failed.subject), int(failed.call), status))
 
     def _run_general(self, last: int) -> None:
         """A chunk of the loop for all algorithms."""
         from orchestration.master.kernel import step_control
 
-        found = self._layout
         count, failure = step_control.run(
             self._assembly.plan,
-            found.coupling,
-            found.work,
-            found.method,
+            self._layout.coupling,
             (self.grid.times, self.grid.lengths),
             (last, self._chunk, self.options.every),
             self._recorder.room(),
@@ -354,10 +379,9 @@ class Simulation:
             self._recorder.flush()
             raise SimulationError(fault[1], self.result())
 
-    def _fail(self, failure: tuple[int, int, int]) -> None:
+    def _fail(self, failure: Failure) -> None:
         self._recorder.flush()
-        step = int(self._layout.work.integers[places.STEPS_MADE])
-        where = f" at t = {self.time:.9g} s (step {step})"
+        where = f" at t = {self.time:.9g} s (step {self.steps_made})"
         message = failure_message(failure, where, self._layout, self._instances, self._assembly)
         raise SimulationError(message, self.result())
 
@@ -372,7 +396,7 @@ class Simulation:
 
     def _progress(self) -> tuple[int, int]:
         if self.algorithm.control is None:
-            return int(self._layout.work.integers[places.INTERVAL]), self.grid.n
+            return int(self._state.interval), self.grid.n
         span = self.grid.times[-1] - self.grid.times[0]
         return int(1000 * (self.time - self.grid.times[0]) / span), 1000
 
@@ -391,8 +415,6 @@ class Simulation:
 
     def _free_snapshots(self) -> None:
         for snapshot in self._kept:
-            free_states(self._instances, snapshot.states)
+            for instance, state in zip(self._instances, snapshot.states, strict=True):
+                instance.free_state(state)
         self._kept.clear()
-
-
-_SAVED_WORK = ("past", "past_times", "end", "residual", "last_residual", "jacobian", "pivots", "integers", "numbers")

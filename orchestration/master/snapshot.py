@@ -1,10 +1,9 @@
-"""The state of a whole run: of every unit, of the exchange between them, and the rows so far.
+"""A snapshot holds the state of a whole run: every component, the values exchanged, and the rows so far.
 
-A unit's state is serialized where the unit can do that, so a snapshot outlives the run and can be
-written to a file; else it stays with the instance.
+The state of a component is serialized if its FMU can do that. If all states are serialized, the snapshot
+outlives the run and can be written to a file. A state that is not serialized stays in the instance.
 """
 
-import ctypes
 import hashlib
 import json
 import struct
@@ -18,13 +17,12 @@ from zipfile import BadZipFile
 
 import numpy as np
 
-from orchestration.errors import OrchestrationError, SystemDescriptionError
-from orchestration.fmi.codes import SAVES_STATE, SERIALIZES_STATE
-from orchestration.fmi.instance import Instance
+from orchestration.errors import OrchestrationError
+from orchestration.fmi.codes import SERIALIZES_STATE
 from orchestration.system.system import System
 
-FORMAT = 1
-# What numpy, zipfile and json raise on bytes that are no archive of arrays, or a broken one.
+FORMAT = 2
+# Exceptions of numpy, zipfile and json for bytes that are not an archive of arrays, or that are a damaged archive.
 _DAMAGED = (
     ValueError,
     KeyError,
@@ -41,14 +39,19 @@ _DAMAGED = (
 
 @dataclass(frozen=True)
 class Snapshot:
-    """Made by `Simulation.save`.
+    """State of a run at one communication point, made by `Simulation.save`.
 
     Attributes
     ----------
     time
-        s.
+        Time of the communication point, s.
     identity
-        What a run must be to continue from here: its units, connections, algorithm, points, columns.
+        Hash of the components, connections, algorithm, communication points and columns of the run. Only
+        a run with the same hash can continue from the snapshot.
+    arrays
+        Buffers of the master and the rows so far, by name.
+    states
+        State of each component in the order of the system: bytes if serialized, else an fmi2FMUstate.
     """
 
     time: float
@@ -57,16 +60,21 @@ class Snapshot:
     states: tuple[Any, ...] = field(repr=False)
 
     def write(self, path: str | Path) -> Path:
-        """Write to a file; `read` it in any process.
+        """Write the snapshot to a file, which `read` can read in any process.
+
+        Returns
+        -------
+        Path
+            The file.
 
         Raises
         ------
         OrchestrationError
-            If a unit cannot serialize its state, or the file cannot be written.
+            If an FMU cannot serialize its state, or the file cannot be written.
         """
         path = Path(path)
         if not all(isinstance(state, bytes) for state in self.states):
-            msg = f"{path}: a unit does not declare {SERIALIZES_STATE}; this snapshot lives in its run only."
+            msg = f"{path}: an FMU does not declare {SERIALIZES_STATE}; this snapshot lives in its run only."
             raise OrchestrationError(msg)
         header = json.dumps({"format": FORMAT, "time": self.time, "identity": self.identity})
         states = {f"state_{i}": np.frombuffer(state, np.uint8) for i, state in enumerate(self.states)}
@@ -86,12 +94,12 @@ class Snapshot:
 
     @classmethod
     def read(cls, path: str | Path) -> "Snapshot":
-        """Read what `write` wrote.
+        """Read a file that `write` wrote.
 
         Raises
         ------
         OrchestrationError
-            If the file is missing or no snapshot.
+            If the file is missing, damaged or not a snapshot.
         """
         try:
             with Path(path).open("rb") as raw, np.load(raw, allow_pickle=False) as file:
@@ -106,69 +114,29 @@ class Snapshot:
             msg = f"{path}: the snapshot cannot be read: {error.strerror or error}."
             raise OrchestrationError(msg) from error
         except _DAMAGED as error:
-            msg = f"{path} is no snapshot: {error}."
+            msg = f"{path} is not a snapshot: {error}."
             raise OrchestrationError(msg) from error
 
 
 def _is_state(name: str) -> bool:
+    """Whether an array of a file is the serialized state of a component."""
     return name.startswith("state_")
 
 
 def identity(system: System, columns: Sequence[str], times: np.ndarray, chosen: Sequence[object]) -> str:
-    """A hash of units, connections, columns, points, and what else was chosen for a run."""
-    units = [(c.name, c.description.identifier, c.description.guid) for c in system.components]
-    said = (units, [repr(connection) for connection in system.connections], tuple(columns), *chosen)
+    """Return a hash of everything that a run must share with the run of a snapshot to continue from there.
+
+    Parameters
+    ----------
+    system
+        System with its FMUs and connections.
+    columns
+        Names of the recorded outputs.
+    times
+        Communication points, s, shape (n + 1,).
+    chosen
+        Further choices of the run, such as its algorithm; the hash takes the ``repr`` of each.
+    """
+    members = [(c.name, c.description.identifier, c.description.guid) for c in system.components]
+    said = (members, [repr(connection) for connection in system.connections], tuple(columns), *chosen)
     return hashlib.sha256(repr(said).encode() + times.tobytes()).hexdigest()
-
-
-def save_state(instance: Instance) -> Any:
-    """The state of an instance: bytes if it serializes, else its fmi2FMUstate.
-
-    Raises
-    ------
-    SystemDescriptionError
-        If the unit saves no state.
-    SimulationError
-        If a call fails.
-    """
-    if not instance.description.can(SAVES_STATE):
-        msg = f"{instance.name}: {instance.description.path.name} does not declare {SAVES_STATE}; it cannot be saved."
-        raise SystemDescriptionError(msg)
-    state = ctypes.c_void_p()
-    instance.call("fmi2GetFMUstate", ctypes.byref(state))
-    if not instance.description.can(SERIALIZES_STATE):
-        return state
-    try:
-        size = ctypes.c_size_t()
-        instance.call("fmi2SerializedFMUstateSize", state, ctypes.byref(size))
-        buffer = ctypes.create_string_buffer(size.value)
-        instance.call("fmi2SerializeFMUstate", state, buffer, size)
-        return buffer.raw
-    finally:
-        instance.call("fmi2FreeFMUstate", ctypes.byref(state))
-
-
-def restore_state(instance: Instance, state: Any) -> None:
-    """Put an instance into a state that `save_state` returned.
-
-    Raises
-    ------
-    SimulationError
-        If a call fails, for example because the state is of another unit.
-    """
-    if not isinstance(state, bytes):
-        instance.call("fmi2SetFMUstate", state)
-        return
-    fresh = ctypes.c_void_p()
-    instance.call("fmi2DeSerializeFMUstate", state, ctypes.c_size_t(len(state)), ctypes.byref(fresh))
-    try:
-        instance.call("fmi2SetFMUstate", fresh)
-    finally:
-        instance.call("fmi2FreeFMUstate", ctypes.byref(fresh))
-
-
-def free_states(instances: Sequence[Instance], states: Sequence[Any]) -> None:
-    """Free the states that are not serialized."""
-    for instance, state in zip(instances, states, strict=True):
-        if not isinstance(state, bytes) and state:
-            instance.status("fmi2FreeFMUstate", ctypes.byref(state))

@@ -1,4 +1,4 @@
-"""Communication points of a run, and how sampling periods fit them."""
+"""The communication points of a run, and how the sampling periods of components fit the points."""
 
 import math
 from collections.abc import Mapping
@@ -12,18 +12,20 @@ from orchestration.system.system import RATIO_TOLERANCE, System
 
 @dataclass(frozen=True)
 class Grid:
-    """Points on which steps must end.
+    """Points of time at which steps must end.
 
     Attributes
     ----------
     times
-        s, shape (n + 1,).
+        The points, s, shape (n + 1,), increasing.
     lengths
-        Of the intervals between them, s, shape (n,), or (1,) if all are equal.
-    steps_per_tick
-        Intervals per sampling period, by component; empty where they are not whole.
+        Lengths of the intervals between the points, s, shape (n,), or (1,) if all are equal.
     step
-        The communication step, s: the length of the intervals, unless steps are controlled.
+        Communication step, s: the length of the first interval, or the step that a controlled run was
+        asked for.
+    steps_per_tick
+        Number of intervals in one sampling period, by component name. Empty if these numbers are not
+        whole.
     """
 
     times: np.ndarray
@@ -37,67 +39,86 @@ class Grid:
         return self.times.size - 1
 
     def ahead(self, until: float, now: float) -> int:
-        """The index of the point at the time `until`, s, not before `now`.
+        """Return the index of the point at the time `until`, s, which must not lie before `now`, s.
 
         Raises
         ------
         SystemDescriptionError
-            If there is none; naming the nearest that there is.
+            If there is not a point at that time. The message names the nearest point.
         """
         k = int(np.argmin(np.abs(self.times - until)))
         if abs(self.times[k] - until) > RATIO_TOLERANCE * max(1.0, abs(until)) or self.times[k] < now:
             points = self.times[self.times >= now]
             near = points[np.argmin(np.abs(points - until))]
-            msg = f"t = {until:.9g} s is no communication point ahead of {now:.9g} s; {near:.9g} s is one."
+            msg = f"t = {until:.9g} s is not a communication point ahead of {now:.9g} s; {near:.9g} s is one."
             raise SystemDescriptionError(msg)
         return k
 
 
-def fixed_grid(
-    system: System, span: tuple[float, float], step: float, times: np.ndarray | None, *, stale: bool
-) -> Grid:
-    """The points t0 + k step, or the given ones.
+def fixed_grid(system: System, span: tuple[float, float], step: float, *, stale: bool) -> Grid:
+    """Return the communication points of a run with fixed steps: t0 + k step.
 
     Parameters
     ----------
+    system
+        System whose sampling periods must fit.
     span
         Start and stop time, s.
+    step
+        Communication step, s.
     stale
         Whether sampling periods need not be multiples of the step.
 
     Raises
     ------
     SystemDescriptionError
-        If the run is no multiple of the step, or a sampling period is not.
+        If the step is not positive, or if the duration or a sampling period is not a multiple of the step.
     """
-    if times is None:
-        _require_positive(step)
-        lengths = np.array([step], dtype=float)
-        ratios = _ratios(system, lengths, stale=stale)
-        points = _points(span, step)
-    else:
-        points = np.array(times, dtype=float)
-        shaped = points.ndim == 1 and points.size > 1
-        if not (shaped and np.isfinite(points).all() and (np.diff(points) > 0).all()):
-            msg = "The communication points must be at least two finite, increasing times."
-            raise SystemDescriptionError(msg)
-        lengths = np.diff(points)
-        ratios = _ratios(system, lengths, stale=stale)
-    return Grid(points, lengths, float(lengths[0]), ratios)
+    _require_positive(step)
+    lengths = np.array([step], dtype=float)
+    ratios = _ratios(system, lengths, stale=stale)
+    return Grid(_points(span, step), lengths, float(step), ratios)
 
 
-def tick_grid(system: System, span: tuple[float, float], step: float) -> Grid:
-    """The points that contain every tick, for steps that are controlled: no more than these.
+def given_grid(system: System, times: np.ndarray, *, stale: bool) -> Grid:
+    """Points that the caller chose, s, shape (n + 1,); `stale` as of `fixed_grid`.
 
     Raises
     ------
     SystemDescriptionError
-        If a sampling period is no multiple of the step.
+        If there are fewer than two points, they do not increase, or the steps do not fit a sampling period.
+    """
+    points = np.array(times, dtype=float)
+    shaped = points.ndim == 1 and points.size > 1
+    if not (shaped and np.isfinite(points).all() and (np.diff(points) > 0).all()):
+        msg = "The communication points must be at least two finite, increasing times."
+        raise SystemDescriptionError(msg)
+    lengths = np.diff(points)
+    return Grid(points, lengths, float(lengths[0]), _ratios(system, lengths, stale=stale))
+
+
+def tick_grid(system: System, span: tuple[float, float], step: float) -> Grid:
+    """Return the points at which controlled steps must end: the ticks of all components, and the stop time.
+
+    Parameters
+    ----------
+    system
+        System whose sampled components tick.
+    span
+        Start and stop time, s.
+    step
+        Step of which every sampling period must be a multiple, s.
+
+    Raises
+    ------
+    SystemDescriptionError
+        If the step or the length of the run is not positive, or a sampling period is not a
+        multiple of the step.
     """
     _require_positive(step)
     start, stop = span
     if not (math.isfinite(stop) and stop > start):
-        msg = f"The run from {start:g} s to {stop:g} s has no length."
+        msg = f"The run from {start:g} s to {stop:g} s does not have a positive, finite length."
         raise SystemDescriptionError(msg)
     ratios = system.steps_per_tick(step)
     if not ratios:
@@ -111,6 +132,7 @@ def tick_grid(system: System, span: tuple[float, float], step: float) -> Grid:
 
 
 def _require_positive(step: float) -> None:
+    """Refuse a step that is not positive and finite."""
     if not (np.isfinite(step) and step > 0):
         msg = f"The step {step!r} s is not positive."
         raise SystemDescriptionError(msg)
@@ -124,7 +146,7 @@ def _points(span: tuple[float, float], step: float) -> np.ndarray:
     if n < 1 or abs(count - n) > RATIO_TOLERANCE * n:
         whole = t0 + max(1, n) * step
         msg = (
-            f"The run from {t0:g} s to {stop_time:g} s is no multiple of the step {step:g} s;"
+            f"The run from {t0:g} s to {stop_time:g} s is not a multiple of the step {step:g} s;"
             f" stop at {whole:.9g} s instead."
         )
         raise SystemDescriptionError(msg)
@@ -132,7 +154,7 @@ def _points(span: tuple[float, float], step: float) -> np.ndarray:
 
 
 def _ratios(system: System, steps: np.ndarray, *, stale: bool) -> Mapping[str, int]:
-    """Steps per tick of the sampled components; empty where they are not whole."""
+    """Return the steps per tick of each sampled component; empty if inputs may be stale and a ratio is not whole."""
     if stale:
         try:
             return system.steps_per_tick(float(steps[0]))

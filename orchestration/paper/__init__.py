@@ -1,1 +1,1 @@
-"""Lu & Meng (1991), section V: scenarios, figures and claims."""
+"""The robot of Lu & Meng (1991): its scenarios, its figures, and the claims of the paper, measured."""

@@ -1,4 +1,4 @@
-"""FMU files for the paper's scenarios, built when they are not there yet."""
+"""Finds the FMU files of the paper's scenarios, and builds those that are not in the cache."""
 
 from collections.abc import Iterable, Mapping
 from pathlib import Path
@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 
 def scenario(name: str) -> Scenario:
-    """A scenario by name.
+    """The scenario of a name, such as ``fig5``.
 
     Raises
     ------
@@ -26,19 +26,19 @@ def scenario(name: str) -> Scenario:
 
 
 def fmus(identifiers: Iterable[str]) -> Mapping[str, Path]:
-    """FMU files by model identifier, for this machine, from the cache or built now."""
+    """FMU files for this machine by model identifier; those that are not in the cache are built."""
     return {identifier: built(identifier) for identifier in dict.fromkeys(identifiers)}
 
 
 def built(identifier: str) -> Path:
-    """One unit's FMU for this machine, from the cache or built now; raises as `built_model`."""
-    from fmus.catalog import UNITS
+    """The FMU file for this machine of a model identifier; errors are those of `built_model`."""
+    from fmus.catalog import MODELS
 
-    return built_model(UNITS[identifier]())
+    return built_model(MODELS[identifier]())
 
 
 def built_model(model: "Model", folder: Path | None = None, platforms: "Iterable[Platform] | None" = None) -> Path:
-    """A model's FMU; arguments as those of `adaptimp_fmu.build`.
+    """The FMU file of a model; the arguments are those of `adaptimp_fmu.build`.
 
     Raises
     ------

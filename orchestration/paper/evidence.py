@@ -1,4 +1,4 @@
-"""The runs that the claims are measured on, made once."""
+"""Makes the runs that the claims are measured on, each once."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -6,25 +6,23 @@ from functools import cached_property
 
 import numpy as np
 
-from orchestration.errors import SimulationError
-from orchestration.paper.laboratory import SEEDS, Job, Laboratory
-from orchestration.paper.measure import ESTIMATE, TRUE_M2, Summary
-from orchestration.paper.scenarios import SCENARIOS
+from orchestration.paper.laboratory import SEEDS, Job, Laboratory, Outcome
+from orchestration.paper.measure import ESTIMATE, Summary
+from orchestration.paper.numbers import PSI, TRUE_M2
+from orchestration.paper.scenarios import SCENARIOS, UNSATURATED
 from orchestration.results.result import Result
 
-PSI_GRID = tuple(100.0 * 10.0 ** (k / 3) for k in range(-3, 4))  # 1/s, two decades
+PSI_GRID = tuple(PSI * 10.0 ** (k / 3) for k in range(-3, 4))  # 1/s, two decades
 GAMMA_GRID_FACTORS = tuple(10.0 ** (k / 3) for k in range(-3, 4))  # of the scenario's gain
 K_D_GRID = (30.0, 100.0, 300.0, 1000.0, 3000.0)  # N.s/m
 DIVISORS = (1, 10, 100)
 PERIODS = (4e-5, 2e-5, 1e-5)  # s
 TOUCH = ("plant.F_ext", "plant.x")  # what `contact` needs
 
-Outcomes = list[Summary | SimulationError | ValueError]
-
 
 @dataclass(frozen=True)
 class Evidence:
-    """Results of the figures, and further runs made when they are first asked for.
+    """The runs that claims are measured on: those of the figures, and further ones that are made when first asked for.
 
     Attributes
     ----------
@@ -37,13 +35,13 @@ class Evidence:
 
     @cached_property
     def ideal_force(self) -> np.ndarray:
-        """F_ext with the true mass and a perfect sensor, N, shape (n_rows, 2)."""
+        """Contact force with the true mass and a perfect sensor, N, shape (n_rows, 2)."""
         record = ("plant.F_ext[1]", "plant.F_ext[2]")
         return self.laboratory.run(Job("ideal"), record).vector("plant.F_ext")
 
     @cached_property
     def noise(self) -> Mapping[str, list[Summary]]:
-        """Summaries over `SEEDS` of the adaptive scenarios.
+        """Summaries of the adaptive scenarios over the noise seeds `SEEDS`.
 
         Raises
         ------
@@ -58,7 +56,7 @@ class Evidence:
 
     @cached_property
     def sensitivity(self) -> Mapping[str, list[tuple[float, float, Summary | None]]]:
-        """(Psi, factor on Gamma, summary or None if the run failed) for both algorithms."""
+        """Summaries of both algorithms over Psi and a factor on Gamma; None instead of a summary if a run failed."""
         grid = [(psi, factor) for psi in PSI_GRID for factor in GAMMA_GRID_FACTORS]
         table = {}
         for name in ("fig5", "fig7"):
@@ -71,7 +69,7 @@ class Evidence:
                         "controller.Psi[1]": psi,
                         "controller.Psi[2]": psi,
                         gain: factor * nominal,
-                        **_UNSATURATED,
+                        **UNSATURATED,
                     },
                 )
                 for psi, factor in grid
@@ -85,7 +83,7 @@ class Evidence:
 
     @cached_property
     def divisors(self) -> Mapping[str, list[Summary]]:
-        """Summaries at the update divisors 1, 10, 100 for both algorithms."""
+        """Summaries of both algorithms at the update divisors `DIVISORS`."""
         return {
             name: [
                 _required(s)
@@ -109,27 +107,24 @@ class Evidence:
 
     @cached_property
     def damped_from_true(self) -> list[Result]:
-        """The same, with the true mass known from the start."""
+        """Runs of fig7 as `damped_from_wrong`, with the true mass known from the start."""
         return self._damped({"controller.p_start[2]": TRUE_M2})
 
     def _damped(self, changes: Mapping[str, float]) -> list[Result]:
         record = [f"{n}[{i}]" for n in ("controller.s", "controller.e", "plant.q", *TOUCH) for i in (1, 2)]
         jobs = [
-            Job("fig7", {"controller.K_d[1]": gain, "controller.K_d[2]": gain, **_UNSATURATED, **changes})
+            Job("fig7", {"controller.K_d[1]": gain, "controller.K_d[2]": gain, **UNSATURATED, **changes})
             for gain in K_D_GRID
         ]
         return self.laboratory.results(jobs, [*record, ESTIMATE])
 
     @staticmethod
     def scenario_value(name: str, path: str) -> float:
-        """A number of a scenario."""
+        """The start value of a variable in a scenario."""
         return SCENARIOS[name].values[path].number
 
 
-_UNSATURATED = {"actuator.tau_max[1]": 1e9, "actuator.tau_max[2]": 1e9}
-
-
-def _required(outcome: Summary | SimulationError | ValueError) -> Summary:
+def _required(outcome: Outcome) -> Summary:
     if isinstance(outcome, Summary):
         return outcome
     raise outcome

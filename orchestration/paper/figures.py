@@ -1,4 +1,7 @@
-"""The paper's figures, with panels as in its captions."""
+"""Draws the paper's figures, with panels as in its captions.
+
+They are drawn without pyplot, each on an Agg canvas of its own: a caller's backend and settings stay as they are.
+"""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -7,15 +10,15 @@ from typing import Any
 import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from orchestration.paper.measure import ESTIMATE, TRUE_M2, at_ticks, contact
-from orchestration.paper.scenarios import SCENARIOS, TORQUE_LIMITS, WALL_OFFSET
+from orchestration.paper.measure import ESTIMATE, at_ticks, contact
+from orchestration.paper.numbers import TORQUE_LIMITS, TORQUE_SHARE, TRUE_M2, WALL_OFFSET
+from orchestration.paper.scenarios import SCENARIOS
 from orchestration.paper.theory import wall_points
 from orchestration.results.result import Result
-
-mpl.use("Agg")
 
 STYLE: dict[str, Any] = {
     "font.size": 9,
@@ -65,10 +68,16 @@ def draw(results: Mapping[str, Result], folder: Path, image: str = "png") -> lis
     return [folder / f"{name}.{image}" for name in drawn]
 
 
+def _panels() -> tuple[Figure, np.ndarray]:
+    """An empty figure, and its axes, shape (2, 2)."""
+    figure = Figure(figsize=(10, 7.5))
+    FigureCanvasAgg(figure)
+    return figure, figure.subplots(2, 2)
+
+
 def _control_figure(result: Result) -> Figure:
     """Panels (a) trajectories, (b) torques or estimate, (c) tracking error, (d) contact force."""
-    figure = Figure(figsize=(10, 7.5))
-    axes = figure.subplots(2, 2)
+    figure, axes = _panels()
     _trajectories(axes[0, 0], result)
     ticks = result.tick_times("actuator.tau[1]")
     estimate = result.at_ticks(ESTIMATE)
@@ -93,15 +102,14 @@ def _control_figure(result: Result) -> Figure:
 
 def _torque_figure(one: Result, two: Result) -> Figure:
     """Commanded torques of algorithms 1 and 2 at each joint, whole and in contact, with Fig. 6's limits."""
-    figure = Figure(figsize=(10, 7.5))
-    axes = figure.subplots(2, 2)
+    figure, axes = _panels()
     for row, limit in enumerate(TORQUE_LIMITS):
         for column, axis in enumerate(axes[row]):
             for result, name in ((one, "algorithm 1"), (two, "algorithm 2")):
                 command = f"controller.tau_cmd[{row + 1}]"
                 curve = result.tick_times(command), result.at_ticks(command)
                 axis.plot(*(curve if column else _envelope(*curve)), lw=0.8, label=name)
-            axis.axhline(limit, color="tab:red", ls=":", label="75 % of the largest")
+            axis.axhline(limit, color="tab:red", ls=":", label=f"{100 * TORQUE_SHARE:g} % of the largest")
             axis.axhline(-limit, color="tab:red", ls=":")
             title = f"({'abcd'[2 * row + column]}) Joint {row + 1}{', in contact' if column else ''}"
             _time_axis(axis, one, title, "torque (N m)")
@@ -122,8 +130,7 @@ def _torques(axis: Axes, result: Result) -> None:
 
 def _tirt_figure(result: Result) -> Figure:
     """The TIRT (dashed) and the virtual trajectory (solid), whole and near the wall; and their distance."""
-    figure = Figure(figsize=(10, 7.5))
-    axes = figure.subplots(2, 2)
+    figure, axes = _panels()
     x_t, x_v = at_ticks(result, "controller.x_t"), at_ticks(result, "trajectory.x_v")
     for axis, title in ((axes[0, 0], "(a) In the plane"), (axes[0, 1], "(b) Near the wall")):
         _wall(axis)
@@ -208,5 +215,5 @@ def _envelope(t: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _path(points: np.ndarray) -> np.ndarray:
-    """A smooth path thinned to some 10 `BINS` points, shape (2, n)."""
+    """A smooth path, thinned to about 10 `BINS` points, shape (2, n)."""
     return points[:: max(1, len(points) // (10 * BINS))].T

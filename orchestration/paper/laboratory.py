@@ -1,4 +1,4 @@
-"""Many runs of the scenarios with varied numbers, two at a time: the hot loop releases the GIL."""
+"""Runs scenarios with varied numbers, one on each core: the compiled loop releases the GIL."""
 
 import os
 from collections.abc import Collection, Mapping, Sequence
@@ -10,16 +10,17 @@ import numpy as np
 
 from orchestration.errors import SimulationError
 from orchestration.master.simulate import Options, simulate
-from orchestration.paper.measure import ESTIMATE, RECORDED, Summary, summarize
+from orchestration.paper.measure import ESTIMATE, RECORDED, NoContactError, Summary, summarize
 from orchestration.paper.scenarios import SCENARIOS, VARIANTS
 from orchestration.results.result import Result
 
 SEEDS = tuple(range(1, 31))
+Outcome = Summary | SimulationError | NoContactError
 
 
 @dataclass(frozen=True)
 class Job:
-    """A scenario with some start values changed, by ``component.variable``.
+    """A run to make: a scenario with some start values changed, by ``component.variable``.
 
     Attributes
     ----------
@@ -34,7 +35,7 @@ class Job:
 
 @dataclass(frozen=True)
 class Laboratory:
-    """Runs jobs on FMU files by model identifier."""
+    """Runs jobs, with FMU files by model identifier."""
 
     fmus: Mapping[str, Path]
 
@@ -62,15 +63,13 @@ class Laboratory:
         with ThreadPoolExecutor(os.cpu_count()) as pool:
             return list(pool.map(lambda job: self.run(job, record), jobs))
 
-    def summaries(
-        self, jobs: Sequence[Job], ideal_force: np.ndarray | None = None
-    ) -> list[Summary | SimulationError | ValueError]:
-        """Summaries of many jobs; a run that fails, or never touches the wall, gives its error."""
+    def summaries(self, jobs: Sequence[Job], ideal_force: np.ndarray | None = None) -> list[Outcome]:
+        """Summaries of many jobs; in the place of a run that fails, or never touches the wall, stands its error."""
 
-        def work(job: Job) -> Summary | SimulationError | ValueError:
+        def work(job: Job) -> Outcome:
             try:
                 return summarize(self.run(job, (*RECORDED, ESTIMATE)), ideal_force)
-            except (SimulationError, ValueError) as error:
+            except (SimulationError, NoContactError) as error:
                 return error
 
         with ThreadPoolExecutor(os.cpu_count()) as pool:

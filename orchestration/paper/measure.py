@@ -1,18 +1,23 @@
-"""Quantities that figures and claims read off a run."""
+"""Reads quantities off a run that figures and claims show: contact, errors, estimates."""
 
 from dataclasses import dataclass
 
 import numpy as np
 
+from orchestration.errors import OrchestrationError
+from orchestration.paper.numbers import TIP_START, TRUE_M2
 from orchestration.results.result import Result
 
-START = np.array([1.5, 0.0])  # m, V: where the tip begins and ends
-TRUE_M2 = 1.0  # kg, V
+SETTLED, RECOVERED = 0.1, 0.05  # errors of m2_hat, kg, below which it counts as adapted, and as recovered
+
+
+class NoContactError(OrchestrationError):
+    """The tip never touched the wall in a run."""
 
 
 @dataclass(frozen=True)
 class Contact:
-    """When and where the tip touched the wall.
+    """The time in which the tip touched the wall.
 
     Attributes
     ----------
@@ -38,18 +43,21 @@ class Contact:
 
 
 def contact(result: Result) -> Contact:
-    """The contact of a run.
+    """When and where the tip touched the wall in a run.
 
     Raises
     ------
-    ValueError
+    NoContactError
         If the tip never touched the wall.
     """
     force = np.linalg.norm(result.vector("plant.F_ext"), axis=1)
     touching = force > 0
     if not touching.any():
-        msg = "the tip never touched the wall"
-        raise ValueError(msg)
+        msg = (
+            f"The tip never touched the wall from {result.time[0]:g} s to {result.time[-1]:g} s:"
+            " plant.F_ext is zero in every row; move the wall or let the run last longer."
+        )
+        raise NoContactError(msg)
     first, last = np.flatnonzero(touching)[[0, -1]]
     x = result.vector("plant.x")
     return Contact(
@@ -73,6 +81,11 @@ def norms(vectors: np.ndarray) -> np.ndarray:
     return np.linalg.norm(vectors, axis=1)
 
 
+def distance_from_start(result: Result) -> float:
+    """Distance of the tip from where it began, at the end of a run, m."""
+    return float(np.linalg.norm(result.vector("plant.x")[-1] - np.array(TIP_START)))
+
+
 def largest_norm(vectors: np.ndarray) -> float:
     """Largest Euclidean norm among vectors of shape (n, 2)."""
     return float(norms(vectors).max())
@@ -88,18 +101,18 @@ ESTIMATE = "controller.p_hat[2]"
 
 @dataclass(frozen=True)
 class Summary:
-    """An adaptive run in numbers; m2 errors relative to the true 1 kg, times in s, lengths in m.
+    """A run with adaptation in numbers; errors of m2_hat in kg, times in s, lengths in m.
 
     Attributes
     ----------
     m2_settled
-        Time from which the error stays within 10 % until the first contact.
+        Time from which the error of m2_hat stays within `SETTLED` until the first contact.
     m2_at_contact
-        Absolute error at the first contact.
+        Absolute error of m2_hat at the first contact.
     m2_in_contact
-        Largest absolute error during contact.
+        Largest absolute error of m2_hat during contact.
     m2_recovery
-        Time after the last contact from which the error stays within 5 %.
+        Time after the last contact from which the error of m2_hat stays within `RECOVERED`.
     torque
         Largest absolute command of each joint, N.m, shape (2,).
     e_start, e_free
@@ -127,7 +140,7 @@ class Summary:
 
 
 def summarize(result: Result, ideal_force: np.ndarray | None = None) -> Summary:
-    """Numbers of an adaptive run.
+    """Measure a run with adaptation.
 
     Parameters
     ----------
@@ -140,8 +153,8 @@ def summarize(result: Result, ideal_force: np.ndarray | None = None) -> Summary:
     before, after = ticks < touch.first, ticks > touch.last
     e = norms(at_ticks(result, "controller.e"))
     error = np.abs(result.at_ticks(ESTIMATE) - TRUE_M2)
-    settled = np.flatnonzero(before & (error > 0.1))
-    recovered = np.flatnonzero(after & (error > 0.05))
+    settled = np.flatnonzero(before & (error > SETTLED))
+    recovered = np.flatnonzero(after & (error > RECOVERED))
     force = result.vector("plant.F_ext")
     return Summary(
         m2_settled=float(ticks[settled[-1]]) if settled.size else 0.0,
@@ -155,7 +168,7 @@ def summarize(result: Result, ideal_force: np.ndarray | None = None) -> Summary:
         e_contact_rms=float(np.sqrt((e[during] ** 2).mean())),
         e_max=float(e.max()),
         force_error=_force_error(force, ideal_force),
-        end=float(np.linalg.norm(result.vector("plant.x")[-1] - START)),
+        end=distance_from_start(result),
     )
 
 

@@ -1,4 +1,4 @@
-"""Reference trajectories of every unit alone, in the form of the FMI cross-check, in fmus/reference/.
+"""Writes reference trajectories of every FMU alone, in the form of the FMI cross-check, into fmus/reference/.
 
     python -m orchestration.paper.reference_data [--out DIR]
 
@@ -27,7 +27,7 @@ REL_TOL = 1e-9  # ten digits are rounded by up to 5e-10; a last bit changed in a
 
 
 def write_reference(name: str, folder: Path) -> None:
-    """Write the three files of a unit into ``folder/NAME``, simulating it through fmpy."""
+    """Simulate an FMU with fmpy and write its three files into ``folder/NAME``."""
     stimulus = STIMULI[name]
     folder = folder / name
     folder.mkdir(parents=True, exist_ok=True)
@@ -73,7 +73,7 @@ def _write_options(path: Path, stimulus: Stimulus) -> None:
 
 
 def main() -> None:
-    """Write the reference data of every unit."""
+    """Write the reference trajectories of every FMU."""
     parser = argparse.ArgumentParser(prog="reference_data", description=__doc__.partition("\n")[0] if __doc__ else "")
     parser.add_argument("--out", type=Path, default=FOLDER)
     out = parser.parse_args().out

@@ -1,4 +1,4 @@
-"""Everything the paper shows, from real FMUs: the main job."""
+"""Reproduces everything the paper shows, figures and claims, from FMUs."""
 
 import json
 import tempfile
@@ -22,7 +22,7 @@ Tell = Callable[[str], None]
 
 @dataclass(frozen=True)
 class Report:
-    """Files written, the claims, and whether those are of an earlier run with the same inputs."""
+    """What was reproduced: the files written, the claims, and whether the claims were measured by an earlier run."""
 
     figures: list[Path]
     claims_file: Path

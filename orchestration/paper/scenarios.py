@@ -1,7 +1,8 @@
-"""The paper's runs, as numbers.
+"""The paper's runs: which FMUs each is made of, and its start values with their origins.
 
 Every number is either stated in the paper, with the place, or assumed, with the reason. One set of
-assumed values serves all figures of a kind; nothing is tuned per figure.
+assumed values serves all figures of a kind; nothing is tuned per figure. The numbers that are used in
+more than one place stand in `orchestration.paper.numbers`.
 """
 
 import math
@@ -9,14 +10,35 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from orchestration.fmi.instance import SAMPLE_TIME
+from orchestration.fmi.description import SAMPLE_TIME
+from orchestration.paper.numbers import (
+    ADAPTIVE_DAMPING,
+    ADAPTIVE_STEP,
+    ARM,
+    CONVENTIONAL_STEP,
+    DEPTH,
+    GAMMA_CRAIG,
+    GAMMA_EPS,
+    GAMMA_MARGIN,
+    GAMMA_SLOTINE_LI,
+    K_D,
+    NO_TORQUE_LIMIT,
+    NOISE_BOUND,
+    PERIOD,
+    PSI,
+    SEED,
+    SEMI_AXIS,
+    TARGET_INERTIA,
+    TARGET_STIFFNESS,
+    TORQUE_LIMITS,
+    TRUE_M2,
+    TRUE_MASSES,
+    WALL_NORMAL,
+    WALL_OFFSET,
+    WALL_STIFFNESS,
+    WRONG_M2,
+)
 from orchestration.system.system import System
-
-TARGET_INERTIA = 2.0  # kg, V
-TARGET_STIFFNESS = 4000.0  # N/m, V
-TRUE_MASSES = (2.0, 1.0)  # kg, V
-WRONG_M2 = 2.5  # kg, V
-WALL_OFFSET = 1.45  # m, assumed
 
 
 @dataclass(frozen=True)
@@ -42,7 +64,7 @@ class Value:
 
 @dataclass(frozen=True)
 class Scenario:
-    """A run of the paper.
+    """A run that the paper shows or claims something about.
 
     Attributes
     ----------
@@ -62,10 +84,10 @@ class Scenario:
     values: Mapping[str, Value]
     step: float
     sampling: str
-    stop_time: float = 2.0  # s, V: one turn of the ellipse
+    stop_time: float = PERIOD  # s, V: one turn of the ellipse
 
     def system(self, fmus: Mapping[str, Path]) -> System:
-        """The system, from FMU files by model identifier; it says what of it is assumed."""
+        """The system that is run, with the reasons for its assumed values, from FMU files by model identifier."""
         files = {component: fmus[identifier] for component, identifier in self.units.items()}
         system = System.connected_by_name(self.name, files, step=self.step, stop_time=self.stop_time)
         numbers = {path: value.number for path, value in self.values.items()}
@@ -89,33 +111,33 @@ _WALL_REASON = (
 )
 _ARM_AND_WALL = {
     **_vector("plant.m", TRUE_MASSES, "V"),
-    **_both("plant.l", 1.0, "V"),
+    **_vector("plant.l", ARM.link_lengths, "V"),
     # q2 = arccos(1.5^2/2 - 1) and q1 = -q2/2 put the tip at (1.5, 0); dq gives it (0, pi) m/s.
     **_vector(
         "plant.q_start",
-        (-0.7227342478, 1.4454684956),
+        ARM.q,
         "assumed: section V states the tip's start, (1.5, 0); elbow bent by q2 > 0",
     ),
-    **_vector("plant.dq_start", (2.0943951024, 0.0), "V"),
+    **_vector("plant.dq_start", ARM.dq, "V"),
     "plant.gravity": Value(0.0, "assumed: the plane of motion is horizontal"),
-    **_vector("plant.wall_normal", (-1.0, 0.0), _WALL_REASON),
+    **_vector("plant.wall_normal", WALL_NORMAL, _WALL_REASON),
     "plant.wall_offset": Value(WALL_OFFSET, _WALL_REASON),
-    "plant.K_f": Value(1e5, "V"),
+    "plant.K_f": Value(WALL_STIFFNESS, "V"),
     "plant.D_f": Value(0.0, "V: a stiffness alone"),
     "plant.mu": Value(0.0, "V: no friction along the wall"),
-    **_vector("trajectory.semi_axis", (1.5, 1.0), "V"),
-    "trajectory.period": Value(2.0, "V"),
-    **_vector("trajectory.wall_normal", (-1.0, 0.0), _WALL_REASON),
+    **_vector("trajectory.semi_axis", SEMI_AXIS, "V"),
+    "trajectory.period": Value(PERIOD, "V"),
+    **_vector("trajectory.wall_normal", WALL_NORMAL, _WALL_REASON),
     "trajectory.wall_offset": Value(WALL_OFFSET, _WALL_REASON),
     "trajectory.depth": Value(
-        0.01, "assumed: K depth = 40 N of steady force; the paper draws a small straight segment"
+        DEPTH, "assumed: K depth = 40 N of steady force; the paper draws a small straight segment"
     ),
 }
 _PERFECT_SENSOR = {"sensor.noise_std": Value(0.0, "V"), "sensor.noise_bound": Value(0.0, "V")}
 _TARGET = {
     **_both("controller.M", TARGET_INERTIA, "V"),
     **_both("controller.K", TARGET_STIFFNESS, "V"),
-    **_both("controller.l", 1.0, "V"),
+    **_vector("controller.l", ARM.link_lengths, "V"),
     "controller.gravity": Value(0.0, "assumed: as in the plant"),
 }
 _CRITICAL_DAMPING = _both("controller.B", 2.0 * math.sqrt(TARGET_INERTIA * TARGET_STIFFNESS), "V: B = 2 sqrt(M K)")
@@ -126,32 +148,15 @@ _UNITS = {
     "actuator": "Actuator",
     "plant": "Plant",
 }
-_CONVENTIONAL_STEP = 1e-4  # s, assumed
 _CONVENTIONAL_SAMPLING = "assumed: 10 kHz; section V does not say how its simulation was sampled"
 
 
 _CONVENTIONAL = {**_ARM_AND_WALL, **_PERFECT_SENSOR, **_TARGET, **_CRITICAL_DAMPING}
 
-# Figs. 5 to 7: one set of values for all three, chosen as docs/calibration.md says.
-ADAPTIVE_DAMPING = 340.0  # N.s/m, V
-ADAPTIVE_STEP = 2e-5  # s, assumed
 ADAPTIVE_SAMPLING = (
     "assumed: practically continuous; with 1e-4 s the chatter of F_c in contact drags m2_hat off by about 40 %"
     " (docs/calibration.md)"
 )
-SEED = 1  # assumed
-PSI = 100.0  # 1/s, assumed
-GAMMA_CRAIG = 5.0  # kg2.s2/m2, assumed
-GAMMA_SLOTINE_LI = 4.0  # kg.s2/m2, assumed
-K_D = 100.0  # N.s/m, assumed
-GAMMA_MARGIN, GAMMA_EPS = 1.5, 1e-4  # 1 and m/s, assumed
-
-# Computed by `python -m orchestration.paper.calibrate`: 15 % of the peak |F_ext| of fig5 without
-# noise, and 75 % of each joint's largest |tau_cmd| of fig5.
-NOISE_SHARE, TORQUE_SHARE = 0.15, 0.75  # V
-NOISE_BOUND = 91.12  # N
-TORQUE_LIMITS = (513.36, 305.84)  # N.m
-
 _CHOSEN = "assumed: chosen by the procedure of docs/calibration.md, the same for Figs. 5 to 7"
 _ADAPTIVE = {
     **_ARM_AND_WALL,
@@ -170,6 +175,8 @@ _CRAIG = {
     "controller.gamma_eps": Value(GAMMA_EPS, _CHOSEN),
 }
 _SATURATION = _vector("actuator.tau_max", TORQUE_LIMITS, "V: 75 % of the largest torque of Fig. 5")
+UNSATURATED = {"actuator.tau_max[1]": NO_TORQUE_LIMIT, "actuator.tau_max[2]": NO_TORQUE_LIMIT}
+"""Start values that switch the torque limits of a scenario off, N.m."""
 
 
 def _known_masses(m2: float) -> dict[str, Value]:
@@ -178,7 +185,7 @@ def _known_masses(m2: float) -> dict[str, Value]:
 
 def _conventional(name: str, caption: str, m2: float) -> Scenario:
     values = {**_CONVENTIONAL, **_known_masses(m2)}
-    return Scenario(name, caption, _UNITS, values, _CONVENTIONAL_STEP, _CONVENTIONAL_SAMPLING)
+    return Scenario(name, caption, _UNITS, values, CONVENTIONAL_STEP, _CONVENTIONAL_SAMPLING)
 
 
 def _adaptive(name: str, caption: str, controller: str, values: Mapping[str, Value]) -> Scenario:
@@ -193,9 +200,9 @@ SPONG_ORTEGA = "SpongOrtegaAdaptiveImpedance"
 SCENARIOS = {
     scenario.name: scenario
     for scenario in (
-        _conventional("fig2", "Conventional impedance control with the true m2 = 1 kg", TRUE_MASSES[1]),
-        _conventional("fig3", "The TIRT versus the virtual trajectory", TRUE_MASSES[1]),
-        _conventional("fig4", "Conventional impedance control with m2 = 2.5 kg", WRONG_M2),
+        _conventional("fig2", f"Conventional impedance control with the true m2 = {TRUE_M2:g} kg", TRUE_M2),
+        _conventional("fig3", "The TIRT versus the virtual trajectory", TRUE_M2),
+        _conventional("fig4", f"Conventional impedance control with m2 = {WRONG_M2:g} kg", WRONG_M2),
         _adaptive("fig5", "Algorithm 1 without saturation", CRAIG, _CRAIG),
         _adaptive("fig6", "Algorithm 1 with saturation", CRAIG, {**_CRAIG, **_SATURATION}),
         _adaptive(
@@ -225,7 +232,7 @@ VARIANTS = {
                 **_PERFECT_SENSOR,
                 **_TARGET,
                 **_both("controller.B", ADAPTIVE_DAMPING, "V"),
-                **_known_masses(TRUE_MASSES[1]),
+                **_known_masses(TRUE_M2),
             },
             ADAPTIVE_STEP,
             ADAPTIVE_SAMPLING,

@@ -1,4 +1,4 @@
-"""What each unit is driven with alone: inputs, and tunable parameters, over time.
+"""Inputs and tunable parameters over time that each FMU is driven with when it runs alone.
 
 Motions are chosen so that the equations act: the plant runs into the wall, the actuators saturate, the
 sensor is noisy, and a controller sees a tip that deviates by millimetres while a noisy force sets in.
@@ -14,13 +14,13 @@ from fmus.mechanics.planar_arm import PlanarArm
 from fmus.start import ARMS
 
 Columns = Mapping[str, np.ndarray]
-NOISE_BOUND = 20.0  # N
-TORQUE_LIMITS = (500.0, 300.0, 100.0)  # N.m
+ASSUMED_BOUND = 20.0  # N, of the sensor's error, as controllers are told
+LIMITS = (500.0, 300.0, 100.0)  # N.m, of the actuators
 
 
 @dataclass(frozen=True)
 class Stimulus:
-    """Columns by variable at t_k = k step, k = 0 to n_steps; step in s.
+    """What an FMU is driven with: columns by variable at t_k = k step, k = 0 to n_steps; step in s.
 
     Attributes
     ----------
@@ -94,7 +94,7 @@ def _hard_commands(n: int) -> Callable[[np.ndarray], Columns]:
 
     def columns(t: np.ndarray) -> Columns:
         turns = np.arange(1, n + 1)[:, np.newaxis] * 2 * np.pi * t / t[-1]
-        limits = np.array(TORQUE_LIMITS[:n])
+        limits = np.array(LIMITS[:n])
         command = 1.5 * limits[:, np.newaxis] * np.sin(turns)
         return {**_named("tau_cmd", command), **_constant("tau_max", t, *limits)}
 
@@ -112,7 +112,7 @@ def _along_a_path(n: int, *, adaptive: bool = False, noise_bound: bool = False) 
         q = np.array(begin.q)[:, np.newaxis] + 0.1 * np.sin(phases)
         dq, ddq = 0.1 * rate * np.cos(phases), -0.1 * rate**2 * np.sin(phases)
         signals = {"q": q, "dq": dq, "ddq": ddq, "F_hat": _contact_force(t)}
-        signals["F_hat"] = signals["F_hat"] + np.where(signals["F_hat"] != 0, NOISE_BOUND / 2 * _noise(t), 0)
+        signals["F_hat"] = signals["F_hat"] + np.where(signals["F_hat"] != 0, ASSUMED_BOUND / 2 * _noise(t), 0)
         tip = [_tip(arm, begin.link_lengths, *row) for row in zip(q.T, dq.T, ddq.T, strict=True)]
         for i, name in enumerate(("x_v", "dx_v", "ddx_v")):
             signals[name] = np.array([row[i] for row in tip]).T + _deviation(t, order=i)
@@ -120,7 +120,7 @@ def _along_a_path(n: int, *, adaptive: bool = False, noise_bound: bool = False) 
         if adaptive:
             saturated = (t > 0.5 * t[-1]) & (t < 0.6 * t[-1])
             result |= _named("saturated", np.array([saturated] * n))
-        return {**result, "noise_bound": np.full_like(t, NOISE_BOUND)} if noise_bound else result
+        return {**result, "noise_bound": np.full_like(t, ASSUMED_BOUND)} if noise_bound else result
 
     return columns
 

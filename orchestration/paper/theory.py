@@ -1,4 +1,4 @@
-"""Claims about equations, measured at random states of the arm (seeded)."""
+"""Evaluates equations of the paper at random states of the arm, which a seed fixes."""
 
 import math
 from functools import cache
@@ -17,15 +17,14 @@ from fmus.control.impedance import (
 from fmus.control.tirt import Impedance
 from fmus.mechanics.algebra import solve_2x2, solve_spd
 from fmus.mechanics.planar_arm import PlanarArm
-from orchestration.paper.scenarios import WALL_OFFSET
+from orchestration.paper.numbers import SEMI_AXIS, WALL_OFFSET
 
 N_STATES = 1000
 SEED = 1991
-SEMI_AXIS = (1.5, 1.0)  # m, V
 
 
 def wall_points() -> tuple[np.ndarray, np.ndarray]:
-    """Points a and b, m: where the ellipse crosses the wall, going down."""
+    """The points a and b at which the ellipse meets the wall and leaves it, m."""
     height = SEMI_AXIS[1] * math.sqrt(1 - (WALL_OFFSET / SEMI_AXIS[0]) ** 2)
     return np.array([-WALL_OFFSET, height]), np.array([-WALL_OFFSET, -height])
 

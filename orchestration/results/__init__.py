@@ -1,1 +1,1 @@
-"""What a run recorded, in memory and in files."""
+"""Recorded results of a run, in memory and in CSV and Parquet files."""

@@ -1,4 +1,7 @@
-"""Columns as Arrow tables, which both file formats are written from and read into."""
+"""Conversion between plain columns and Arrow tables.
+
+Both file formats of results are written from and read into Arrow tables.
+"""
 
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
@@ -11,16 +14,24 @@ if TYPE_CHECKING:
     import pyarrow as pa
 
 ROW_GROUP_BYTES = 2**24
-"""Size of the rows that are written at a time; 51,150 rows of 40 columns."""
+"""Size of a group of rows that is written at once, in bytes; for 40 columns a group has 51,150 rows."""
 
 
 def rows_per_group(n_columns: int) -> int:
-    """Number of rows that are written at a time."""
+    """Return the number of rows in a group, for a number of columns besides time."""
     return max(1, ROW_GROUP_BYTES // (8 * (n_columns + 1)))
 
 
 def arrow_schema(names: Sequence[str], units: Mapping[str, str]) -> "pa.Schema":
-    """The schema: time in seconds first, every column of type double, its unit as metadata."""
+    """Return the Arrow schema of a result: time first, all columns of type double.
+
+    Parameters
+    ----------
+    names
+        Columns as ``component.variable``, without time.
+    units
+        Units by column. The schema keeps the unit of a column as metadata ``unit``; the unit of time is s.
+    """
     import pyarrow as pa
 
     units = {TIME: "s", **units}
@@ -31,19 +42,19 @@ def arrow_schema(names: Sequence[str], units: Mapping[str, str]) -> "pa.Schema":
 
 
 def arrow_table(schema: "pa.Schema", columns: Sequence[np.ndarray]) -> "pa.Table":
-    """A table of columns of shape (n,), time first."""
+    """Return an Arrow table of columns of shape (n,), with time as the first column."""
     import pyarrow as pa
 
     return pa.table([pa.array(np.ascontiguousarray(c, np.float64)) for c in columns], schema=schema)
 
 
 def columns_of(table: "pa.Table") -> Columns:
-    """Names and values of a table.
+    """Return the names and values of an Arrow table as plain columns.
 
     Raises
     ------
     ValueError
-        If the first column is not time, or a cell has no value.
+        If the first column is not ``time``, or a cell has no value.
     """
     names = tuple(table.column_names)
     if names[:1] != (TIME,):

@@ -1,4 +1,7 @@
-"""Recorded numbers as plain columns over time: what files keep, without any behaviour."""
+"""Plain columns of recorded numbers over time, as files of results keep them.
+
+The columns have no methods. `orchestration.results.result` adds methods.
+"""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -6,7 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 TIME = "time"
-"""Name of the column of times, which every file has first."""
+"""Name of the first column of every file, which holds the communication points."""
 
 COMPLETE, FAILED, INTERRUPTED = "complete", "failed", "interrupted"
 """What became of the run that recorded the numbers."""
@@ -23,13 +26,14 @@ class Columns:
     names
         Columns as ``component.variable``, without time.
     rows
-        Values, float64, shape (n_rows, n_columns); Booleans and Integers are numbers.
+        Values, float64, shape (n_rows, n_columns), in the units of the columns. Booleans and Integers are
+        stored as numbers.
     units
-        Unit of each column; the text is empty where the FMU declares none.
+        Unit of each column. The text is empty where the FMU declares no unit.
     steps_per_tick
         Number of steps per sampling period, by the name of a sampled component.
     metadata
-        How the numbers came about, texts by key.
+        Texts by key that describe the run, such as its system and algorithm.
     sample_times
         Sampling periods, s, by the name of a sampled component.
     status

@@ -1,7 +1,8 @@
-"""Results as CSV files: names and values, each value with all its bits.
+"""Files of results in CSV format: names and values, without loss of any bit of a value.
 
-The layout is that of fmpy: the column ``time`` first, quoted names, one line per communication point, and as
-many digits as tell a number from all others. CSV keeps neither units nor metadata. Same input, same bytes.
+The layout is the one of fmpy files. The first column is ``time``, names are quoted, and each communication point
+has one line. A number has enough digits to differ from all other numbers. A CSV file keeps neither units nor
+metadata. The same result gives the same bytes.
 """
 
 import csv
@@ -12,13 +13,20 @@ from orchestration.results.columns import Columns
 from orchestration.results.whole_file import draft_path, remove_draft, write_errors
 
 CSV_BLOCK_BYTES = 2**23
-"""Size of the blocks in which a file is read; a line must be shorter."""
+"""Size of the blocks in which a file is read, in bytes; every line must be shorter than a block."""
 
 
 def write_csv(columns: Columns, path: Path) -> None:
-    """Write a CSV file that fmpy, numpy and spreadsheets read.
+    """Write a CSV file that fmpy, numpy and spreadsheets can read.
 
-    fmpy splits names at commas, quoted or not, in its own files as in these.
+    fmpy itself splits names at commas, even at quoted ones.
+
+    Parameters
+    ----------
+    columns
+        Names and values.
+    path
+        File to write. An existing file is replaced when the new file is complete.
 
     Raises
     ------
@@ -48,7 +56,7 @@ def read_csv(path: Path) -> Columns:
     Raises
     ------
     OSError, ValueError, pyarrow.ArrowException
-        If the file cannot be read or holds no such columns.
+        If the file cannot be read, or does not hold columns of numbers with ``time`` as the first.
     """
     import pyarrow as pa
     import pyarrow.csv as arrow_csv
@@ -61,6 +69,6 @@ def read_csv(path: Path) -> Columns:
             arrow_csv.ReadOptions(block_size=CSV_BLOCK_BYTES),
             convert_options=arrow_csv.ConvertOptions(
                 column_types=dict.fromkeys(names, pa.float64()), null_values=[]
-            ),  # an integer has no -0
+            ),  # type double even for whole numbers, because an integer has no -0
         )
     return columns_of(table)

@@ -1,4 +1,4 @@
-"""File formats of results, by the suffix of the file."""
+"""Choice of the file format of a result by the suffix of the file."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -13,7 +13,7 @@ READERS: dict[str, Callable[[Path], Columns]] = {".csv": read_csv, ".parquet": r
 
 
 def write_columns(columns: Columns, path: Path) -> None:
-    """Write columns in the format that the suffix of the path names.
+    """Write columns to a CSV or Parquet file, as the suffix of the path says.
 
     Raises
     ------
@@ -24,12 +24,14 @@ def write_columns(columns: Columns, path: Path) -> None:
 
 
 def read_columns(path: Path) -> Columns:
-    """Read what `write_columns` wrote; a CSV file has neither units nor metadata nor steps per tick.
+    """Read columns from a CSV or Parquet file, as the suffix of the path says.
+
+    A CSV file gives names and values only: no units, no metadata and no steps per tick.
 
     Raises
     ------
     OrchestrationError
-        If the suffix is unknown, or the file holds no result.
+        If the suffix is unknown, or the file does not hold a result.
     """
     reader = READERS[_suffix(path, "read")]
     import pyarrow as pa
@@ -40,13 +42,14 @@ def read_columns(path: Path) -> Columns:
         msg = f"{path}: the result cannot be read: {error.strerror or error}."
         raise OrchestrationError(msg) from error
     except (pa.ArrowException, ValueError, TypeError) as error:
-        msg = f"{path} holds no result: {' '.join(str(error).split()).rstrip('.')}."
+        msg = f"{path} does not hold a result: {' '.join(str(error).split()).rstrip('.')}."
         raise OrchestrationError(msg) from error
 
 
 def _suffix(path: Path, done: str) -> str:
+    """Suffix of a path in lower case; an error names the known suffixes."""
     suffix = path.suffix.lower()
     if suffix not in WRITERS:
-        msg = f"{path}: results are {done} as .csv or .parquet, not as {path.suffix or 'a file without suffix'}."
+        msg = f"{path}: results are {done} as .csv or .parquet, not as {path.suffix or 'a file without a suffix'}."
         raise OrchestrationError(msg)
     return suffix

@@ -1,7 +1,8 @@
-"""Results as Parquet files: every bit of every value, units, metadata and steps per tick.
+"""Files of results in Parquet format: values without loss, units, metadata and steps per tick.
 
-The column ``time`` comes first, then one column per variable, one row per communication point. Units stand in
-the field metadata ``unit``, the rest in file metadata whose keys begin with ``adaptimp.``. Same input, same bytes.
+The first column is ``time``; every variable has one more column, and every communication point has one row. The
+unit of a column is its field metadata ``unit``. All other metadata are file metadata with keys that begin with
+``adaptimp.``. The same result gives the same bytes.
 """
 
 import base64
@@ -11,7 +12,7 @@ from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 from types import TracebackType
-from typing import Any, Self
+from typing import IO, TYPE_CHECKING, NamedTuple, Self
 
 import numpy as np
 
@@ -20,19 +21,30 @@ from orchestration.results.arrow_table import arrow_schema, arrow_table, columns
 from orchestration.results.columns import COMPLETE, FAILED, INTERRUPTED, Columns
 from orchestration.results.whole_file import draft_path, partial_path, remove_draft, write_errors
 
+if TYPE_CHECKING:
+    from pyarrow.parquet import ParquetWriter
+
 PREFIX = "adaptimp."
+"""Beginning of the keys of all metadata in a file."""
 UNITS, STEPS_PER_TICK, SAMPLE_TIMES = "units", "steps_per_tick", "sample_times"
 STATUS, MESSAGE = "status", "message"
 RESERVED = (UNITS, STEPS_PER_TICK, SAMPLE_TIMES, STATUS, MESSAGE)
-"""Keys of metadata that a file has for itself; those of the status only where it is not complete."""
+"""Keys of metadata that this module writes itself; those of the status only if it is not complete."""
 
-# Neighbouring values share sign and exponent: split into streams of bytes, a run of Fig. 2 needs half
-# the space of the default dictionaries, and a third of the time.
+# Neighbouring values share sign and exponent, so the values are split into streams of bytes. A run of Fig. 2 then
+# needs half the space and a third of the time of Parquet's default encoding by dictionaries.
 _ENCODING = {"compression": "zstd", "use_dictionary": False, "use_byte_stream_split": True}
 
 
 def write_parquet(columns: Columns, path: Path) -> None:
-    """Write a Parquet file; see `ParquetSink`.
+    """Write columns to a Parquet file.
+
+    Parameters
+    ----------
+    columns
+        Names, values, units and metadata.
+    path
+        File to write. An existing file is replaced when the new file is complete.
 
     Raises
     ------
@@ -46,12 +58,12 @@ def write_parquet(columns: Columns, path: Path) -> None:
 
 
 def read_parquet(path: Path) -> Columns:
-    """Read a Parquet file of this or another tool whose first column is ``time``.
+    """Read a Parquet file of this tool or of another tool, with ``time`` as the first column.
 
     Raises
     ------
     OSError, ValueError, pyarrow.ArrowException
-        If the file cannot be read or holds no such columns.
+        If the file cannot be read, or does not hold columns of numbers with ``time`` as the first.
     """
     from pyarrow.parquet import ParquetFile
 
@@ -68,41 +80,51 @@ def read_parquet(path: Path) -> Columns:
     return replace(columns_of(table), units=units, metadata=found, **kept)
 
 
-class ParquetSink:
-    """Writes rows as they come, in bounded memory; a context manager.
+class _Draft(NamedTuple):
+    """Draft of a file while its rows are written."""
 
-    If the block is left by an exception, the rows appended before are kept as
-    ``STEM.partial.parquet``, and what was at the path before stays. If the file itself cannot be
-    written, on a full disk for example, nothing is kept: Parquet has its table of contents at the end.
+    writer: "ParquetWriter"
+    file: IO[bytes]
+
+
+class ParquetSink:
+    """Writer of a Parquet file that takes rows during a run and needs limited memory.
+
+    The writer is a context manager. If an exception ends the context, the rows so far are kept as
+    ``STEM.partial.parquet``, and an existing file at the path stays as it is. If the file itself cannot be written,
+    for example on a full disk, no row is kept: a Parquet file has its table of contents at the end.
 
     Parameters
     ----------
     path
-        Where the file appears when the block ends well.
+        Path of the file when the context ends without an exception.
     names
         Columns as ``component.variable``, without time.
     units
-        Unit of each column, empty where none is declared.
+        Unit of each column; the text is empty where the FMU declares no unit.
     metadata
-        See `Result`; may not have the keys of `RESERVED`.
-    steps_per_tick, sample_times
-        See `Result`.
+        Texts by key; the keys of `RESERVED` are not allowed.
+    steps_per_tick
+        Number of steps per sampling period, by the name of a sampled component.
+    sample_times
+        Sampling periods, s, by the name of a sampled component.
 
     Attributes
     ----------
     metadata
-        A dictionary that may be supplemented until the block ends.
+        Dictionary that a caller may extend until the context ends.
     status, message
-        See `Columns`; may be set until the block ends, and are set by an exception.
+        As of `Columns`. A caller may set them until the context ends; an exception sets them.
     count
-        Number of rows appended.
+        Number of rows so far.
     written
-        The file that holds them, None before the end of the block and where nothing is kept.
+        File that holds the rows; None before the end of the context, and if no row is kept.
 
     Raises
     ------
     OrchestrationError
-        If a key of the metadata is taken; at the end of the block, the rows are kept as above.
+        If a key of the metadata is not allowed. At the end of the context, the rows are then kept as a partial
+        file.
     """
 
     def __init__(
@@ -125,13 +147,12 @@ class ParquetSink:
         self._own = {UNITS: dict(units or {}), **ticks}
         self._file_metadata()
         self._schema = arrow_schema(self.names, self._own[UNITS])
-        self._buffer = np.empty((0, 0))  # (n_columns + 1, rows of a group), s and the columns' units
+        self._buffer = np.empty((0, 0))  # later (n_columns + 1, rows of a group): time, s, and all columns
         self._filled = 0
-        self._file: Any = None
-        self._writer: Any = None
+        self._draft: _Draft | None = None
 
     def __enter__(self) -> Self:
-        """Open the draft.
+        """Create the draft of the file.
 
         Raises
         ------
@@ -142,30 +163,32 @@ class ParquetSink:
 
         with write_errors(self.path):
             self.path.parent.mkdir(parents=True, exist_ok=True)
-            if self.path.is_dir():  # to be known before the run, not after it
+            if self.path.is_dir():  # an error before the run is better than one after the run
                 raise IsADirectoryError(None, "Is a directory")
-            self._file = draft_path(self.path).open("wb")
+            file = draft_path(self.path).open("wb")
         # The schema goes into the file at the end, when its metadata is complete.
-        self._writer = pyarrow.parquet.ParquetWriter(self._file, self._schema, store_schema=False, **_ENCODING)
+        writer = pyarrow.parquet.ParquetWriter(file, self._schema, store_schema=False, **_ENCODING)
+        self._draft = _Draft(writer, file)
+
         self._buffer = np.empty((len(self.names) + 1, rows_per_group(len(self.names))))
         return self
 
     def append(self, time: np.ndarray, rows: np.ndarray) -> None:
-        """Append rows; how they are dealt out to calls does not change the file.
+        """Append rows. The number of rows per call does not change the file.
 
         Parameters
         ----------
         time
             Communication points, s, shape (n,).
         rows
-            Values, shape (n, n_columns).
+            Values, shape (n, n_columns), in the units of the columns.
 
         Raises
         ------
         OrchestrationError
-            If the shapes do not fit, the sink is not open, or the file cannot be written.
+            If the shapes do not fit, the context is not open, or the file cannot be written.
         """
-        if self._writer is None:
+        if self._draft is None:
             msg = f"{self.path}: rows can be appended only within the sink's `with` block, and not after a failure."
             raise OrchestrationError(msg)
         if time.ndim != 1 or rows.shape != (time.size, len(self.names)):
@@ -189,14 +212,14 @@ class ParquetSink:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        """Move the whole file, or the part that there is, to its place.
+        """Complete the file and move it to its path, or to the path of a partial file.
 
         Raises
         ------
         OrchestrationError
-            If the file cannot be written, or a key of the metadata is taken.
+            If the file cannot be written, or a key of the metadata is not allowed.
         """
-        if self._writer is None:
+        if self._draft is None:
             return
         fault = error
         try:
@@ -211,20 +234,22 @@ class ParquetSink:
         except OrchestrationError as lost:
             if fault is None:
                 raise
-            fault.add_note(f"{lost} Nothing is kept.")
+            fault.add_note(f"{lost} No row is kept.")
         if fault is not error and fault is not None:
             raise fault
 
     def _close(self, target: Path) -> None:
-        """Write what is left, and move the draft; without rows only to the path itself."""
+        """Write the last rows, and move the draft to the target; a partial file without rows is not kept."""
+        if self._draft is None:
+            return
         try:
             self._flush()
             metadata = self._file_metadata()
             with write_errors(self.path):
                 schema = base64.b64encode(self._schema.with_metadata(metadata).serialize()).decode()
-                self._writer.add_key_value_metadata({**metadata, "ARROW:schema": schema})
-                self._writer.close()
-                self._file.close()
+                self._draft.writer.add_key_value_metadata({**metadata, "ARROW:schema": schema})
+                self._draft.writer.close()
+                self._draft.file.close()
                 if self.count or target == self.path:
                     draft_path(self.path).replace(target)
                     self.written = target
@@ -232,28 +257,29 @@ class ParquetSink:
             self._abandon()
 
     def _flush(self) -> None:
-        """Write the buffer as a row group; a sink that fails to is closed."""
-        filled, self._filled = self._filled, 0  # first, or an interrupt could have it written twice
-        if filled == 0:
+        """Write the buffer as a group of rows; remove the draft if that fails."""
+        filled, self._filled = self._filled, 0  # emptied first, so that an interrupt cannot cause a second write
+        if filled == 0 or self._draft is None:
             return
         try:
             with write_errors(self.path):
-                self._writer.write_table(arrow_table(self._schema, [column[:filled] for column in self._buffer]))
+                self._draft.writer.write_table(arrow_table(self._schema, [column[:filled] for column in self._buffer]))
         except Exception:
             self._abandon()
             raise
 
     def _abandon(self) -> None:
-        """Let go of the draft, whatever state it is in."""
-        if self._writer is None:
+        """Close and remove the draft, in any state of the writer."""
+        if self._draft is None:
             return
-        self._writer = None
+        file, self._draft = self._draft.file, None  # the writer ends first, while its file is still open
         self._buffer = np.empty((0, 0))
         with suppress(OSError):
-            self._file.close()
+            file.close()
         remove_draft(self.path)
 
     def _file_metadata(self) -> dict[str, str]:
+        """Metadata of the file with prefixed keys, in alphabetical order; an error names a key that is not allowed."""
         for key, value in self.metadata.items():
             if key in RESERVED or not isinstance(value, str):
                 taken = ", ".join(RESERVED)

@@ -1,4 +1,7 @@
-"""Files that are whole or not there: written beside their place as ``NAME.part``, then moved."""
+"""Writing of files that exist only when they are complete.
+
+A file is written as a draft ``NAME.part`` first. The draft moves to the path of the file at the end.
+"""
 
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
@@ -8,24 +11,24 @@ from orchestration.errors import OrchestrationError
 
 
 def draft_path(path: Path) -> Path:
-    """Where a file grows until it is whole."""
+    """Return the path of the draft of a file, ``NAME.part``."""
     return path.with_name(path.name + ".part")
 
 
 def partial_path(path: Path) -> Path:
-    """Where the rows of a run that failed are kept, ``STEM.partial.SUFFIX``."""
+    """Return the path for the rows of a run that failed, ``STEM.partial.SUFFIX``."""
     return path.with_name(f"{path.stem}.partial{path.suffix}")
 
 
 def remove_draft(path: Path) -> None:
-    """Remove the draft of a file, if there is one."""
+    """Remove the draft of a file, if it exists."""
     with suppress(OSError):
         draft_path(path).unlink(missing_ok=True)
 
 
 @contextmanager
 def write_errors(path: Path) -> Iterator[None]:
-    """Turn what the operating system refuses into an error of this package.
+    """Convert an error of the operating system during writing into an error of this package.
 
     Raises
     ------

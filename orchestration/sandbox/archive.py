@@ -1,7 +1,8 @@
-"""The gate: nothing is unpacked, read or loaded from an archive before it was screened here.
+"""Safety checks of zip archives (FMU and SSP files), and safe unpacking.
 
-FMUs and SSPs come from strangers. Unpacking one may overwrite files (``../`` entries, links), fill
-the disk (a 2 MB archive of 2 GB), and its model identifier may name a library outside the archive.
+FMU and SSP files come from strangers. An unsafe archive can overwrite files outside of the target folder
+through ``../`` entries or links. An unsafe archive can also fill the disk: 2 MB can unpack to 2 GB. So every
+archive is screened here before any of its files is unpacked, read or loaded.
 """
 
 import hashlib
@@ -16,75 +17,105 @@ from pathlib import Path, PurePosixPath
 from orchestration.errors import ArchiveError
 
 MAX_ENTRIES = 20_000
-MAX_BYTES = 2 * 1024**3  # unpacked
-MAX_RATIO = 1000  # of one entry; source code and tables reach 30, a zip bomb 1000
-RATIO_FREE_BYTES = 1024**2  # entries below may compress as they like
-# What reading a damaged archive raises, besides zipfile's own errors.
+MAX_BYTES = 2 * 1024**3  # size of all entries after unpacking
+MAX_RATIO = 1000  # unpacked over packed size of an entry; source code and tables reach 30, a zip bomb 1000
+RATIO_FREE_BYTES = 1024**2  # the ratio of smaller entries is not limited
+# Exceptions of zipfile and zlib for a damaged archive.
 UNREADABLE = (zipfile.BadZipFile, zlib.error, EOFError, OSError, ValueError, KeyError, RuntimeError)
 
 
 def screen(path: Path) -> None:
     """Refuse an archive that is unsafe to unpack.
 
+    Parameters
+    ----------
+    path
+        Zip archive.
+
     Raises
     ------
     ArchiveError
-        Naming the file, the entry and the rule.
+        If the archive is missing, invalid or unsafe. The message names the file, the entry and the rule.
     """
     with _opened(path) as archive:
         _screen(path, archive)
 
 
 @contextmanager
-def unpacked(path: Path, needed: Callable[[str], bool] = lambda name: True) -> Iterator[Path]:  # noqa: ARG005
-    """Unpack the entries that are needed of a screened archive into a temporary folder, removed at the end.
+def unpacked(path: Path, needed: Callable[[str], bool] | None = None) -> Iterator[Path]:
+    """Screen an archive and unpack it into a temporary folder that is removed at the end of the context.
+
+    Parameters
+    ----------
+    path
+        Zip archive.
+    needed
+        Returns, for the name of an entry, whether the entry is unpacked. Default: all entries.
+
+    Yields
+    ------
+    Path
+        Temporary folder.
 
     Raises
     ------
     ArchiveError
+        If the archive is missing, invalid or unsafe.
     """
     with tempfile.TemporaryDirectory(prefix="adaptimp-") as folder:
         unpack(path, Path(folder), needed)
         yield Path(folder)
 
 
-def unpack(path: Path, folder: Path, needed: Callable[[str], bool] = lambda name: True) -> None:  # noqa: ARG005
-    """Screen an archive and unpack the entries that are needed into an existing folder.
+def unpack(path: Path, folder: Path, needed: Callable[[str], bool] | None = None) -> None:
+    """Screen an archive and unpack it into an existing folder.
+
+    Parameters
+    ----------
+    path
+        Zip archive.
+    folder
+        Existing folder.
+    needed
+        Returns, for the name of an entry, whether the entry is unpacked. Default: all entries.
 
     Raises
     ------
     ArchiveError
+        If the archive is missing, invalid or unsafe.
     """
     with _opened(path) as archive:
         _screen(path, archive)
         try:
-            archive.extractall(folder, [name for name in archive.namelist() if needed(name)])
+            archive.extractall(folder, [name for name in archive.namelist() if needed is None or needed(name)])
         except UNREADABLE as error:
             msg = f"{path}: cannot be unpacked: {error}"
             raise ArchiveError(msg) from error
 
 
 def file_hash(path: Path) -> str:
-    """SHA-256 of a file, hexadecimal."""
+    """SHA-256 hash of a file as hexadecimal text."""
     with path.open("rb") as file:
         return hashlib.file_digest(file, "sha256").hexdigest()
 
 
 @contextmanager
 def _opened(path: Path) -> Iterator[zipfile.ZipFile]:
+    """Open a zip archive, and close it at the end of the context."""
     if not path.is_file():
         msg = f"{path}: there is no such file."
         raise ArchiveError(msg)
     try:
         archive = zipfile.ZipFile(path)
     except (zipfile.BadZipFile, NotImplementedError, OSError, ValueError) as error:
-        msg = f"{path} is no readable zip archive: {error}"
+        msg = f"{path} is not a readable zip archive: {error}"
         raise ArchiveError(msg) from error
     with archive:
         yield archive
 
 
 def _screen(path: Path, archive: zipfile.ZipFile) -> None:
+    """Refuse an open archive that is unsafe to unpack."""
     entries = archive.infolist()
     if len(entries) > MAX_ENTRIES:
         msg = f"{path} has {len(entries)} entries, more than {MAX_ENTRIES}."
@@ -99,7 +130,7 @@ def _screen(path: Path, archive: zipfile.ZipFile) -> None:
         if fault:
             msg = f"{path}: entry {entry.filename!r} {fault}."
             raise ArchiveError(msg)
-        key = str(PurePosixPath(entry.filename)).casefold()  # ./a, a// and a are one file
+        key = str(PurePosixPath(entry.filename)).casefold()  # ./a, a// and a name the same file
         if key in seen:
             msg = f"{path}: entry {entry.filename!r} occurs more than once."
             raise ArchiveError(msg)
@@ -107,6 +138,7 @@ def _screen(path: Path, archive: zipfile.ZipFile) -> None:
 
 
 def _fault(entry: zipfile.ZipInfo) -> str | None:
+    """Predicate of a sentence on the fault of an entry; None if the entry is safe."""
     name = entry.orig_filename
     parts = PurePosixPath(name).parts
     if not name or "\\" in name or ":" in name or "\0" in name:

@@ -11,9 +11,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from orchestration.sandbox.worker import TRACE_BYTES
+from orchestration.sandbox.worker import DONE, STARTED, TRACE_BYTES
 
 POLL = 0.01  # s
+LONGEST_START = 120.0  # s that an interpreter may need to start and import the job on a machine that is busy
 ROOT = str(Path(__file__).parents[2])
 PRINTED = 200  # bytes of what was printed that are read
 
@@ -50,7 +51,7 @@ def work(job: str, plan: Mapping[str, Any], folder: Path, *, timeout: float, mem
     plan
         What the job has to know, as JSON can hold it; written to `folder`, where the results go too.
     timeout
-        How long the job may write nothing, s.
+        How long the job may write nothing, s; the start of the process does not count.
     memory
         Bytes of addresses that the process may take; as many as it likes if None.
     """
@@ -75,8 +76,9 @@ def work(job: str, plan: Mapping[str, Any], folder: Path, *, timeout: float, mem
             if process.poll() is None:
                 process.kill()
             process.wait()
-    lines = _lines(results)
-    done = any("done" in line for line in lines)
+    written = _lines(results)
+    done = any(DONE in line for line in written)
+    lines = [line for line in written if not {STARTED, DONE} & set(line)]
     function = _beginning(trace, TRACE_BYTES)
     said = _beginning(printed, PRINTED)
     how = f"does not return within {timeout:g} s" if late else "" if done else _death(process.returncode)
@@ -90,7 +92,7 @@ def _wait(process: subprocess.Popen[bytes], results: Path, timeout: float) -> bo
         now = results.stat().st_size if results.exists() else 0
         if now != size:
             size, heard = now, time.monotonic()
-        elif time.monotonic() - heard > timeout:
+        elif time.monotonic() - heard > (timeout if size else max(timeout, LONGEST_START)):
             return True
         time.sleep(POLL)
     return False

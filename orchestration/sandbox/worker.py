@@ -21,6 +21,7 @@ from pathlib import Path
 from typing import Any
 
 TRACE_BYTES = 64
+STARTED, DONE = "started", "done"  # lines of the worker itself
 MOST_WRITTEN = 64 * 1024**2  # bytes that a file may grow to: a binary that prints for ever fills no disk
 
 Write = Callable[..., None]
@@ -46,8 +47,9 @@ def main() -> None:
             trace[:] = function.encode()[:TRACE_BYTES].ljust(TRACE_BYTES, b"\0")
 
         _limit(plan["memory"])
+        write(**{STARTED: True})
         job(plan, write, announce)
-        write(done=True)
+        write(**{DONE: True})
     os._exit(0)  # without the destructors of a library that may crash in them
 
 

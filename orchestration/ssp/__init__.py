@@ -1,9 +1,16 @@
-"""Systems as SSP 1.0 packages: ``SystemStructure.ssd`` and ``resources/*.fmu, *.ssv`` in a zip.
+"""Reading and writing of coupled systems as SSP 1.0 packages.
 
-What is written keeps to the profile that other engines load too: a flat system, connected variables as
-the only connectors, one parameter set per component, literal prefixes ``ssd:``, ``ssc:``, ``ssv:``, and
-units that differ converted by a linear transformation, since not every engine converts units. What is
-read may be nested, mapped, scaled and in other units: `orchestration.ssp.read`.
+A package is a zip archive with the files ``SystemStructure.ssd``, ``resources/*.fmu`` and ``resources/*.ssv``.
+Written packages keep to a profile that other simulation tools can load:
+
+- The system is flat, without systems inside the system.
+- Only connected variables have connectors.
+- Each component has one parameter set.
+- The prefixes of XML names are ``ssd:``, ``ssc:`` and ``ssv:``.
+- A linear transformation converts between different units, because some tools do not convert units.
+
+Packages of other tools may have nested systems, mapped parameters, linear transformations and other units; see
+`orchestration.ssp.read`.
 """
 
 from orchestration.ssp.read import read_ssp

@@ -1,40 +1,50 @@
-"""Connections of an SSP package, followed through the connectors of its systems.
+"""Connections between components of an SSP package, through the connectors of nested systems.
 
-Values go from what gives one (an output of a component or of an inner system, an input of the system
-itself) to what takes one. SSP 1.0 lets a connection be written from either end.
+A value goes from a source to a target. Sources are the outputs of components and of inner systems, and the inputs
+of the surrounding system. All other connectors are targets. SSP 1.0 allows a connection to be written in either
+direction.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
-from typing import Any
 
 from orchestration.errors import SystemDescriptionError
 from orchestration.fmi.units import AS_IS, Linear, UnitDefinition, conversion
-from orchestration.ssp.schema import boolean, ssd, transformation
+from orchestration.ssp.schema import Xml, boolean, ssd, transformation
 from orchestration.system.component import Component, Connection
 
-Place = tuple[tuple[str, ...], str]  # path of a component or system, and the connector
+Place = tuple[tuple[str, ...], str]
+"""Path of a component or system, and the name of a connector there."""
+
 _INWARD, _OUTWARD = ("input", "parameter"), ("output", "calculatedParameter")
 
 
 @dataclass
 class Element:
-    """A component, or a system with what is in it.
+    """A component of a package, or a system with its inner elements.
 
     Attributes
     ----------
+    path
+        Names from the outermost system to the element.
+    xml
+        XML element.
+    component
+        Component of the flat system; None if the element is a system.
     connectors
-        Kind and unit by name.
+        Kind and unit of each connector, by name.
+    children
+        Inner elements, by name.
     """
 
     path: tuple[str, ...]
-    xml: Any
+    xml: Xml
     component: Component | None
     connectors: dict[str, tuple[str, UnitDefinition | None]]
     children: dict[str, "Element"] = field(default_factory=dict)
 
     def walk(self) -> Iterator["Element"]:
-        """All elements, the outer before the inner."""
+        """Iterate over the element and all inner elements, from outside inwards."""
         yield self
         for child in self.children.values():
             yield from child.walk()
@@ -42,7 +52,7 @@ class Element:
 
 @dataclass(frozen=True)
 class _Wire:
-    """From a place that gives a value to one that takes it."""
+    """A connection in the direction of the value."""
 
     start: Place
     end: Place
@@ -50,12 +60,21 @@ class _Wire:
     suppressed: bool
 
     def __str__(self) -> str:
+        """Both ends as text with dots, for messages."""
         return f"{_text(self.start)} -> {_text(self.end)}"
 
 
 @dataclass(frozen=True)
 class Arrival:
-    """Where a value arrives, and what happened to it on the way."""
+    """The variable of a component at the end of a chain of connections.
+
+    Attributes
+    ----------
+    component, variable
+        Component and name of the variable.
+    scale
+        Linear function from the start of the chain to the variable.
+    """
 
     component: Component
     variable: str
@@ -68,9 +87,14 @@ class Wiring:
     Parameters
     ----------
     where
-        The package, for messages.
+        Path of the package, for messages.
     outer
-        The outermost system.
+        Outermost system.
+
+    Raises
+    ------
+    SystemDescriptionError
+        If an end of a connection does not exist, or both ends give or take a value.
     """
 
     def __init__(self, where: str, outer: Element) -> None:
@@ -84,7 +108,13 @@ class Wiring:
         ]
 
     def connections(self) -> Iterator[Connection]:
-        """Connections between components, in the order of the file."""
+        """Iterate over the connections between components, in the order of the file.
+
+        Raises
+        ------
+        SystemDescriptionError
+            If units of a connection have different dimensions, or connectors form a circle.
+        """
         for wire in self._wires:
             source = self._elements[wire.start[0]].component
             if source is not None:
@@ -96,31 +126,37 @@ class Wiring:
                     )
 
     def arrivals(self, path: tuple[str, ...], connector: str) -> list[Arrival]:
-        """Where a value that is given to a connector of a system arrives; nowhere if it is an output."""
+        """Return the variables that a value at a connector of a system reaches; an output reaches none."""
         if self._elements[path].connectors[connector][0] in _OUTWARD:
             return []
         return list(self._onward((path, connector), AS_IS, self._unit((path, connector)), ()))
 
     def unit(self, component: Component, path: tuple[str, ...], variable: str) -> UnitDefinition | None:
-        """The unit of a component's variable: the FMU's, or its connector's if that says more."""
+        """Return the unit of a variable: the unit of the FMU, or of the connector if the FMU gives no definition.
+
+        Raises
+        ------
+        SystemDescriptionError
+            If FMU and connector give different units.
+        """
         declared = component.description.unit(component.variable(variable))
         drawn = self._elements[path].connectors.get(variable, ("", None))[1]
         if drawn is None or declared == drawn:
             return declared
-        if declared is None or declared.exponents is None:
+        if declared is None or declared.meaning is None:
             return drawn
-        if drawn.exponents is None and drawn.name == declared.name:
+        if drawn.meaning is None and drawn.name == declared.name:
             return declared
         if not drawn.equivalent(declared):
             msg = (
-                f"{self.where}: the connector {'.'.join(path)}.{variable} has unit {drawn.name}, the variable"
-                f" of the FMU {declared.name}, which is defined otherwise."
+                f"{self.where}: the connector {'.'.join(path)}.{variable} has unit {drawn.name}, but the"
+                f" variable of the FMU has unit {declared.name}, which has another definition."
             )
             raise SystemDescriptionError(msg)
         return declared
 
     def undriven(self) -> list[str]:
-        """Notices of inputs that nothing but the outermost system's own connectors could drive."""
+        """Return notices of inputs that only a connector of the outermost system could drive."""
         notices = []
         for wire in self._wires:
             path, connector = wire.start
@@ -128,15 +164,14 @@ class Wiring:
                 ends = self._along(wire, AS_IS, self._unit(wire.start), ())
                 names = ", ".join(f"{end.component.name}.{end.variable}" for end in ends)
                 if names:
-                    notices.append(
-                        f"Nothing drives the connector {connector} of the system: {names} as if unconnected."
-                    )
+                    what = f"Nothing drives the connector {connector} of the system"
+                    notices.append(f"{what}, so these inputs are unconnected: {names}.")
         return notices
 
     def _along(
         self, wire: _Wire, scale: Linear, unit: UnitDefinition | None, trail: tuple[Place, ...]
     ) -> Iterator[Arrival]:
-        """Where a value arrives that sets out on a wire in a unit."""
+        """Variables that a value reaches over a connection; the value starts with a scale and a unit."""
         there = self._unit(wire.end)
         converted = (1.0, 0.0) if wire.suppressed else conversion(unit, there, relative=self._relative(wire))
         if converted is None:
@@ -154,6 +189,7 @@ class Wiring:
     def _onward(
         self, place: Place, scale: Linear, unit: UnitDefinition | None, trail: tuple[Place, ...]
     ) -> Iterator[Arrival]:
+        """Variables that a value reaches from a connector of a system; `trail` are all connectors before."""
         if place in trail:
             circle = " -> ".join(_text(p) for p in (*trail[trail.index(place) :], place))
             msg = f"{self.where}: connectors are connected in a circle without a component: {circle}."
@@ -163,6 +199,7 @@ class Wiring:
                 yield from self._along(wire, scale, unit, (*trail, place))
 
     def _unit(self, place: Place) -> UnitDefinition | None:
+        """Unit of a connector; None if there is no unit."""
         path, name = place
         component = self._elements[path].component
         if component is not None:
@@ -170,14 +207,15 @@ class Wiring:
         return self._elements[path].connectors[name][1]
 
     def _relative(self, wire: _Wire) -> bool:
+        """Whether the value is a difference, so that offsets of units do not apply."""
         ends = [(self._elements[path].component, name) for path, name in (wire.start, wire.end)]
         return any(component.variable(name).relative for component, name in ends if component is not None)
 
-    def _wire(self, system: Element, xml: Any) -> _Wire:
-        """A connection, in the direction of the value."""
+    def _wire(self, system: Element, xml: Xml) -> _Wire:
+        """Read a connection, and turn it into the direction of the value."""
         places, gives = [], []
         for end in ("start", "end"):
-            place, giving = self._end(system, xml.get(f"{end}Element"), xml.get(f"{end}Connector"))
+            place, giving = self._end(system, xml.get(f"{end}Element"), xml.attrib[f"{end}Connector"])
             places.append(place)
             gives.append(giving)
         where = f"{self.where}: connection {_text(places[0])} -> {_text(places[1])}"
@@ -189,10 +227,10 @@ class Wiring:
                 both = "give" if gives[0] else "take"
                 msg = f"{where}: both ends {both} a value."
                 raise SystemDescriptionError(msg)
-        return _Wire(*places, transformation(xml, where), boolean(xml.get("suppressUnitConversion")))
+        return _Wire(places[0], places[1], transformation(xml, where), boolean(xml.get("suppressUnitConversion")))
 
     def _end(self, system: Element, name: str | None, connector: str) -> tuple[Place, bool | None]:
-        """The place of a connection's end, and whether it gives a value; None if it may do either."""
+        """Connector at an end of a connection, and whether the connector gives a value; None if both are possible."""
         element = system if name is None else system.children.get(name)
         if element is None:
             known = _names(system.children)
@@ -214,8 +252,10 @@ class Wiring:
 
 
 def _text(place: Place) -> str:
+    """Connector as text with dots, for messages."""
     return ".".join((*place[0], place[1]))
 
 
-def _names(known: dict[str, Any]) -> str:
+def _names(known: Iterable[str]) -> str:
+    """Known names as text, for messages."""
     return ", ".join(known) or "none"

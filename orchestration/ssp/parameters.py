@@ -1,14 +1,14 @@
-"""Parameter sets of an SSP package: which value goes to which variable.
+"""Start values of variables from the parameter sets of an SSP package.
 
-Bindings of a component come first, then those of the systems around it, the outermost last: later
-values win (SSP 1.0, 5.3.2). A set may be mapped to other names, with a linear transformation; a value
-in another unit is converted first.
+A binding connects a parameter set with a component or system. The bindings of a component apply first, then the
+bindings of the systems around the component, the outermost system last. A later value replaces an earlier value
+(SSP 1.0, 5.3.2). A parameter mapping may give other names to parameters, with a linear transformation. Before
+the transformation, a value is converted to the unit of its target.
 """
 
 from collections.abc import Iterator
 from dataclasses import dataclass
 from math import isnan, nan
-from typing import Any
 
 from orchestration.errors import SystemDescriptionError
 from orchestration.fmi.codes import REAL
@@ -22,18 +22,20 @@ from orchestration.ssp.schema import (
     SSV,
     VALUES,
     Package,
+    Xml,
     boolean,
     read_units,
     ssd,
     transformation,
 )
 
-Starts = dict[str, dict[str, Any]]
+Starts = dict[str, dict[str, float | str]]
+"""Start values by component and variable; a text still needs a check by its variable."""
 
 
 @dataclass(frozen=True)
 class _Parameter:
-    """A value under a name of the system or component that it is for."""
+    """A parameter of a set, under its name in the component or system of the binding."""
 
     name: str
     text: str
@@ -43,7 +45,23 @@ class _Parameter:
 
 
 def start_values(package: Package, wiring: Wiring, units: dict[str, UnitDefinition]) -> tuple[Starts, list[str]]:
-    """Values by component and variable, and notices of what was ignored.
+    """Read the start values of all components of a package.
+
+    Parameters
+    ----------
+    package
+        Unpacked package.
+    wiring
+        Connections and elements of the package.
+    units
+        Units that ``SystemStructure.ssd`` defines, by name.
+
+    Returns
+    -------
+    start
+        Start values by component and variable, in the units of the FMUs.
+    notices
+        Sentences on parameters that have no effect.
 
     Raises
     ------
@@ -58,13 +76,15 @@ def start_values(package: Package, wiring: Wiring, units: dict[str, UnitDefiniti
 
 
 class _Bindings:
+    """Reader of all parameter bindings of a package."""
+
     def __init__(self, package: Package, wiring: Wiring, units: dict[str, UnitDefinition]) -> None:
         self.package, self.wiring, self.units = package, wiring, units
         self.start: Starts = {}
         self.notices: list[str] = []
 
     def read(self, element: Element) -> None:
-        """Read the bindings in an element, then its own."""
+        """Read the bindings of all inner elements, then the bindings of the element itself."""
         for child in element.children.values():
             self.read(child)
         for binding in element.xml.iterfind(ssd("ParameterBindings/ParameterBinding")):
@@ -72,27 +92,36 @@ class _Bindings:
                 self._assign(element, parameter)
 
     def _assign(self, element: Element, parameter: _Parameter) -> None:
+        """Set all variables that a parameter reaches."""
         found = False
         for arrival, unit in self._targets(element, parameter.name):
             found = True
             name = arrival.variable
             variable = arrival.component.variable(name)
-            value: Any = parameter.text
+            value: float | str = parameter.text
             if variable.type == REAL:
                 value = self._converted(parameter, unit, arrival, relative=variable.relative)
             elif not (parameter.scale.trivial and arrival.scale.trivial):
                 path = f"{arrival.component.name}.{name}"
-                msg = f"{self.package.path}: {path} is of type {variable.type}; only Reals can be scaled."
+                msg = f"{self.package.path}: {path} is of type {variable.type}; only Reals can have a transformation."
                 raise SystemDescriptionError(msg)
             self.start.setdefault(arrival.component.name, {})[name] = value
         if not found:
             where = ".".join(element.path) or "the system"
-            self.notices.append(f"The parameter {parameter.name} of {where} is ignored: it leads to no variable.")
+            self.notices.append(
+                f"The parameter {parameter.name} of {where} is ignored, because no variable has that name."
+            )
 
     def _targets(self, element: Element, name: str) -> Iterator[tuple[Arrival, UnitDefinition | None]]:
-        """Where a value goes, and the unit that it must have to set out.
+        """Variables that a parameter sets, each with the unit in which the parameter must be given.
 
-        A component must have the variable; names in a system lead to a connector, or on into an element.
+        A name in a component is a variable. A name in a system is a connector, or an element and a name in that
+        element, such as ``motor.K``.
+
+        Raises
+        ------
+        SystemDescriptionError
+            If the element is a component without such a variable.
         """
         if element.component is not None:
             element.component.variable(name)
@@ -111,7 +140,7 @@ class _Bindings:
     def _converted(
         self, parameter: _Parameter, unit: UnitDefinition | None, arrival: Arrival, *, relative: bool
     ) -> float | str:
-        """The value in the unit of the variable; a text that is no number is left to be refused."""
+        """Value in the unit of the variable; a text that is not a number is returned as it is, for a later error."""
         try:
             value = float(parameter.text)
         except ValueError:
@@ -122,12 +151,12 @@ class _Bindings:
         if found is None:
             name = f"{arrival.component.name}.{arrival.variable}"
             given, has = parameter.unit and parameter.unit.name, unit and unit.name
-            msg = f"{self.package.path}: {name} is given in {given}, the FMU has {has}."
+            msg = f"{self.package.path}: {name} is given in {given}, but the unit in the FMU is {has}."
             raise SystemDescriptionError(msg)
         return arrival.scale(parameter.scale(Linear(*found)(value)))
 
-    def _mapped(self, element: Element, binding: Any) -> Iterator[_Parameter]:
-        """Parameters of a binding under the names that they are mapped to."""
+    def _mapped(self, element: Element, binding: Xml) -> Iterator[_Parameter]:
+        """Parameters of a binding, after its parameter mapping."""
         parameters = list(self._parameters(element, binding))
         mapping = binding.find(ssd("ParameterMapping"))
         if mapping is None:
@@ -138,39 +167,39 @@ class _Bindings:
         by_name = {parameter.name: parameter for parameter in parameters}
         entries = list(root.iterfind(f"{{{SSM}}}MappingEntry"))
         for entry in entries:
-            parameter = by_name.get(entry.get("source"))
+            parameter = by_name.get(entry.attrib["source"])
             if parameter is None:
                 known = ", ".join(by_name) or "none"
                 msg = f"{where} has no parameter {entry.get('source')} to map; it has {known}."
                 raise SystemDescriptionError(msg)
             scale = transformation(entry, f"{where}, {entry.get('source')} -> {entry.get('target')}")
             suppressed = boolean(entry.get("suppressUnitConversion"))
-            yield _Parameter(entry.get("target"), parameter.text, parameter.unit, scale, suppressed)
+            yield _Parameter(entry.attrib["target"], parameter.text, parameter.unit, scale, suppressed)
         used = {entry.get("source") for entry in entries}
-        self.notices += [f"{where} does not map {name}, which is ignored." for name in by_name if name not in used]
+        self.notices += [f"{where} does not map {name}, so {name} is ignored." for name in by_name if name not in used]
 
-    def _parameters(self, element: Element, binding: Any) -> Iterator[_Parameter]:
-        """Parameters of a binding, with its prefix."""
+    def _parameters(self, element: Element, binding: Xml) -> Iterator[_Parameter]:
+        """Parameters of a binding, with the prefix of the binding before their names."""
         values = binding.find(ssd("ParameterValues"))
         holder = binding if values is None else values
         kind = (f"{{{SSV}}}ParameterSet", VALUES, PARAMETER_SET_TYPE)
         root = self._content(element, holder, kind, binding.get("type"))
-        units, names = {**self.units, **read_units(root)}, set()
+        units, names = {**self.units, **read_units(root)}, set[str]()
         for parameter in root.iterfind(f"{{{SSV}}}Parameters/{{{SSV}}}Parameter"):
-            name = (binding.get("prefix") or "") + parameter.get("name")
+            name = (binding.get("prefix") or "") + parameter.attrib["name"]
             if name in names:
                 msg = f"{self.package.path}: the parameter set {root.get('name')} has two parameters {name}."
                 raise SystemDescriptionError(msg)
             names.add(name)
             typed = next(child for child in parameter if isinstance(child.tag, str))
-            yield _Parameter(name, typed.get("value"), defined(typed.get("unit"), units))
+            yield _Parameter(name, typed.attrib["value"], defined(typed.get("unit"), units))
 
-    def _content(self, element: Element, holder: Any, kind: tuple[str, str, str], stated: str | None = None) -> Any:
-        """The document that an element has inside or refers to; `kind` is its tag, schema and MIME type."""
+    def _content(self, element: Element, holder: Xml, kind: tuple[str, str, str], stated: str | None = None) -> Xml:
+        """Document of a tag, schema and MIME type (`kind`) that an element contains or refers to."""
         tag, schema, mime = kind
         stated = stated or holder.get("type") or mime
         if stated != mime:
-            msg = f"{self.package.path}: parameters of type {stated} are not supported; {mime} is."
+            msg = f"{self.package.path}: parameters of type {stated} are not supported; use {mime}."
             raise SystemDescriptionError(msg)
         inline = holder.find(tag)
         if inline is not None:

@@ -1,16 +1,16 @@
-"""Reading an SSP package: nested systems become one flat system.
+"""Reading of an SSP package; nested systems become one flat system.
 
-A component ``motor`` in a system ``drive`` gets the name ``drive__motor``. Connections are followed
-through the connectors of systems; what they do to the value on the way (conversions of units, linear
-transformations) becomes one factor and one offset.
+A component ``motor`` in a system ``drive`` gets the name ``drive__motor``. A connection through the connectors of
+several systems becomes one connection between two components. All conversions of units and linear
+transformations on the way become one factor and one offset.
 """
 
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import TypedDict
 
 from orchestration.errors import ArchiveError, SystemDescriptionError
-from orchestration.fmi.instance import read_description
+from orchestration.fmi.description import read_description
 from orchestration.fmi.units import UnitDefinition, defined
 from orchestration.ssp.connectors import Element, Wiring
 from orchestration.ssp.parameters import start_values
@@ -21,29 +21,41 @@ from orchestration.ssp.schema import (
     SSC,
     STEP_ANNOTATION,
     Package,
+    Xml,
     read_units,
+    required,
     ssd,
 )
 from orchestration.system.component import Component, Connection
 from orchestration.system.system import System
 
-SEPARATOR = "__"  # between the names of a system and its component: ours must not have a dot
+SEPARATOR = "__"  # between the names of a system and its component; a name must not contain a dot
 
 
 def read_ssp(path: Path) -> System:
-    """Read an SSP package.
+    """Read a coupled system from an SSP package.
+
+    Parameters
+    ----------
+    path
+        SSP package.
+
+    Returns
+    -------
+    System
+        Flat system. Its notices list the parts of the package that have no effect.
 
     Raises
     ------
     ArchiveError
         If the package is unsafe, incomplete or invalid.
     SystemDescriptionError
-        If it describes what cannot be run.
+        If the package describes a system that cannot be run here.
     """
     package = Package.open(path)
     root = package.structure()
     reading = _Reading(package, read_units(root))
-    outer = reading.system(root.find(ssd("System")), ())
+    outer = reading.system(required(root, ssd("System")), ())
     wiring = Wiring(str(path), outer)
     reading.notices += wiring.undriven()
     start, notices = start_values(package, wiring, reading.units)
@@ -61,25 +73,24 @@ def read_ssp(path: Path) -> System:
     options = _experiment(root, path)
     options["notices"] = (*options.get("notices", ()), *reading.notices, *notices)
     assumptions = {
-        item.get("variable") or "": item.get("text") or ""
-        for item in _items(root.find(ssd("System")), ASSUMPTIONS_ANNOTATION)
+        item.get("variable") or "": item.get("text") or "" for item in _items(outer.xml, ASSUMPTIONS_ANNOTATION)
     }
-    system = System(root.get("name"), components, connections, **options).set(values)
+    system = System(root.attrib["name"], components, connections, **options).set(values)
     return replace(system, assumptions=assumptions)
 
 
 @dataclass
 class _Reading:
-    """Elements as they are found, depth first."""
+    """Reader of all systems and components of a package, from the outermost system inwards."""
 
     package: Package
     units: dict[str, UnitDefinition]
-    found: list[tuple[Component, Any]] = field(default_factory=list)
+    found: list[tuple[Component, Xml]] = field(default_factory=list)
     notices: list[str] = field(default_factory=list)
     paths: dict[str, str] = field(default_factory=dict)
 
-    def system(self, xml: Any, path: tuple[str, ...]) -> Element:
-        """A system with everything in it."""
+    def system(self, xml: Xml, path: tuple[str, ...]) -> Element:
+        """Read a system and all its elements."""
         element = Element(path, xml, None, self.connectors(xml))
         for child in xml.iterfind(ssd("Elements/*")):
             name = child.get("name")
@@ -99,8 +110,8 @@ class _Reading:
                 raise SystemDescriptionError(msg)
         return element
 
-    def component(self, xml: Any, path: tuple[str, ...]) -> Element:
-        """A component under its flat name."""
+    def component(self, xml: Xml, path: tuple[str, ...]) -> Element:
+        """Read a component, and give it the name that it has in the flat system."""
         dotted, flat = ".".join(path), SEPARATOR.join(path)
         kind = xml.get("type") or FMU_TYPE
         if kind != FMU_TYPE or xml.get("implementation") == "ModelExchange":
@@ -115,52 +126,65 @@ class _Reading:
         self.found.append((component, xml))
         return Element(path, xml, component, self.connectors(xml))
 
-    def connectors(self, xml: Any) -> dict[str, tuple[str, UnitDefinition | None]]:
-        """Kind and unit of each connector."""
+    def connectors(self, xml: Xml) -> dict[str, tuple[str, UnitDefinition | None]]:
+        """Read the kind and the unit of each connector of a system or component."""
         found = {}
         for connector in xml.iterfind(ssd("Connectors/Connector")):
             typed = connector.find(f"{{{SSC}}}Real")
             unit = typed.get("unit") if typed is not None else None
-            found[connector.get("name")] = (connector.get("kind"), defined(unit, self.units))
+            found[connector.attrib["name"]] = (connector.attrib["kind"], defined(unit, self.units))
         return found
 
 
-def _names(xml: Any, path: Path) -> dict[str, str]:
-    """Our names by the FMU's, of a component that goes by others."""
-    found = {item.get("fmu"): item.get("variable") for item in _items(xml, NAMES_ANNOTATION)}
-    if not all((*found, *found.values())):
-        msg = f"{path}: the annotation {NAMES_ANNOTATION} of {xml.get('name')} is incomplete."
-        raise ArchiveError(msg)
+def _names(xml: Xml, path: Path) -> dict[str, str]:
+    """Names of renamed variables in the system, by their names in the FMU."""
+    found: dict[str, str] = {}
+    for item in _items(xml, NAMES_ANNOTATION):
+        in_fmu, in_system = item.get("fmu"), item.get("variable")
+        if not in_fmu or not in_system:
+            msg = f"{path}: the annotation {NAMES_ANNOTATION} of {xml.get('name')} is incomplete."
+            raise ArchiveError(msg)
+        found[in_fmu] = in_system
     return found
 
 
 def _renamed(connection: Connection, names: dict[str, dict[str, str]]) -> Connection:
+    """Connection with the names of variables in the system instead of the names in the FMUs."""
     output = names[connection.source].get(connection.output, connection.output)
     input_ = names[connection.target].get(connection.input, connection.input)
     return replace(connection, output=output, input=input_)
 
 
-def _experiment(root: Any, path: Path) -> dict[str, Any]:
-    """Stop time and step, as arguments of a system."""
-    options: dict[str, Any] = {}
+class _Experiment(TypedDict, total=False):
+    """Arguments of a `System` that a package may give: step and stop time, s, and notices."""
+
+    step: float
+    stop_time: float
+    notices: tuple[str, ...]
+
+
+def _experiment(root: Xml, path: Path) -> _Experiment:
+    """Read the stop time and the step of the default experiment."""
+    options: _Experiment = {}
     experiment = root.find(ssd("DefaultExperiment"))
     if experiment is None:
         return options
-    if experiment.get("stopTime") is not None:
-        options["stop_time"] = float(experiment.get("stopTime"))
+    stop_time = experiment.get("stopTime")
+    if stop_time is not None:
+        options["stop_time"] = float(stop_time)
     start = float(experiment.get("startTime") or 0)
     if start != 0:
-        options["notices"] = (f"{path}: its start time {start:g} s is not used; give it in Options.start_time.",)
+        options["notices"] = (f"{path}: the start time {start:g} s is not used; set Options.start_time.",)
     step = root.find(f".//{{{SSC}}}Annotation[@type='{STEP_ANNOTATION}']/step")
     if step is not None:
         try:
             options["step"] = float(step.get("size") or "")
         except ValueError as error:
-            msg = f"{path}: the annotation {STEP_ANNOTATION} has the size {step.get('size')!r}, which is no number."
+            msg = f"{path}: the annotation {STEP_ANNOTATION} has the size {step.get('size')!r}, which is not a number."
             raise ArchiveError(msg) from error
     return options
 
 
-def _items(xml: Any, kind: str) -> list[Any]:
-    """Items of one of our annotations of an element."""
+def _items(xml: Xml, kind: str) -> list[Xml]:
+    """Items of an annotation that this project has added to an element."""
     return xml.findall(f"{ssd('Annotations')}/{{{SSC}}}Annotation[@type='{kind}']/*/item")

@@ -1,4 +1,4 @@
-"""Files of an SSP package: names of the standard, screened reading, validation against the schemas."""
+"""Access to the XML files of an SSP package: names of the standard, safe reading, validation by the XSD schemas."""
 
 import importlib.resources
 import os
@@ -9,14 +9,14 @@ from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path, PurePosixPath
-from typing import Any
+from typing import IO
 from urllib.parse import unquote
 
 import platformdirs
 from lxml import etree
 
 from orchestration.errors import ArchiveError, SystemDescriptionError
-from orchestration.fmi.units import BASE_UNITS, Linear, UnitDefinition
+from orchestration.fmi.units import BASE_UNITS, Linear, Unit, UnitDefinition
 from orchestration.sandbox.archive import file_hash, unpack
 
 _BASE = "http://ssp-standard.org/SSP1/SystemStructure"
@@ -31,20 +31,25 @@ ASSUMPTIONS_ANNOTATION = "org.adaptimp.assumptions"
 NAMES_ANNOTATION = "org.adaptimp.names"
 _SCHEME = re.compile(r"[A-Za-z][A-Za-z0-9+.-]*:")
 
+Xml = etree._Element
+"""Type of an XML element, for which lxml has no public name."""
+
 
 def ssd(path: str) -> str:
-    """A path of elements of the structure description, such as ``Elements/Component``."""
+    """Return an XPath to elements of ``SystemStructure.ssd``, such as ``Elements/Component``, with their namespace."""
     return "/".join(f"{{{SSD}}}{part}" for part in path.split("/"))
 
 
 @dataclass(frozen=True)
 class Package:
-    """An unpacked package.
+    """An SSP package that is unpacked in the cache folder.
 
     Attributes
     ----------
     path
-        Of the package itself, for messages.
+        Path of the package, for messages.
+    folder
+        Folder with the unpacked files.
     """
 
     path: Path
@@ -52,9 +57,16 @@ class Package:
 
     @classmethod
     def open(cls, path: Path) -> "Package":
-        """Unpack a package once into the cache (``$ADAPTIMP_CACHE`` or the user's), by its hash.
+        """Unpack a package into the cache folder, unless the cache folder holds the package already.
 
-        The folder appears whole, also when two runs read at once.
+        The cache folder is ``$ADAPTIMP_CACHE``, or else the cache folder of the user. The hash of a package names
+        its folder there. The folder appears only when it is complete, even if two runs read the package at the
+        same time.
+
+        Raises
+        ------
+        ArchiveError
+            If the package is missing, invalid or unsafe.
         """
         if not path.is_file():
             msg = f"{path}: there is no such package."
@@ -72,9 +84,15 @@ class Package:
         return cls(path, folder)
 
     def file(self, source: str | None) -> Path:
-        """A file of the package by its URI; one that leads out of the package is refused."""
+        """Return the path of a file in the package by its URI.
+
+        Raises
+        ------
+        ArchiveError
+            If the file is missing, or the URI leads out of the package.
+        """
         if source and _SCHEME.match(source):
-            msg = f"{self.path}: the source {source!r} lies elsewhere; only files in the package are read."
+            msg = f"{self.path}: the source {source!r} lies elsewhere; only files in the package can be read."
             raise ArchiveError(msg)
         for name in dict.fromkeys((source or "", unquote(source or ""))):
             relative = PurePosixPath(name)
@@ -87,15 +105,33 @@ class Package:
         msg = f"{self.path}: the source {source!r} is not in the package."
         raise ArchiveError(msg)
 
-    def structure(self) -> Any:
-        """Root of ``SystemStructure.ssd``."""
+    def structure(self) -> Xml:
+        """Return the valid root element of ``SystemStructure.ssd``.
+
+        Raises
+        ------
+        ArchiveError
+            If the file is missing or invalid.
+        """
         name = "SystemStructure.ssd"
         return self._parse(self.folder / name, name, STRUCTURE)
 
-    def document(self, element: Any, schema: str, fmu: Path | None) -> Any:
-        """Root of what an element has in a file, by its attribute ``source``.
+    def document(self, element: Xml, schema: str, fmu: Path | None) -> Xml:
+        """Return the valid root element of the file that the attribute ``source`` of an element names.
 
-        With ``sourceBase="component"`` the file lies in the component's FMU.
+        Parameters
+        ----------
+        element
+            Element with the attribute ``source``. With ``sourceBase="component"``, the file lies in the FMU.
+        schema
+            File name of the XSD schema.
+        fmu
+            FMU of the component that has the element; None for a system.
+
+        Raises
+        ------
+        ArchiveError
+            If the file is missing or invalid.
         """
         source = element.get("source")
         if element.get("sourceBase") != "component":
@@ -103,72 +139,117 @@ class Package:
             return self._parse(file, file.name, schema)
         try:
             with zipfile.ZipFile(str(fmu)) as archive, archive.open(unquote(source or "")) as inner:
-                return self._parse(inner, source, schema)
+                return self._parse(inner, str(source), schema)
         except (OSError, KeyError) as error:
-            where = "a system, which has no files" if fmu is None else fmu.name
+            where = "a system, which has no files of its own" if fmu is None else fmu.name
             msg = f"{self.path}: the source {source!r} is not in {where}."
             raise ArchiveError(msg) from error
 
-    def validated(self, root: Any, name: str, schema: str) -> Any:
-        """The root itself, valid against a schema."""
+    def validated(self, root: Xml, name: str, schema: str) -> Xml:
+        """Validate an element by a schema, and return the element.
+
+        Raises
+        ------
+        ArchiveError
+            If the element is invalid.
+        """
         if not _schema(schema).validate(root):
             msg = f"{self.path}: {name} is invalid: {_schema(schema).error_log.last_error}"
             raise ArchiveError(msg)
         return root
 
-    def _parse(self, file: Any, name: str, schema: str) -> Any:
+    def _parse(self, file: Path | IO[bytes], name: str, schema: str) -> Xml:
+        """Parse and validate a file without external entities."""
         parser = etree.XMLParser(resolve_entities=False, no_network=True, load_dtd=False)
         try:
             root = etree.parse(str(file) if isinstance(file, Path) else file, parser).getroot()
         except (etree.XMLSyntaxError, OSError) as error:
-            msg = f"{self.path}: {name} is missing or no well-formed XML: {error}"
+            msg = f"{self.path}: {name} is missing or is not well-formed XML: {error}"
             raise ArchiveError(msg) from error
         if root.getroottree().docinfo.doctype:
-            msg = f"{self.path}: {name} declares a document type; entities are not read."
+            msg = f"{self.path}: {name} declares a document type; entities are not allowed."
             raise ArchiveError(msg)
         return self.validated(root, name, schema)
 
 
-def read_units(root: Any) -> dict[str, UnitDefinition]:
-    """Units that a document defines, by name."""
-    found = {}
-    for element in root.iterfind(f"{{*}}Units/{{{SSC}}}Unit"):
-        base, name = element.find(f"{{{SSC}}}BaseUnit"), element.get("name")
-        exponents = tuple((n, int(base.get(n))) for n in BASE_UNITS if int(base.get(n) or 0))
-        found[name] = UnitDefinition(name, exponents, float(base.get("factor") or 1), float(base.get("offset") or 0))
+def required(element: Xml, path: str) -> Xml:
+    """Return the first descendant on a path that the schema requires.
+
+    Raises
+    ------
+    ArchiveError
+        If there is no such element.
+    """
+    found = element.find(path)
+    if found is None:
+        msg = f"The element {element.tag} has no element {path}, which SSP requires."
+        raise ArchiveError(msg)
     return found
 
 
-def transformation(element: Any, where: str) -> Linear:
-    """The linear transformation of a connection or mapping entry.
+def read_units(root: Xml) -> dict[str, UnitDefinition]:
+    """Return the units that a document defines, by their names."""
+    found = {}
+    for element in root.iterfind(f"{{*}}Units/{{{SSC}}}Unit"):
+        base, name = required(element, f"{{{SSC}}}BaseUnit"), element.attrib["name"]
+        powers = ((symbol, int(base.get(symbol) or 0)) for symbol in BASE_UNITS)
+        exponents = tuple((symbol, power) for symbol, power in powers if power)
+        meaning = Unit(exponents, float(base.get("factor") or 1), float(base.get("offset") or 0))
+        found[name] = UnitDefinition(name, meaning if meaning.convertible else None)
+    return found
+
+
+def transformation(element: Xml, where: str) -> Linear:
+    """Return the linear transformation of a connection or of an entry of a parameter mapping.
+
+    Parameters
+    ----------
+    element
+        Connection or entry.
+    where
+        Name of the element, for messages.
+
+    Returns
+    -------
+    Linear
+        Transformation; the identity if the element has none.
 
     Raises
     ------
     SystemDescriptionError
-        If it is a map of values.
+        If the transformation maps single values, such as a BooleanMappingTransformation.
     """
     for child in element.iterchildren(f"{{{SSC}}}*"):
         kind = etree.QName(child).localname
         if kind == "LinearTransformation":
             return Linear(float(child.get("factor") or 1), float(child.get("offset") or 0))
         if kind.endswith("Transformation"):
-            msg = f"{where}: a {kind} is not supported, only a LinearTransformation is."
+            msg = f"{where}: a {kind} is not supported; use a LinearTransformation."
             raise SystemDescriptionError(msg)
     return Linear()
 
 
 def boolean(text: str | None) -> bool:
-    """An xs:boolean; False if it is not given."""
+    """Return the value of an attribute of type xs:boolean; False if the attribute is missing."""
     return text is not None and text.strip() in ("true", "1")
 
 
-def serialized(root: Any, schema: str, name: str) -> bytes:
-    """Valid XML as bytes.
+def serialized(root: Xml, schema: str, name: str) -> bytes:
+    """Validate a document by a schema, and return its bytes in UTF-8.
+
+    Parameters
+    ----------
+    root
+        Root element.
+    schema
+        File name of the XSD schema.
+    name
+        Name of the system or component, for messages.
 
     Raises
     ------
     SystemDescriptionError
-        If it is not valid.
+        If the document is invalid.
     """
     if not _schema(schema).validate(root):
         msg = f"{name}: the SSP description is invalid: {_schema(schema).error_log.last_error}"
@@ -177,6 +258,7 @@ def serialized(root: Any, schema: str, name: str) -> bytes:
 
 
 @cache
-def _schema(name: str) -> Any:
+def _schema(name: str) -> etree.XMLSchema:
+    """Schema of a file name, loaded once from the fmpy package."""
     folder = importlib.resources.files("fmpy") / "ssp" / "schema"
     return etree.XMLSchema(etree.parse(str(folder / name)))

@@ -1,17 +1,17 @@
-"""Writing a system as an SSP package; same system, same bytes."""
+"""Writing of a coupled system as an SSP package; the same system always gives the same bytes."""
 
 import re
 import zipfile
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TypeVar
 
 from lxml import etree
 
 from orchestration.errors import SystemDescriptionError
 from orchestration.fmi.codes import BOOLEAN, INTEGER, REAL
-from orchestration.fmi.instance import Variable
-from orchestration.fmi.units import UnitDefinition
+from orchestration.fmi.description import Variable
+from orchestration.fmi.units import Unit, UnitDefinition
 from orchestration.ssp.schema import (
     ASSUMPTIONS_ANNOTATION,
     FMU_TYPE,
@@ -23,23 +23,36 @@ from orchestration.ssp.schema import (
     STEP_ANNOTATION,
     STRUCTURE,
     VALUES,
+    Xml,
     serialized,
 )
 from orchestration.system.component import Component, Connection, unit_scale
 from orchestration.system.system import System
 
-PARAMETER_SET = "parameters"  # one name for all: ecos applies sets by name
+PARAMETER_SET = "parameters"  # one name for all sets, because the tool ecos selects sets by name
 _Key = TypeVar("_Key")
 _EPOCH = (1980, 1, 1, 0, 0, 0)
 
 
 def write_ssp(system: System, path: Path) -> Path:
-    """Write a system as an SSP package; same system, same bytes.
+    """Write a coupled system as an SSP package.
+
+    Parameters
+    ----------
+    system
+        System to write.
+    path
+        File to write. An existing file is replaced when the new file is complete.
+
+    Returns
+    -------
+    Path
+        The path of the package.
 
     Raises
     ------
     SystemDescriptionError
-        If XML cannot hold a name, or the result does not validate against SSP's schemas.
+        If XML cannot hold a name or an assumption, or the schemas of SSP refuse the result.
     """
     fmus = _fmu_files(system)
     sets = _unique({c.name: c.name for c in system.components if c.start}, ".ssv")
@@ -48,7 +61,7 @@ def write_ssp(system: System, path: Path) -> Path:
         for component in system.components:
             if component.start:
                 entries[f"resources/{sets[component.name]}"] = _parameter_set(component, system.assumptions)
-    except ValueError as error:  # lxml: a character that XML does not have
+    except ValueError as error:  # lxml refuses characters that XML does not allow
         msg = f"{system.name!r}: a name or an assumption cannot be written: {error}"
         raise SystemDescriptionError(msg) from error
     for source, name in fmus.items():
@@ -59,7 +72,7 @@ def write_ssp(system: System, path: Path) -> Path:
         for name, content in entries.items():
             info = zipfile.ZipInfo(name, _EPOCH)
             info.external_attr = 0o100644 << 16
-            stored = name.endswith(".fmu")  # compressed already
+            stored = name.endswith(".fmu")  # an FMU is already compressed
             info.compress_type = zipfile.ZIP_STORED if stored else zipfile.ZIP_DEFLATED
             archive.writestr(info, content)
     draft.replace(path)
@@ -67,14 +80,14 @@ def write_ssp(system: System, path: Path) -> Path:
 
 
 class _Units:
-    """Names for unit definitions: a name that is taken by another definition gets a number."""
+    """List of unit definitions in a document; a second definition of one name gets a number after the name."""
 
     def __init__(self) -> None:
         self.names: dict[str, UnitDefinition] = {}
 
     def name(self, unit: UnitDefinition | None) -> str | None:
-        """The name in the document; None if nothing but its name in the FMU is known."""
-        if unit is None or unit.exponents is None:
+        """Return the name of a unit in the document; None if the FMU gives no definition of the unit."""
+        if unit is None or unit.meaning is None:
             return None
         name, count = unit.name, 1
         while not self.names.setdefault(name, unit).equivalent(unit):
@@ -82,23 +95,24 @@ class _Units:
             name = f"{unit.name}_{count}"
         return name
 
-    def write(self, root: Any, namespace: str) -> None:
-        """Add the list of those that were named."""
+    def write(self, root: Xml, namespace: str) -> None:
+        """Add the list of all named units to a document."""
         if not self.names:
             return
         listing = etree.SubElement(root, f"{{{namespace}}}Units")
         for name, unit in sorted(self.names.items()):
-            base = {symbol: str(power) for symbol, power in unit.exponents or ()}
-            if unit.factor != 1:
-                base["factor"] = _real(unit.factor)
-            if unit.offset != 0:
-                base["offset"] = _real(unit.offset)
+            meaning = unit.meaning or Unit()
+            base = {symbol: str(power) for symbol, power in meaning.exponents}
+            if meaning.factor != 1:
+                base["factor"] = _real(meaning.factor)
+            if meaning.offset != 0:
+                base["offset"] = _real(meaning.offset)
             element = etree.SubElement(listing, f"{{{SSC}}}Unit", name=name)
             etree.SubElement(element, f"{{{SSC}}}BaseUnit", base)
 
 
 def _fmu_files(system: System) -> dict[Path, str]:
-    """File name in the package by FMU; two different files of one name are told apart."""
+    """File names in the package by FMU; different FMUs with one file name get different names."""
     owners: dict[Path, str] = {}
     for component in system.components:
         owners.setdefault(component.description.path, component.name)
@@ -108,7 +122,7 @@ def _fmu_files(system: System) -> dict[Path, str]:
 
 
 def _unique(wanted: dict[_Key, str], extension: str) -> dict[_Key, str]:
-    """File names of plain characters, different for file systems that ignore case."""
+    """Valid file names that differ even on a file system that ignores case."""
     files: dict[_Key, str] = {}
     for key, name in wanted.items():
         plain = re.sub(r"[^A-Za-z0-9._+-]", "_", name)
@@ -121,6 +135,7 @@ def _unique(wanted: dict[_Key, str], extension: str) -> dict[_Key, str]:
 
 
 def _structure(system: System, fmus: dict[Path, str], sets: dict[str, str]) -> bytes:
+    """Content of ``SystemStructure.ssd``, from file names of FMUs by path and of parameter sets by component."""
     root = etree.Element(
         f"{{{SSD}}}SystemStructureDescription",
         {"version": "1.0", "name": system.name, "generationTool": "adaptimp"},
@@ -137,12 +152,8 @@ def _structure(system: System, fmus: dict[Path, str], sets: dict[str, str]) -> b
             bindings = etree.SubElement(element, f"{{{SSD}}}ParameterBindings")
             source = f"resources/{sets[component.name]}"
             etree.SubElement(bindings, f"{{{SSD}}}ParameterBinding", type=PARAMETER_SET_TYPE, source=source)
-        _annotate(
-            element,
-            NAMES_ANNOTATION,
-            "names",
-            [{"variable": v.name, "fmu": v.declared} for v in component.description.variables.values() if v.declared],
-        )
+        renamed = [v for v in component.description.variables.values() if v.declared]
+        _annotate(element, NAMES_ANNOTATION, "names", [{"variable": v.name, "fmu": v.declared} for v in renamed])
     if system.connections:  # an empty list is invalid
         listing = etree.SubElement(outer, f"{{{SSD}}}Connections")
         for connection in system.connections:
@@ -150,16 +161,23 @@ def _structure(system: System, fmus: dict[Path, str], sets: dict[str, str]) -> b
     assumed = [{"variable": path, "text": text} for path, text in sorted(system.assumptions.items())]
     _annotate(outer, ASSUMPTIONS_ANNOTATION, "assumptions", assumed)
     units.write(root, SSD)
-    experiment = etree.SubElement(
-        root, f"{{{SSD}}}DefaultExperiment", startTime="0.0", stopTime=_real(system.stop_time)
-    )
-    annotations = etree.SubElement(experiment, f"{{{SSD}}}Annotations")
-    annotation = etree.SubElement(annotations, f"{{{SSC}}}Annotation", type=STEP_ANNOTATION)
-    etree.SubElement(annotation, "step", size=_real(system.step))
+    _experiment(root, system)
     return serialized(root, STRUCTURE, system.name)
 
 
-def _connectors(element: Any, system: System, component: Component, units: _Units) -> None:
+def _experiment(root: Xml, system: System) -> None:
+    """Add the default experiment: stop time, and communication step as an annotation."""
+    experiment = etree.SubElement(root, f"{{{SSD}}}DefaultExperiment", startTime="0.0")
+    if system.stop_time is not None:
+        experiment.set("stopTime", _real(system.stop_time))
+    if system.step is not None:
+        annotations = etree.SubElement(experiment, f"{{{SSD}}}Annotations")
+        annotation = etree.SubElement(annotations, f"{{{SSC}}}Annotation", type=STEP_ANNOTATION)
+        etree.SubElement(annotation, "step", size=_real(system.step))
+
+
+def _connectors(element: Xml, system: System, component: Component, units: _Units) -> None:
+    """Add connectors for the connected variables of a component."""
     connected = {(c.source, c.output) for c in system.connections} | {(c.target, c.input) for c in system.connections}
     listing = etree.Element(f"{{{SSD}}}Connectors")
     for variable in component.description.variables.values():
@@ -172,14 +190,15 @@ def _connectors(element: Any, system: System, component: Component, units: _Unit
         element.append(listing)
 
 
-def _set_unit(element: Any, component: Component, variable: Variable, units: _Units) -> None:
+def _set_unit(element: Xml, component: Component, variable: Variable, units: _Units) -> None:
+    """Set the attribute ``unit`` of a Real whose unit has a definition."""
     name = units.name(component.description.unit(variable))
     if name is not None and variable.type == REAL:
         element.set("unit", name)
 
 
-def _connection(listing: Any, system: System, connection: Connection) -> None:
-    """What is to be done with the value is said in full: not every engine converts units."""
+def _connection(listing: Xml, system: System, connection: Connection) -> None:
+    """Add a connection with its full transformation, because some simulation tools do not convert units."""
     source, target = system.component(connection.source), system.component(connection.target)
     output, input_ = source.variable(connection.output), target.variable(connection.input)
     element = etree.SubElement(
@@ -200,8 +219,8 @@ def _connection(listing: Any, system: System, connection: Connection) -> None:
         etree.SubElement(element, f"{{{SSC}}}LinearTransformation", numbers)
 
 
-def _annotate(element: Any, kind: str, name: str, items: list[dict[str, str]]) -> None:
-    """Add an annotation with one element per item."""
+def _annotate(element: Xml, kind: str, name: str, items: list[dict[str, str]]) -> None:
+    """Add an annotation to an element, with one child per item."""
     if items:
         annotations = etree.SubElement(element, f"{{{SSD}}}Annotations")
         annotation = etree.SubElement(annotations, f"{{{SSC}}}Annotation", type=kind)
@@ -211,7 +230,7 @@ def _annotate(element: Any, kind: str, name: str, items: list[dict[str, str]]) -
 
 
 def _parameter_set(component: Component, assumptions: Mapping[str, str]) -> bytes:
-    """Start values; an assumed one says so in its description, where other tools show it."""
+    """Content of a parameter set; an assumed value has its assumption as description, for users of other tools."""
     root = etree.Element(
         f"{{{SSV}}}ParameterSet",
         {"version": "1.0", "name": PARAMETER_SET},
@@ -238,6 +257,6 @@ def _parameter_set(component: Component, assumptions: Mapping[str, str]) -> byte
 
 
 def _real(value: float) -> str:
-    """An xs:double that reads back as the same number."""
+    """Text of type xs:double that reads back as the same number."""
     text = repr(float(value))
     return text.replace("inf", "INF").replace("nan", "NaN")

@@ -1,1 +1,1 @@
-"""What is coupled: components, their start values and connections."""
+"""Description of a coupled system: components, their start values and their connections."""

@@ -1,4 +1,4 @@
-"""A component of a system, and a connection between two of them."""
+"""Components of a coupled system, and connections between their variables."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -11,21 +11,27 @@ import numpy as np
 
 from orchestration.errors import SystemDescriptionError
 from orchestration.fmi.codes import BOOLEAN, INTEGER, REAL, STRING
-from orchestration.fmi.instance import SAMPLE_TIME, Description, Variable, parse_value, read_description
+from orchestration.fmi.description import SAMPLE_TIME, Description, Variable, parse_value, read_description
 from orchestration.fmi.units import Linear, conversion
 from orchestration.system.display import component_html, component_line
 
 SETTABLE = ("parameter", "input")
+"""Causalities of variables whose start value a user may set."""
 
 
 @dataclass(frozen=True, repr=False)
 class Component:
-    """An FMU under a name, with the start values that differ from its own.
+    """A member of a system: an FMU with a name and with start values.
 
     Attributes
     ----------
+    name
+        Name of the component in the system.
+    description
+        Content of the FMU's modelDescription.xml.
     start
-        Values by variable name; Booleans are 0 or 1.
+        Start values by variable name, in the units of the FMU. Booleans are 0 or 1. A variable that is not
+        listed keeps the start value of the FMU.
     """
 
     name: str
@@ -44,12 +50,12 @@ class Component:
         return cls(name or Path(path).stem, read_description(Path(path)))
 
     def variable(self, name: str) -> Variable:
-        """A variable by name.
+        """Return the variable of a name.
 
         Raises
         ------
         SystemDescriptionError
-            Listing the known names.
+            If the component has no such variable. The message lists all variables.
         """
         try:
             return self.description.variables[name]
@@ -67,7 +73,7 @@ class Component:
 
     @property
     def sample_time(self) -> float | None:
-        """Sampling period, s, of a component that declares the parameter ``sample_time``."""
+        """Sampling period, s; None for a component without a parameter ``sample_time``."""
         variable = self.description.variables.get(SAMPLE_TIME)
         if variable is None or variable.causality != "parameter":
             return None
@@ -75,7 +81,7 @@ class Component:
 
     @property
     def continuous(self) -> bool:
-        """Whether outputs follow inputs between ticks: there is no ``sample_time``, nor are all discrete."""
+        """Whether outputs change continuously: there is no ``sample_time``, and some output is not discrete."""
         outputs = self.description.of_causality("output")
         held = bool(outputs) and all(variable.variability == "discrete" for variable in outputs)
         return self.sample_time is None and not held
@@ -83,13 +89,19 @@ class Component:
 
 @dataclass(frozen=True, order=True)
 class Connection:
-    """From an output to an input, both scalar: input = factor * output + offset.
+    """A connection from a scalar output to a scalar input: input = factor * output + offset.
 
     Attributes
     ----------
-    factor, offset
-        The whole way from a number of the source to one of the target, Reals only. A factor of None asks
-        for the conversion between the two units; a `System` puts its numbers there.
+    source, output
+        Component and variable that give the value.
+    target, input
+        Component and variable that take the value.
+    factor
+        Unit of the input per unit of the output; other than 1 for Reals only. None stands for the conversion
+        between both units, and a `System` replaces None by the number.
+    offset
+        Added value, in the unit of the input.
     """
 
     source: str
@@ -100,7 +112,7 @@ class Connection:
     offset: float = 0.0
 
     def __str__(self) -> str:
-        """``plant.x[1] -> controller.x[1]``, and factor and offset if they change anything."""
+        """Both ends, such as ``plant.x[1] -> controller.x[1]``, with factor and offset unless these are 1 and 0."""
         ends = f"{self.source}.{self.output} -> {self.target}.{self.input}"
         if self.scale.trivial:
             return ends
@@ -108,24 +120,31 @@ class Connection:
 
     @property
     def scale(self) -> Linear:
-        """What the source's values go through on the way to the target."""
+        """Linear function from the output to the input."""
         return Linear(1.0 if self.factor is None else float(self.factor), float(self.offset))
 
 
 def unit_scale(source: Component, output: Variable, target: Component, input_: Variable) -> Linear | None:
-    """The conversion from the unit of one variable to that of another; None if there is none."""
+    """Return the conversion from the unit of an output to the unit of an input.
+
+    Returns
+    -------
+    Linear or None
+        Linear function; None if the units have different dimensions. A variable without a unit needs no
+        conversion.
+    """
     units = source.description.unit(output), target.description.unit(input_)
     found = conversion(*units, relative=output.relative or input_.relative)
     return None if found is None else Linear(*found)
 
 
 def checked_connection(connection: Connection, source: Component, target: Component) -> Connection:
-    """The same connection with its factor and offset in numbers.
+    """Check a connection, and replace a missing factor by the conversion between both units.
 
     Raises
     ------
     SystemDescriptionError
-        If the two ends do not fit together.
+        If causalities, types or units of the ends do not fit together, or a factor or offset is not allowed.
     """
     output, input_ = source.variable(connection.output), target.variable(connection.input)
     if output.causality != "output":
@@ -157,7 +176,13 @@ def checked_connection(connection: Connection, source: Component, target: Compon
 
 
 def require_settable(component: Component, variable: Variable) -> None:
-    """Refuse what has no start value that a user may choose."""
+    """Refuse a variable whose start value a user must not set.
+
+    Raises
+    ------
+    SystemDescriptionError
+        If the variable is neither a parameter nor an input, or is a String.
+    """
     if variable.causality not in SETTABLE:
         path = f"{component.name}.{variable.name}"
         msg = f"{path} has causality {variable.causality}; only parameters and inputs can be set."
@@ -187,7 +212,22 @@ def spread(path: str, value: Any, elements: Sequence[str]) -> list[Any]:
 
 
 def number(path: str, variable: Variable, value: float | bool | str) -> float:
-    """A value for a variable as a number."""
+    """Convert a start value to a number; Booleans become 0 or 1.
+
+    Parameters
+    ----------
+    path
+        Variable as ``component.variable``, for messages.
+    variable
+        Variable that takes the value.
+    value
+        Number, Boolean or text.
+
+    Raises
+    ------
+    SystemDescriptionError
+        If the value does not have the type of the variable.
+    """
     found = math.nan
     with suppress(ValueError, KeyError, TypeError):
         found = parse_value(value, variable.type)
@@ -199,10 +239,11 @@ def number(path: str, variable: Variable, value: float | bool | str) -> float:
 
 
 def sources_of(components: Sequence[Component], target: Component, name: str) -> list[Component]:
-    """Components other than the target with an output of that name."""
+    """Return all components, except the target, that have an output of a given name."""
     return [c for c in components if _has_output(c, name) and c is not target]
 
 
 def _has_output(component: Component, name: str) -> bool:
+    """Whether a component has an output of a given name."""
     variable = component.description.variables.get(name)
     return variable is not None and variable.causality == "output"

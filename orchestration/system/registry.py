@@ -1,14 +1,17 @@
-"""Where a system finds what is built on top of it: file formats by suffix, analyses by name.
+"""Registry of the file formats and analyses that methods of a system call.
 
-An entry is the text ``module:function``. Its module is imported on first use, so that the description of a system
-depends on none of them.
+An entry is the text ``module:function``. The module of an entry is imported on first use. So the description of a
+system does not import any file format or analysis.
 """
 
 from collections.abc import Callable
 from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from orchestration.system.system import System
 
 
 @dataclass(frozen=True)
@@ -18,9 +21,9 @@ class Format:
     Attributes
     ----------
     read
-        Takes a path and returns a `System`.
+        Entry of a function that takes a path and returns a `System`.
     write
-        Takes a `System` and a path, and returns the path.
+        Entry of a function that takes a `System` and a path, and returns the path.
     """
 
     read: str
@@ -29,27 +32,28 @@ class Format:
 
 SSP = Format("orchestration.ssp.read:read_ssp", "orchestration.ssp.write:write_ssp")
 FORMATS: dict[str, Format] = {".ssp": SSP}
-"""File formats by suffix; a path with another suffix is taken for an SSP package."""
+"""File formats by suffix. A path with another suffix counts as an SSP package."""
 
 ANALYSES: dict[str, str] = {"stability": "orchestration.analysis.stability.verdict:stability"}
-"""Analyses by the name of the method that calls them; each takes a `System` first."""
+"""Entries of analyses by the name of the calling method. The first argument of an analysis is a `System`."""
 
 
-def reader(path: Path) -> Callable[..., Any]:
-    """The function that reads a system from a file of this suffix."""
+def reader(path: Path) -> "Callable[[Path], System]":
+    """Return the function that reads a system from a file with the suffix of a path."""
     return _load(FORMATS.get(path.suffix.lower(), SSP).read)
 
 
-def writer(path: Path) -> Callable[..., Any]:
-    """The function that writes a system to a file of this suffix."""
+def writer(path: Path) -> "Callable[[System, Path], Path]":
+    """Return the function that writes a system to a file with the suffix of a path."""
     return _load(FORMATS.get(path.suffix.lower(), SSP).write)
 
 
-def analysis(name: str) -> Callable[..., Any]:
-    """The function of an analysis."""
+def analysis(name: str) -> Callable[..., Any]:  # the arguments and the result differ between analyses
+    """Return the function of an analysis by its name."""
     return _load(ANALYSES[name])
 
 
 def _load(entry: str) -> Callable[..., Any]:
+    """Import the module of an entry, and return the function of the entry."""
     module, _, function = entry.partition(":")
     return getattr(import_module(module), function)

@@ -1,4 +1,7 @@
-"""Another FMU in the place of a component, with other names and units if need be."""
+"""Replacement of the FMU behind a component by another FMU.
+
+The names and units of the new FMU may differ from the old ones.
+"""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -6,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from orchestration.errors import SystemDescriptionError
-from orchestration.fmi.instance import Description, read_description
+from orchestration.fmi.description import Description, read_description
 from orchestration.fmi.units import Linear
 from orchestration.system.component import SETTABLE, Component, Connection, sources_of, unit_scale
 
@@ -15,31 +18,26 @@ if TYPE_CHECKING:
 
 
 def replaced(system: "System", name: str, fmu: Path, mapping: Mapping[str, str]) -> "System":
-    """Put another FMU in the place of a component; see `System.replace`."""
+    """Return a system in which another FMU stands in the place of a component.
+
+    This function implements `System.replace`.
+
+    Raises
+    ------
+    SystemDescriptionError
+        If the new FMU lacks a connected output, a mapped name is unknown, or a unit cannot be converted.
+    """
     old = system.component(name)
     description = read_description(fmu)
     description = description.renamed(_names(system, old, description, mapping))
-    known, model = description.variables, description.model_name
+    known = description.variables
     start, notices = _start(old, Component(name, description), mapping)
     new = Component(name, description, start)
     for connection in system.connections:
         if connection.source == name:
-            new.variable(connection.output)  # a unit without what others live on is the first thing to say
+            new.variable(connection.output)  # refuses an FMU without a connected output before all other checks
     components = tuple(new if c.name == name else c for c in system.components)
-    connections, lost = [], []
-    for connection in system.connections:
-        if connection.target == name and connection.input not in known:
-            lost.append(connection.input)
-            continue
-        connections.append(_rescaled(connection, system, old, new))
-    if lost:
-        notices.append(f"{name}: connections dropped, {model} has no input {', '.join(lost)}.")
-    had = {variable.name for variable in old.description.of_causality("input")}
-    for variable in description.of_causality("input"):
-        sources = sources_of(components, new, variable.name) if variable.name not in had else []
-        if len(sources) == 1:
-            connections.append(Connection(sources[0].name, variable.name, name, variable.name))
-            notices.append(f"Connection {connections[-1]} added: {model} has this input too.")
+    connections, further = _connections(system, old, new, components)
     assumptions = {
         path: text
         for path, text in system.assumptions.items()
@@ -48,14 +46,35 @@ def replaced(system: "System", name: str, fmu: Path, mapping: Mapping[str, str])
     return replace(
         system,
         components=components,
-        connections=tuple(connections),
-        notices=(*system.notices, *notices),
+        connections=connections,
+        notices=(*system.notices, *notices, *further),
         assumptions=assumptions,
     )
 
 
+def _connections(
+    system: "System", old: Component, new: Component, components: Sequence[Component]
+) -> tuple[tuple[Connection, ...], list[str]]:
+    """Connections of the system with the new component, and notices of dropped and of added connections."""
+    connections, notices, lost, model = [], [], [], new.description.model_name
+    for connection in system.connections:
+        if connection.target == new.name and connection.input not in new.description.variables:
+            lost.append(connection.input)
+            continue
+        connections.append(_rescaled(connection, system, old, new))
+    if lost:
+        notices.append(f"{new.name}: connections dropped, {model} has no input {', '.join(lost)}.")
+    had = {variable.name for variable in old.description.of_causality("input")}
+    for variable in new.description.of_causality("input"):
+        sources = sources_of(components, new, variable.name) if variable.name not in had else []
+        if len(sources) == 1:
+            connections.append(Connection(sources[0].name, variable.name, new.name, variable.name))
+            notices.append(f"Connection {connections[-1]} added: {model} has this input too.")
+    return tuple(connections), notices
+
+
 def _names(system: "System", old: Component, new: Description, mapping: Mapping[str, str]) -> dict[str, str]:
-    """Our names by those of the FMU, scalar by scalar."""
+    """Names of scalar variables in the system, by their names in the new FMU."""
     ours = [*old.description.variables]
     ours += [v.name for c in system.components if c is not old for v in c.description.of_causality("output")]
     names: dict[str, str] = {}
@@ -79,14 +98,14 @@ def _names(system: "System", old: Component, new: Description, mapping: Mapping[
 
 
 def _scalars(name: str, known: Sequence[str]) -> list[str]:
-    """A variable of that name, or the elements of an array, in their order."""
+    """Names of a scalar variable, or of all elements of an array, in their order."""
     if name in known:
         return [name]
     return list(dict.fromkeys(n for n in known if n.startswith(f"{name}[")))
 
 
 def _start(old: Component, new: Component, mapping: Mapping[str, str]) -> tuple[dict[str, float], list[str]]:
-    """Start values in the new units, and notices of what was dropped, or kept as a mere number."""
+    """Start values in the units of the new FMU, and notices of dropped and of unconverted values."""
     start, notices, lost, model = {}, [], [], new.description.model_name
     for name, value in old.start.items():
         variable = new.description.variables.get(name)
@@ -100,8 +119,8 @@ def _start(old: Component, new: Component, mapping: Mapping[str, str]) -> tuple[
             if name in mapping or name.partition("[")[0] in mapping:
                 msg = f"{new.name}.{name} = {value:g}: {units}; map it to a variable of {model} of the same dimension."
                 raise SystemDescriptionError(msg)
-            # The gains of two adaptation laws are of different dimensions; a swap shall not switch one off.
-            notices.append(f"{new.name}: start value of {name} = {value:g} kept, but {units}; set it anew.")
+            # The gains of two adaptation laws have different dimensions; a replacement must not switch a law off.
+            notices.append(f"{new.name}: start value of {name} = {value:g} kept, but {units}; set a new value.")
         start[name] = value if scale is None else scale(value)
     if lost:
         notices.insert(0, f"{new.name}: start values dropped, {model} has no {', '.join(lost)}.")
@@ -109,9 +128,10 @@ def _start(old: Component, new: Component, mapping: Mapping[str, str]) -> tuple[
 
 
 def _rescaled(connection: Connection, system: "System", old: Component, new: Component) -> Connection:
-    """The same connection with the units of the new component.
+    """Adapt the factor and offset of a connection to the units of the new component.
 
-    What its units ask for is asked for anew; a scale of the user's own is kept, between the old units.
+    A conversion that came from the old units is replaced by the conversion of the new units. A user's own factor
+    is kept between the old units.
     """
     if new.name not in (connection.source, connection.target):
         return connection
@@ -127,6 +147,6 @@ def _rescaled(connection: Connection, system: "System", old: Component, new: Com
         after = unit_scale(old, input_, new, new.variable(connection.input))
         scale = scale.then(after) if after else None
     if scale is None:
-        msg = f"Connection {connection} was scaled between units that {new.description.model_name} does not have."
+        msg = f"Connection {connection} has a factor between units that {new.description.model_name} does not have."
         raise SystemDescriptionError(msg)
     return replace(connection, factor=scale.factor, offset=scale.offset)

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from orchestration.errors import SystemDescriptionError
-from orchestration.fmi.instance import SAMPLE_TIME, Variable
+from orchestration.fmi.description import SAMPLE_TIME, Variable
 from orchestration.fmi.names import arrays
 from orchestration.system.component import (
     Component,
@@ -42,7 +42,9 @@ class System:
     Attributes
     ----------
     step, stop_time
-        Default communication step and stop time, s.
+        Communication step and stop time of a run that asks for no others, s. A system may have none: then
+        every run must say its own. They are not taken from the FMUs' default experiments, for an FMU
+        knows nothing of what it is coupled with; an SSP package carries them in its own default experiment.
     notices
         What happened to the system that its user should know, for example dropped connections; history,
         which does not count when systems are compared.
@@ -53,8 +55,8 @@ class System:
     name: str
     components: tuple[Component, ...]
     connections: tuple[Connection, ...] = ()
-    step: float = 1e-4
-    stop_time: float = 2.0
+    step: float | None = None
+    stop_time: float | None = None
     notices: tuple[str, ...] = field(default=(), compare=False)
     assumptions: Mapping[str, str] = field(default_factory=dict)
 
@@ -117,7 +119,12 @@ class System:
 
     @classmethod
     def connected_by_name(
-        cls, name: str, fmus: Mapping[str, Path], *, step: float = 1e-4, stop_time: float = 2.0
+        cls,
+        name: str,
+        fmus: Mapping[str, Path],
+        *,
+        step: float | None = None,
+        stop_time: float | None = None,
     ) -> "System":
         """Connect every input to the output of the same name.
 
@@ -125,6 +132,8 @@ class System:
         ----------
         fmus
             Component name to FMU file; their order is the order of the components.
+        step, stop_time
+            Those of runs that ask for no others, s.
 
         Raises
         ------
@@ -275,6 +284,34 @@ class System:
         """Set the step and every ``sample_time``, s."""
         values = {f"{c.name}.{SAMPLE_TIME}": sample_time for c in self.components if c.sample_time is not None}
         return replace(self.set(values), step=sample_time)
+
+    def run_step(self, asked: float | None = None) -> float:
+        """The communication step of a run, s: the one that is asked for, else the system's own.
+
+        Raises
+        ------
+        SystemDescriptionError
+            If there is neither.
+        """
+        step = self.step if asked is None else asked
+        if step is None:
+            msg = f"System {self.name} has no communication step; give one, in s, as `step` or --step."
+            raise SystemDescriptionError(msg)
+        return step
+
+    def run_stop_time(self, asked: float | None = None) -> float:
+        """The stop time of a run, s: the one that is asked for, else the system's own.
+
+        Raises
+        ------
+        SystemDescriptionError
+            If there is neither.
+        """
+        stop_time = self.stop_time if asked is None else asked
+        if stop_time is None:
+            msg = f"System {self.name} has no stop time; give one, in s, as `stop_time` or --stop."
+            raise SystemDescriptionError(msg)
+        return stop_time
 
     def stability(
         self, step: float | None = None, algorithm: "str | Algorithm" = "gauss-seidel", *, at: float = 0.0

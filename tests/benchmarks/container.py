@@ -7,7 +7,7 @@ outputs are outputs of the container.
 import logging
 from pathlib import Path
 
-from orchestration.fmi.instance import read_description
+from orchestration.fmi.description import read_description
 from orchestration.system.system import Component, System
 
 PREFIX = "shown."  # of the outputs; the container has a local variable for each of its links

@@ -1,5 +1,5 @@
 /* The loop of the fixed-step algorithms as a C program would have it, on the operations of the compiled
- * loop (orchestration/operations.py): same calls, same order, same records. */
+ * loop (orchestration/master/kernel/step_program.py): same calls, same order, same records. */
 #include <stddef.h>
 #include <stdint.h>
 #include <string.h>
@@ -23,7 +23,7 @@ typedef struct {
     Call calls[GET_BOOLEAN + 1];
 } Component;
 
-_Static_assert(sizeof(Component) == 30 * sizeof(int64_t), "a row of the table has 30 columns");
+_Static_assert(sizeof(Component) == 30 * sizeof(int64_t), "a row of the table begins with 30 columns");
 
 enum { TRANSFER, STEP, COPY_REALS, COPY_DISCRETES };
 

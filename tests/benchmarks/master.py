@@ -105,7 +105,7 @@ def run(name: str = "fig2", n_steps: int | None = None, repetitions: int = REPET
     """
     about = scenario(name)
     system = about.system(fmus(about.units.values()))
-    n_steps = n_steps or round(system.stop_time / system.step)
+    n_steps = n_steps or round(system.run_stop_time() / system.run_step())
     with Bench(system, n_steps) as b, TemporaryDirectory() as folder:
         checks = check(b, n_steps)
         missing = {engine: why for engine in SLOW[1:] if (why := unavailable(engine))}
@@ -133,7 +133,7 @@ def run(name: str = "fig2", n_steps: int | None = None, repetitions: int = REPET
 def _measures(b: Bench, system: System, folder: Path) -> Mapping[str, Measure]:
     """Wall time of n steps, by variant; each is called once per round, in this order."""
     ssp = system.write(folder / f"{system.name}.ssp")
-    step_ns = round(system.step * 1e9)
+    step_ns = round(system.run_step() * 1e9)
     return {
         "bare": b.time_bare,
         "c": b.time_c,

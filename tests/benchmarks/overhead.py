@@ -139,7 +139,7 @@ def time_simulation(system: System, n: int, options: Options | None = None) -> f
     """Wall time of `Simulation.run` over n steps, s; all outputs are recorded unless `options` say otherwise."""
     with catch_warnings():
         simplefilter("ignore", UnconnectedInputWarning)
-        prepared = prepare(system, n * system.step, options=options)
+        prepared = prepare(system, n * system.run_step(), options=options)
     with prepared as simulation:
         begin = perf_counter()
         simulation.run()
@@ -148,7 +148,7 @@ def time_simulation(system: System, n: int, options: Options | None = None) -> f
 
 def _engines(system: System, folder: Path) -> Mapping[str, Measure]:
     ssp = system.write(folder / f"{system.name}.ssp")
-    step_ns = round(system.step * 1e9)
+    step_ns = round(system.run_step() * 1e9)
     return {
         "ecospy": lambda n: np.array([time_ecospy(ssp, system.step, n)]),
         "libcosimpy": lambda n: np.array([time_libcosim(ssp, step_ns, n)]),

@@ -14,11 +14,11 @@ from typing import Any, Self
 
 import numpy as np
 
-from orchestration.fmi.codes import BOOLEAN, INTEGER, REAL, SAVES_STATE
+from orchestration.fmi.codes import BOOLEAN, INTEGER, REAL, SAVES_STATE, WORST_ACCEPTED
 from orchestration.fmi.instance import Instance
 from orchestration.master.flatten import Assembly, assemble
 from orchestration.master.initialization import initialize, opened
-from orchestration.master.kernel import fixed_step, flat_system
+from orchestration.master.kernel import fixed_step
 from orchestration.master.kernel.step_program import operations_of_step
 from orchestration.system.system import Component, System
 from tests.benchmarks.native import CLoop
@@ -58,7 +58,7 @@ class Rig:
 
     def __init__(self, system: System, n_steps: int, record: Collection[str] | None = None, piece: int = PIECE) -> None:
         self.system, self.step, self.piece = system, system.step, piece
-        self.times = np.arange(n_steps + 1) * system.step
+        self.times = np.arange(n_steps + 1) * system.run_step()
         self._n_rows, self._record = n_steps + 1, record
         self._saves = all(c.description.can(SAVES_STATE) for c in system.components)
         self._saved: list[ctypes.c_void_p] = []
@@ -98,7 +98,7 @@ class Rig:
 
         def run(first: int, last: int) -> None:
             status = self.c.run((self.times, self.step), (first, last), self._room(first, every), every)
-            require(status <= flat_system.WORST_ACCEPTED, f"The C loop ended with status {status}.")
+            require(status <= WORST_ACCEPTED, f"The C loop ended with status {status}.")
 
         return self.pieces(n, run)
 
@@ -217,11 +217,27 @@ def _fmpy_parts(system: System, instances: list[Instance]) -> list[tuple[Any, ..
         for kind in (REAL, BOOLEAN):
             names = [n for n in given if component.variable(n).type == kind]
             inputs[kind] = ([component.variable(n).reference for n in names], [column[given[n]] for n in names])
-        fetched = []
+        fetched, slave = [], _slave(instance)
         for kind, get in ((REAL, "getReal"), (INTEGER, "getInteger"), (BOOLEAN, "getBoolean")):
             outputs = [v for v in component.description.of_causality("output") if v.type == kind]
             if outputs:  # of a type, side by side
                 first = column[f"{component.name}.{outputs[0].name}"]
-                fetched.append((getattr(instance.slave, get), [v.reference for v in outputs], first))
-        parts.append((instance.slave, inputs[REAL], inputs[BOOLEAN], fetched))
+                fetched.append((getattr(slave, get), [v.reference for v in outputs], first))
+        parts.append((slave, inputs[REAL], inputs[BOOLEAN], fetched))
     return parts
+
+
+def _slave(instance: Instance) -> Any:
+    """The same instance as an object of fmpy."""
+    from fmpy.fmi2 import FMU2Slave
+
+    path, description = instance.library.path, instance.description
+    slave = FMU2Slave(
+        guid=description.guid,
+        modelIdentifier=description.identifier,
+        unzipDirectory=str(path.parents[2]),
+        libraryPath=str(path),
+        instanceName=instance.name,
+    )
+    slave.component = ctypes.c_void_p(instance.component)
+    return slave

@@ -8,7 +8,7 @@ from functools import cache
 from pathlib import Path
 
 from adaptimp_fmu import SampledModel, build
-from orchestration.fmi.instance import read_description
+from orchestration.fmi.description import read_description
 from orchestration.system.system import Component, Connection, System
 
 STEP = 2.0**-10  # s: a power of two, so that k STEP is exact

@@ -7,9 +7,8 @@ from typing import Self
 
 import numpy as np
 
-from orchestration.fmi.codes import BOOLEAN, INTEGER, REAL
+from orchestration.fmi.codes import BOOLEAN, REAL, WORST_ACCEPTED
 from orchestration.fmi.instance import Instance
-from orchestration.master.kernel import flat_system
 from orchestration.system.system import Component, System
 from tests.benchmarks.native import COMPONENTS, BareUnits
 from tests.benchmarks.rig import Rig, require, sources
@@ -91,7 +90,7 @@ class Bench(Rig):
         def run(first: int, last: int) -> None:
             given = (inputs.reals[first:last], inputs.booleans[first:last])
             status = self.c.replay(i, (self.times[first:last], self.step), given, [bool(call) for call in calls])
-            require(status <= flat_system.WORST_ACCEPTED, f"Component {i} alone ended with status {status}.")
+            require(status <= WORST_ACCEPTED, f"Component {i} alone ended with status {status}.")
 
         return self.pieces(len(inputs.all), run)
 
@@ -140,8 +139,6 @@ def _values(component: Component, instance: Instance) -> np.ndarray:
     """All variables of an instance by value reference; references are 0, 1, ..."""
     variables = component.description.variables.values()
     values = np.full(len(variables), np.nan)
-    getters = {REAL: "getReal", INTEGER: "getInteger", BOOLEAN: "getBoolean"}
     for variable in variables:
-        get = getattr(instance.slave, getters[variable.type])
-        values[variable.reference] = get([variable.reference])[0]
+        _, (values[variable.reference],) = instance.get(variable.type, [variable.reference])
     return values

@@ -111,8 +111,11 @@ class Binary:
     def __init__(self, fmu: Path, folder: Path) -> None:
         self.description = fmpy.read_model_description(str(fmu))
         self.variables = {v.name: v for v in self.description.modelVariables}
+        if self.description.guid is None or self.description.coSimulation is None:
+            raise RuntimeError(f"{fmu.name} has no GUID or is not for co-simulation.")
         self.guid = self.description.guid.encode()
-        self.name = self.description.coSimulation.modelIdentifier
+        self.name: str = str(self.description.coSimulation.modelIdentifier)
+        self.interpolates = bool(self.description.coSimulation.canInterpolateInputs)
         fmpy.extract(str(fmu), unzipdir=str(folder))
         categories = etree.parse(folder / "modelDescription.xml").iterfind("LogCategories/Category")
         self.log_categories = {category.get("name") for category in categories}

@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from fmus.catalog import UNITS
+from fmus.catalog import MODELS
 from tests.conformance.binary import Binary, Instance
 
 
@@ -23,7 +23,7 @@ def load(fmu_folder: Path, tmp_path_factory: pytest.TempPathFactory) -> Callable
     return load_once
 
 
-@pytest.fixture(params=list(UNITS))
+@pytest.fixture(params=list(MODELS))
 def unit(request: pytest.FixtureRequest) -> str:
     """Name of each unit in turn."""
     return request.param

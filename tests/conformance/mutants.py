@@ -152,7 +152,7 @@ GROUPS = (
             "a tick at the start runs twice": ("- ceil_of(s->tick_fraction))", "- floor_of(s->tick_fraction))"),
             "the time of a tick is the step's": ("return s->start_time + (double)s->tick", "return s->time + 0.0"),
             "every step is a tick": ("return h == instance->state.values[MODEL_PERIOD]", "return h > 0"),
-            "slow states are one tick early": ("if (s->tick % (int64_t)s", "if ((s->tick + 1) % (int64_t)s"),
+            "slow states are one tick early": ("s->tick % n == 0", "(s->tick + 1) % n == 0"),
             "a refused tick shows its outputs": (
                 "    if (!outputs_valid(instance, y, tick_time(s))) return 0;\n",
                 "    memcpy(outputs(s), y, MODEL_N_OUTPUTS * sizeof *y);\n"

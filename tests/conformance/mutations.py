@@ -35,9 +35,15 @@ CAUGHT, SURVIVED, BROKEN = "caught", "survived", "broken"
 AT_ONCE = 2
 WIDTH = 180  # characters of the table
 LONGEST = 600.0  # s; the control takes about 60
-UNITS = ("ForceSensor", "CraigAdaptiveImpedance", "Actuator", "Plant")
+MODELS = ("ForceSensor", "CraigAdaptiveImpedance", "Actuator", "Plant")
 COPIED = ("adaptimp_fmu", "fmus", "orchestration", "tests/conformance")
-COPIED_FILES = ("LICENSE", "pyproject.toml", "tests/__init__.py", "tests/conftest.py", "tests/driver.py")
+COPIED_FILES = (
+    *("LICENSE", "pyproject.toml"),
+    *(
+        f"tests/{name}.py"
+        for name in ("__init__", "closing_line", "conftest", "driver", "selection", "sharing", "untested")
+    ),
+)
 NOT_COPIED = shutil.ignore_patterns("__pycache__", "platforms", "sanitizers", "mutations.py", "mutants.py")
 # Slow modules last: only faults that the others do not notice get there.
 MODULES = tuple(
@@ -59,7 +65,8 @@ DESELECTED = (
     "test_07_same_definition_on_another_processor",
 )
 WARM_UP = (
-    "from adaptimp_fmu import build\nfrom fmus.catalog import UNITS\nfor unit in UNITS.values():\n    build(unit())"
+    "from adaptimp_fmu import build\nfrom fmus.catalog import MODELS\n"
+    "for declare in MODELS.values():\n    build(declare())"
 )
 
 
@@ -155,13 +162,13 @@ def outcome(mutant: Mutant, tree: Path, warm: Path) -> Outcome:
 
 
 def cut_project(tree: Path) -> None:
-    """What the conformance tests need, with the catalog cut to `UNITS`, and a cache of their binaries."""
+    """What the conformance tests need, with the catalog cut to `MODELS`, and a cache of their binaries."""
     for folder in COPIED:
         shutil.copytree(ROOT / folder, tree / folder, ignore=NOT_COPIED)
     for file in COPIED_FILES:
         shutil.copy2(ROOT / file, tree / file)
     with (tree / "fmus" / "catalog.py").open("a", encoding="utf-8") as catalog:
-        catalog.write(f"UNITS = {{name: UNITS[name] for name in {UNITS!r}}}\n")
+        catalog.write(f"MODELS = {{name: MODELS[name] for name in {MODELS!r}}}\n")
     subprocess.run([sys.executable, "-c", WARM_UP], cwd=tree, env=environment(tree), check=True, capture_output=True)
 
 
@@ -173,7 +180,7 @@ def environment(tree: Path) -> dict[str, str]:
 def pytest(tree: Path, modules: Sequence[str]) -> subprocess.CompletedProcess[str]:
     """Some of the conformance tests in a tree, in the order of their modules, up to the first failure."""
     command = [
-        *(sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", "--tb=short"),
+        *(sys.executable, "-m", "pytest", "-n0", "-x", "-q", "-p", "no:cacheprovider", "--tb=short"),
         *("--basetemp", str(tree / "scratch"), "-k", f"not ({' or '.join(DESELECTED)})"),
         *(f"tests/conformance/{module}.py" for module in modules),
     ]

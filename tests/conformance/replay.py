@@ -29,10 +29,9 @@ def replay(unit: str, driver: Driver) -> dict[str, np.ndarray]:
         names = [name for name in row.dtype.names or () if name != "time"]
         driver.set({n: float(row[n]) if driver.variables[n].type == "Real" else bool(row[n]) for n in names})
 
-    driver.slave.setupExperiment(startTime=0.0, stopTime=None)
-    driver.slave.enterInitializationMode()
+    driver.enter()
     apply(inputs[0])
-    driver.slave.exitInitializationMode()
+    driver.call("fmi2ExitInitializationMode")
     rows = [driver.outputs()]
     for k, row in enumerate(inputs[:-1]):
         apply(row)

@@ -15,25 +15,25 @@ import pytest
 
 from adaptimp_fmu import build, host_platform
 from adaptimp_fmu.toolchain import compile_library, fmi_headers
-from fmus.catalog import UNITS
+from fmus.catalog import MODELS
 from tests.conformance import elf
 from tests.conformance.binary import FUNCTIONS, Binary
 
 ROOT = Path(__file__).parents[2]
 INCLUDE = re.compile(r'^\s*#\s*include\s+(["<])([^">]+)[">]', re.MULTILINE)
-STANDARD = {"float.h", "math.h", "stdarg.h", "stddef.h", "stdint.h", "stdio.h", "stdlib.h", "string.h"}
+STANDARD = {"float.h", "limits.h", "math.h", "stdarg.h", "stddef.h", "stdint.h", "stdio.h", "stdlib.h", "string.h"}
 BUILD_ALL = """
 import sys
 from pathlib import Path
 from adaptimp_fmu import build
-from fmus.catalog import UNITS
-for declare in UNITS.values():
+from fmus.catalog import MODELS
+for declare in MODELS.values():
     build(declare(), Path(sys.argv[1]), cache=Path(sys.argv[2]))
 """
 PRINT_DESCRIPTIONS = """
 from adaptimp_fmu.package import definition
-from fmus.catalog import UNITS
-for declare in UNITS.values():
+from fmus.catalog import MODELS
+for declare in MODELS.values():
     print(definition(declare())[1].decode())
 """
 
@@ -101,7 +101,7 @@ def build_elsewhere(folder: Path, hash_seed: str) -> dict[str, bytes]:
     }
     command = [sys.executable, "-c", BUILD_ALL, str(folder / "out"), str(folder / "cache")]
     subprocess.run(command, cwd=folder / "cwd", env=environment, check=True, umask=0o027)
-    assert len(list((folder / "cache").rglob(f"*{host_platform().extension}"))) == len(UNITS)
+    assert len(list((folder / "cache").rglob(f"*{host_platform().extension}"))) == len(MODELS)
     return {path.name: path.read_bytes() for path in (folder / "out").iterdir()}
 
 
@@ -109,7 +109,7 @@ def test_07_same_definition_same_bytes(fmu_folder: Path, tmp_path: Path) -> None
     first = build_elsewhere(tmp_path / "a", "1")
     second = build_elsewhere(tmp_path / "another, longer place", "2")
     here = {path.name: path.read_bytes() for path in fmu_folder.iterdir()}
-    assert sorted(first) == sorted(f"{name}.fmu" for name in UNITS)
+    assert sorted(first) == sorted(f"{name}.fmu" for name in MODELS)
     for name in first:
         assert first[name] == second[name], name
         assert first[name] == here[name], name
@@ -129,7 +129,7 @@ def test_07_same_definition_on_another_processor() -> None:
 
 def test_07_compiler_gives_the_same_bytes(unit: str, tmp_path: Path, fmu: Path) -> None:
     """Compiled again in this process, with an empty cache."""
-    again = build(UNITS[unit](), tmp_path, cache=tmp_path / "cache")
+    again = build(MODELS[unit](), tmp_path, cache=tmp_path / "cache")
     assert again.read_bytes() == fmu.read_bytes()
 
 

@@ -47,7 +47,7 @@ def moved(binary: Binary) -> dict[str, float]:
     bounded = {
         name: starts[name] + 0.1
         for name in binary.names("parameter", type="Real")
-        if binary.variables[name].min is not None and starts[name] == float(binary.variables[name].min)
+        if (least := binary.variables[name].min) is not None and starts[name] == float(least)
     }
     return bounded | {name: value for name, value in MOVED.items() if name in binary.names("input", "parameter")}
 
@@ -111,7 +111,7 @@ def test_16_directional_derivatives_between_steps(binary: Binary, create: Create
     unknowns, knowns = binary.names("output", type="Real"), binary.names("input", type="Real")
     instance = create(binary, start=moved(binary)).initialize()
     assert instance.step(1e-4) == OK
-    continuous = binary.description.coSimulation.canInterpolateInputs
+    continuous = binary.interpolates
     for known in knowns:
         exact = directional(instance, unknowns, known)
         if not continuous:
@@ -171,7 +171,7 @@ def test_16_output_derivatives(binary: Binary, create: Create) -> None:
     instance = create(binary, start=moved(binary)).initialize()
     assert instance.step(1e-4) == OK
     found = rates(instance, names)
-    if not binary.description.coSimulation.canInterpolateInputs:
+    if not binary.interpolates:
         assert not found.any()
         return
     before = instance.get(*names)
@@ -185,7 +185,7 @@ def test_16_output_derivatives(binary: Binary, create: Create) -> None:
 
 def plants(binary: Binary) -> bool:
     """Whether the unit integrates its inputs."""
-    return bool(binary.description.coSimulation.canInterpolateInputs)
+    return binary.interpolates
 
 
 def test_16_input_derivatives_continue_the_inputs(load: Load, create: Create) -> None:
@@ -305,7 +305,7 @@ def test_16_input_derivatives_are_checked(load: Load, create: Create) -> None:
     for names, order, value, text in (
         (["tau[1]"], 0, 1.0, "order 0 of tau[1]"),
         (["tau[1]"], 3, 1.0, "order 3 of tau[1]"),
-        (["q[1]"], 1, 1.0, "q[1] is no input"),
+        (["q[1]"], 1, 1.0, "q[1] is not an input"),
         (["tau[1]"], 1, float("nan"), "must be finite"),
     ):
         assert give_rates(instance, names, order, [value]) == ERROR

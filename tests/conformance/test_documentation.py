@@ -16,7 +16,7 @@ from lxml import etree
 from adaptimp_fmu import Icon, Model, SampledModel, Stroke, build, present
 from adaptimp_fmu.errors import DefinitionError
 from adaptimp_fmu.icon import SIZE, png
-from fmus.catalog import UNITS
+from fmus.catalog import MODELS
 from tests.conformance.binary import Binary
 
 ROOT = Path(__file__).parents[2]
@@ -171,7 +171,7 @@ def test_links_lead_to_entries_of_the_archive(page: Page, fmu: Path) -> None:
 
 
 def test_page_holds_the_equations_word_for_word(page: Page, unit: str) -> None:
-    model = UNITS[unit]()
+    model = MODELS[unit]()
     titles = list(model.documentation)
     assert titles[0].startswith("fmus.")
     for title in titles:
@@ -192,7 +192,7 @@ def test_page_lists_every_variable_with_its_start(page: Page, binary: Binary) ->
 
 
 def test_page_states_semantics_and_limits(page: Page, unit: str) -> None:
-    model = UNITS[unit]()
+    model = MODELS[unit]()
     points = " ".join(page.texts["li"])
     assert ("Sampled" in points) == isinstance(model, SampledModel)
     assert "1e7" in points
@@ -213,7 +213,7 @@ def test_page_escapes_what_a_model_says(tmp_path: Path) -> None:
 
 def test_guid_does_not_cover_what_people_see(tmp_path: Path) -> None:
     """docs/decisions/002: a reworded page or a redrawn icon leaves binary and saved states valid."""
-    model = UNITS["Actuator"]()
+    model = MODELS["Actuator"]()
     before = build(model, tmp_path / "before", cache=tmp_path / "cache")
     model.documentation, model.icon = {"fmus.actuator": "Other words."}, Icon()
     after = build(model, tmp_path / "after", cache=tmp_path / "cache")
@@ -222,8 +222,9 @@ def test_guid_does_not_cover_what_people_see(tmp_path: Path) -> None:
     assert entry(before, "modelDescription.xml") == entry(after, "modelDescription.xml")
 
 
-def test_license_is_the_projects(fmu: Path) -> None:
+def test_license_is_the_projects(fmu: Path, page: Page) -> None:
     assert entry(fmu, "documentation/licenses/license.txt") == (ROOT / "LICENSE").read_bytes()
+    assert "License of the model: MIT, in ." in [" ".join(text.split()) for text in page.texts["p"]]
 
 
 def test_missing_docstring_is_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -253,7 +254,7 @@ def test_icon_is_a_png(fmu: Path) -> None:
 
 
 def test_icons_differ() -> None:
-    assert len({png(declare().icon) for declare in UNITS.values()}) == len(UNITS)
+    assert len({png(declare().icon) for declare in MODELS.values()}) == len(MODELS)
 
 
 def test_icon_shows_its_strokes() -> None:

@@ -89,7 +89,7 @@ def test_09_messages_have_a_declared_category_and_no_newline(binary: Binary, cre
         assert message.text.endswith(".")
 
 
-def switch_logging(instance: Instance, on: int, *categories: bytes) -> int:
+def switch_logging(instance: Instance, on: int, *categories: bytes | None) -> int:
     """fmi2SetDebugLogging."""
     return instance.call("fmi2SetDebugLogging", on, len(categories), array(ct.c_char_p, categories))
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from adaptimp_fmu import ContinuousModel, SampledModel, build
-from fmus.catalog import UNITS
+from fmus.catalog import MODELS
 from tests.conformance.binary import ERROR, OK, Binary, Instance, array
 from tests.conformance.calls import assert_refused
 from tests.conformance.scenes import H
@@ -22,7 +22,7 @@ Load = Callable[[str], Binary]
 def real_inputs() -> list[tuple[str, str]]:
     """Each unit's first and last Real input."""
     pairs = []
-    for unit, declare in UNITS.items():
+    for unit, declare in MODELS.items():
         names = [v.name for v in declare().variables if v.role.name == "INPUT" and v.type.name == "REAL"]
         pairs += [(unit, name) for name in (names[:1] + names[-1:])]
     return pairs
@@ -133,7 +133,7 @@ def test_11_divergence_is_reported_and_not_shown(load: Load, create: Create, wal
 
 def controllers() -> list[str]:
     """Units that command a torque from joint angles."""
-    return [name for name, declare in UNITS.items() if {"tau_cmd[1]", "q[2]"} <= {v.name for v in declare().variables}]
+    return [name for name, declare in MODELS.items() if {"tau_cmd[1]", "q[2]"} <= {v.name for v in declare().variables}]
 
 
 @pytest.mark.parametrize("unit", controllers())

@@ -5,7 +5,7 @@ import shutil
 import subprocess
 import sys
 import zipfile
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import pytest
@@ -13,28 +13,49 @@ import pytest
 from adaptimp_fmu.toolchain import fmi_headers
 from tests.conformance.replay import assert_reproduces
 from tests.driver import Driver
+from tests.untested import needs
 
 # MSVC has no arrays of variable length, and refuses what is no C11.
 STRICT = ("-std=c11", "-Wall", "-Wextra", "-Wpedantic", "-Wvla", "-Werror", "-O2", "-fPIC")
 # fmpy finds cmake by name: it may be the one installed beside this Python.
 PATH = os.pathsep.join([str(Path(sys.executable).parent), os.environ.get("PATH", "")])
+COMPILERS = {"gcc": ("gcc",), "clang": ("clang",), "zig cc": (sys.executable, "-m", "ziglang", "cc")}
 COMPILER = next((name for name in ("cc", "gcc", "clang") if shutil.which(name)), None)
 
-needs_compiler = pytest.mark.skipif(COMPILER is None, reason="no C compiler on this machine")
+needs_compiler = pytest.mark.skipif(COMPILER is None, reason=needs("no C compiler is installed", "gcc"))
 needs_cmake = pytest.mark.skipif(
     shutil.which("cmake", path=PATH) is None or not any(map(shutil.which, ("c++", "g++", "clang++"))),
-    reason="fmpy compile needs cmake, and its CMakeLists.txt a C++ compiler too",
+    reason=needs("fmpy compile needs cmake, and its CMakeLists.txt a C++ compiler too", "cmake", "g++"),
 )
+
+
+def compiled(compiler: Sequence[str], fmu: Path, folder: Path, *flags: str) -> subprocess.CompletedProcess[str]:
+    """What a compiler says to the FMU's sources, alone in a folder."""
+    with zipfile.ZipFile(fmu) as archive:
+        archive.extractall(folder, [name for name in archive.namelist() if name.startswith("sources/")])
+    command = [*compiler, *STRICT, *flags, "-I", str(fmi_headers()), "-c", "model.c", "-o", "model.o"]
+    return subprocess.run(command, cwd=folder / "sources", capture_output=True, text=True, check=False)
 
 
 @needs_compiler
 def test_07_sources_compile_without_a_warning(fmu: Path, tmp_path: Path) -> None:
-    with zipfile.ZipFile(fmu) as archive:
-        archive.extractall(tmp_path, [name for name in archive.namelist() if name.startswith("sources/")])
-    command = [str(COMPILER), *STRICT, "-I", str(fmi_headers()), "-c", "model.c", "-o", "model.o"]
-    run = subprocess.run(command, cwd=tmp_path / "sources", capture_output=True, text=True, check=False)
+    run = compiled([str(COMPILER)], fmu, tmp_path)
     assert run.returncode == 0, run.stderr
     assert run.stderr == ""
+
+
+@pytest.mark.parametrize("compiler", COMPILERS)
+@pytest.mark.parametrize("unit", ["Plant", "ForceSensor"])
+def test_07_fast_math_is_refused(compiler: str, unit: str, fmu_folder: Path, tmp_path: Path) -> None:
+    """A compiler that may take every number for finite removes the tests that find NaN and infinity."""
+    fmu, command = fmu_folder / f"{unit}.fmu", COMPILERS[compiler]
+    if shutil.which(command[0]) is None:
+        pytest.skip(f"{compiler} is not installed")
+    assert compiled(command, fmu, tmp_path).returncode == 0
+    for flag in ("-ffast-math", "-ffinite-math-only", *["-Ofast"] * (compiler != "zig cc")):  # zig's -Ofast is -O3
+        run = compiled(command, fmu, tmp_path, "-Wno-error=deprecated", flag)
+        assert run.returncode != 0, flag
+        assert "Compile without -ffast-math" in run.stderr
 
 
 def stripped(fmu: Path, folder: Path) -> Path:

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fmus.catalog import UNITS
+from fmus.catalog import MODELS
 from orchestration.paper.reference_data import FOLDER, write_reference
 from orchestration.paper.stimuli import STIMULI
 from tests.conformance.binary import Binary
@@ -17,8 +17,8 @@ LARGEST = 30_000  # bytes per unit
 
 
 def test_every_unit_has_a_reference() -> None:
-    assert set(STIMULI) == set(UNITS)
-    assert {path.name for path in FOLDER.iterdir() if path.is_dir()} == set(UNITS)
+    assert set(STIMULI) == set(MODELS)
+    assert {path.name for path in FOLDER.iterdir() if path.is_dir()} == set(MODELS)
 
 
 def test_unit_reproduces_its_reference(unit: str, fmu: Path, open_fmu: Callable[..., Driver]) -> None:
@@ -94,7 +94,7 @@ def test_the_trajectory_follows_its_straight_segment() -> None:
     assert 3 < on_segment.sum() < on_segment.size
 
 
-@pytest.mark.parametrize("unit", [name for name in UNITS if "Adaptive" in name])
+@pytest.mark.parametrize("unit", [name for name in MODELS if "Adaptive" in name])
 def test_the_adaptive_controllers_adapt_and_reject_noise(unit: str) -> None:
     reference = table(unit, "ref")
     assert np.ptp(reference["p_hat[2]"]) > 1e-3

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from adaptimp_fmu import ContinuousModel, build
-from fmus.catalog import UNITS
+from fmus.catalog import MODELS
 from tests.conformance.binary import ERROR, OK, PHASES, Binary, Callbacks, Instance, Log
 from tests.conformance.scenes import STEPS, H, random_inputs, run, scene
 
@@ -221,7 +221,7 @@ def resized(blob: bytes, size: int) -> bytes:
 def test_13_foreign_blobs_are_refused(binary: Binary, create: Create, load: Load) -> None:
     instance = started(binary, create)
     size = len(instance.blob())
-    for name in set(UNITS) - {binary.name}:
+    for name in set(MODELS) - {binary.name}:
         foreign = create(load(name)).blob()
         assert_blob_refused(instance, foreign)
         assert_blob_refused(instance, resized(foreign, size))
@@ -233,7 +233,7 @@ def test_13_foreign_states_are_refused(binary: Binary, create: Create, load: Loa
     instance, size = started(binary, create), ct.c_size_t()
     before = instance.blob()
     buffer = ct.create_string_buffer(2**16)
-    for name in set(UNITS) - {binary.name}:
+    for name in set(MODELS) - {binary.name}:
         foreign, state = create(load(name)), ct.c_void_p()
         assert foreign.call("fmi2GetFMUstate", ct.byref(state)) == OK
         untouched = foreign.blob()
@@ -256,7 +256,7 @@ def test_13_foreign_states_are_refused(binary: Binary, create: Create, load: Loa
 
 def sampled_units() -> list[str]:
     """Units with a sample time."""
-    return [name for name, declare in UNITS.items() if "sample_time" in {v.name for v in declare().variables}]
+    return [name for name, declare in MODELS.items() if "sample_time" in {v.name for v in declare().variables}]
 
 
 def rows_of(instance: Instance, steps: Sequence[float], parts: int) -> np.ndarray:
@@ -281,7 +281,7 @@ def test_14_split_steps_of_sampled_units_are_bitwise_the_same(
     np.testing.assert_array_equal(rows[0], rows[1])
 
 
-@pytest.mark.parametrize("unit", sorted(name for name in UNITS if name.startswith("Plant")))
+@pytest.mark.parametrize("unit", sorted(name for name in MODELS if name.startswith("Plant")))
 @pytest.mark.parametrize(("substeps", "parts"), [(2, 2), (8, 2), (8, 4), (64, 8)])
 def test_14_split_steps_of_the_plant_are_bitwise_the_same(
     load: Load, create: Create, unit: str, substeps: int, parts: int

@@ -81,11 +81,11 @@ def test_11_a_summed_clock_reaches_the_stop_time(binary: Binary, create: Create)
 
 @pytest.mark.parametrize("h", [1.1e3, 1e9, 1e300, 1.7e308])
 def test_11_a_huge_step_is_refused_at_once(binary: Binary, create: Create, h: float) -> None:
-    """More than 1e7 ticks or sub-steps of 1e-4 s; a second is 1e4 times what refusing takes."""
+    """More than 1e7 ticks or sub-steps of 1e-4 s: minutes of work; refusing takes microseconds of the processor."""
     instance = create(binary).initialize()
-    start = time.monotonic()
+    start = time.thread_time()
     assert instance.step(h) == ERROR
-    assert time.monotonic() - start < 1
+    assert time.thread_time() - start < 1  # s of this thread, whatever else the machine does
     assert f"{h:.17g} s" in instance.last
     assert f"{H:.17g} s" in instance.last
     assert instance.call("fmi2Reset") == OK
@@ -96,7 +96,7 @@ def test_11_a_huge_step_is_refused_at_once(binary: Binary, create: Create, h: fl
 def test_11_a_tiny_sample_time_is_refused_at_once(binary: Binary, create: Create) -> None:
     period = "sample_time" if "sample_time" in binary.variables else "dt_max"
     instance = create(binary, start={period: 1e-12}).initialize()
-    start = time.monotonic()
+    start = time.thread_time()
     assert instance.step(1.0) == ERROR
-    assert time.monotonic() - start < 1
+    assert time.thread_time() - start < 1  # s of this thread, whatever else the machine does
     assert period in instance.last

@@ -62,6 +62,7 @@ def count(fmu: Binary) -> Callable[[Instance, np.ndarray, np.ndarray], np.ndarra
 
     def run(instance: Instance, t: np.ndarray, h: np.ndarray) -> np.ndarray:
         reference = np.array([fmu.variables["n"].valueReference], np.uint32)
+        assert instance.component is not None
         return loop(instance.component, t, h, reference)
 
     return run

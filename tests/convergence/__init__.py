@@ -1,1 +1,1 @@
-"""The order of the numerical methods, measured on problems with an independent solution."""
+"""Tests of the order of numerical methods, on problems with an independent solution."""

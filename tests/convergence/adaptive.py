@@ -1,4 +1,6 @@
-"""Runs of Figs. 5 and 7 without noise and limits at several sampling periods, and what is read off them.
+"""Runs of Figs. 5 and 7 without noise and limits, at several sampling periods, and their Lyapunov functions.
+
+Equation numbers are those of Lu and Meng (1991).
 
 V_c = X' P X + phi' Gamma^-1 phi                      (17), P of (A2); sums over the axes
 V_s = (s' H_x s + phi' Gamma^-1 phi) / 2,             phi = p_hat - p, only m2 unknown
@@ -24,24 +26,24 @@ _CHANGES = {
 
 @cache
 def run(name: str, sample_time: float) -> Result:
-    """A run of 2 s."""
+    """Return a run of 2 s at a sampling period, s."""
     scenario = SCENARIOS[name]
     system = scenario.system(fmus(scenario.units.values())).set(_CHANGES[name]).with_sample_time(sample_time)
     return simulate(system, options=Options(strict=True))
 
 
 def value(name: str, path: str) -> float:
-    """A number of the scenario."""
+    """Return a number of a scenario by ``component.variable``, in the physical unit of the variable."""
     return SCENARIOS[name].values[path].number
 
 
 def at_ticks(result: Result, name: str, size: int = 2) -> np.ndarray:
-    """``name[1]`` to ``name[size]`` at the ticks, shape (n, size)."""
+    """Return ``name[1]`` to ``name[size]`` at the ticks, shape (n, size)."""
     return np.column_stack([result.at_ticks(f"{name}[{i + 1}]") for i in range(size)])
 
 
 def lyapunov(name: str, result: Result) -> np.ndarray:
-    """V_c or V_s at the ticks, shape (n,)."""
+    """Return the Lyapunov function V_c of Fig. 5 or V_s of Fig. 7 at the ticks, shape (n,)."""
     phi = result.at_ticks("controller.p_hat[2]") - M2
     adapted = phi**2 / value(name, "controller.Gamma[2]")
     if name == "fig7":
@@ -54,9 +56,9 @@ def lyapunov(name: str, result: Result) -> np.ndarray:
 
 
 def _kinetic(result: Result) -> np.ndarray:
-    """S' H_x s: twice the energy of both point masses when the tip moves at s.
+    """Return s' H_x s, shape (n,): twice the kinetic energy of both point masses when the tip moves at s.
 
-    The elbow then moves at l1 dq1, and dq1 = (s1 cos q12 + s2 sin q12) / (l1 sin q2).
+    The elbow then moves at l1 dq1, where dq1 = (s1 cos q12 + s2 sin q12) / (l1 sin q2).
     """
     s, q = at_ticks(result, "controller.s"), at_ticks(result, "plant.q")
     q12 = q.sum(axis=1)
@@ -65,5 +67,5 @@ def _kinetic(result: Result) -> np.ndarray:
 
 
 def order(values: list[float]) -> float:
-    """Exponent of the sampling period, fitted to all `PERIODS`."""
+    """Return the exponent of the sampling period that fits values at all `PERIODS`."""
     return float(np.polyfit(np.log(PERIODS), np.log(values), 1)[0])

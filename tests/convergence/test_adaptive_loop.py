@@ -1,4 +1,7 @@
-"""The sampled adaptive loop approaches the continuous theory: (12) and the decrease of V_c and V_s."""
+"""The sampled adaptive loop tends to the continuous theory: eq. (12), and Lyapunov functions that decrease.
+
+Equation numbers are those of Lu and Meng (1991).
+"""
 
 import numpy as np
 import pytest
@@ -21,16 +24,16 @@ from tests.reference.arm import Arm
 
 P = np.array([M1, M2, 0.0, 0.0, 0.0, 0.0])
 TIMES = np.arange(0.01, 0.8, 0.002)  # s, free motion; multiples of all periods
-# Torque and regressor are those of the tick, the motion that of the step behind it: a miss of first order in
-# the period. Fitted to three periods, the second-order rest bends the slope by about Ts / (1 / Psi) = 1 %.
+# Torque and regressor belong to the tick, the motion to the step after it. This misses by the first order of the
+# period. The second-order rest bends the slope, fitted to three periods, by about Ts / (1 / Psi) = 1 %.
 ORDER = (0.95, 1.05)
 
 
 def residual(result: Result, sample_time: float) -> np.ndarray:
-    """Miss of (12), m/s2, at `TIMES`, and size of its right side: shape (2, n).
+    """Return by how much eq. (12) misses at `TIMES`, and the size of its right side, both m/s2: shape (2, n).
 
-    e'' is the difference of e' over the step; ddq its left limit at the step's end, which has the tick's
-    torque.
+    e'' is the difference of e' over the step. ddq is the left limit at the end of the step, under the torque
+    of the tick.
     """
     M, B, K, psi = (value("fig5", f"controller.{name}[1]") for name in ("M", "B", "K", "Psi"))
     e, e_star, p_hat = (
@@ -53,8 +56,8 @@ def test_error_dynamics_hold_to_first_order() -> None:
     found = [residual(run("fig5", period), period) for period in PERIODS]
     worst = [float(miss.max()) for miss, _ in found]
     assert ORDER[0] <= order(worst) <= ORDER[1], worst
-    # The right side varies at rates of some 2 Psi: held over a period it misses Psi Ts = 1 % of its largest
-    # value.
+    # The right side varies at rates of some 2 Psi. A value that is held over a period misses by Psi Ts = 1 % of the
+    # largest value.
     for period, (miss, size) in zip(PERIODS, found, strict=True):
         assert size.max() > 1
         assert miss.max() <= 100 * period * size.max()
@@ -63,18 +66,18 @@ def test_error_dynamics_hold_to_first_order() -> None:
 @pytest.mark.parametrize("name", ["fig5", "fig7"])
 @pytest.mark.parametrize("until", [FREE_UNTIL, 2.0])
 def test_lyapunov_function_rises_less_at_a_shorter_period(name: str, until: float) -> None:
-    """Without noise V never rises in continuous time; sampled, a step's rise is of second order.
+    """Without noise V never rises in continuous time; in the sampled loop a rise is of second order in the period.
 
-    A step rises only where the fall X' Q X Ts, s' K_d s Ts is smaller: near the start, where X and s begin at
-    zero and grow as t, that is a time of order Ts^(1/2), so the sum is of order 3/2; order 1 would be the
-    whole run.
+    V rises in a step only where the fall, X' Q X Ts or s' K_d s Ts, is smaller than the rise. X and s begin at
+    zero and grow as t, so this is a time of order Ts^(1/2) near the start, and the sum of all rises is of order
+    3/2. A sum of order 1 would mean rises during the whole run.
     """
     rises = []
     for period in PERIODS:
         V = lyapunov(name, run(name, period))[: round(until / period)]
         change = np.diff(V)
         rises.append(float(change[change > 0].sum()))
-        assert rises[-1] <= 0.01 * V[0]  # C14's measure
-        assert V[-1] < 1e-3 * V[0]  # it does fall
+        assert rises[-1] <= 0.01 * V[0]  # the criterion of claim C14
+        assert V[-1] < 1e-3 * V[0]  # V does fall
     assert min(rises) > 1e-12  # far above the rounding of V, 1e-16 a step
     assert order(rises) >= 1.0, rises

@@ -1,8 +1,8 @@
-"""Error of the coupling against the communication step, of both fixed-step masters.
+"""The error of Gauss-Seidel and of Jacobi is of order 1 in the communication step, in the loop of the paper.
 
-With every sample_time equal to the step H, the loop tends to the continuous one as H goes to zero.
+Every sample_time equals the step H, so the loop tends to the continuous loop as H goes to zero.
 Gauss-Seidel is the sampled-data loop with zero-order hold: the torque is H/2 old on average. Jacobi adds
-one step per connection. Both errors are of order 1, Jacobi's the larger.
+a delay of one step per connection. Both errors are of order 1, and the error of Jacobi is larger.
 """
 
 from functools import cache
@@ -15,15 +15,15 @@ from orchestration.paper.scenarios import SCENARIOS
 
 STEPS = (4e-4, 2e-4, 1e-4, 5e-5)  # s
 STOP = 0.5  # s, before the contact: the motion is smooth
-FINE = 2.5e-6  # s; its own error, of order 1 too, is 5 % of that at the smallest step
-# The fine run's own error makes a slope over three halvings look larger by
-# log2((8 - 0.05) / (1 - 0.05) / 8) / 3 = 0.02; terms of order 2 are H times rates of 100 1/s: 4 % of 1.
+FINE = 2.5e-6  # s; the error of this run, of order 1 too, is 5 % of the error at the smallest step
+# The error of the fine run makes a slope over three halvings look larger by
+# log2((8 - 0.05) / (1 - 0.05) / 8) / 3 = 0.02. Terms of order 2 are H times rates of 100 1/s, which is 4 % of 1.
 ORDER = (0.9, 1.1)
 
 
 @cache
 def joint_angles(algorithm: str, step: float) -> np.ndarray:
-    """The joint angles at the end, rad."""
+    """Return the joint angles at the end of a run, rad, shape (2,)."""
     scenario = SCENARIOS["fig4"]
     system = scenario.system(fmus(scenario.units.values())).with_sample_time(step)
     options = Options(record=["plant.q[1]", "plant.q[2]"], strict=True)
@@ -31,13 +31,13 @@ def joint_angles(algorithm: str, step: float) -> np.ndarray:
 
 
 def errors(algorithm: str) -> list[float]:
-    """Largest error of the angles at the end, for each step."""
+    """Return the largest error of the angles at the end, rad, for each step."""
     limit = joint_angles("gauss-seidel", FINE)
     return [float(np.abs(joint_angles(algorithm, step) - limit).max()) for step in STEPS]
 
 
 def order(values: list[float]) -> float:
-    """Fitted slope of the logarithms."""
+    """Return the order of the error in the step: the fitted slope of the logarithms."""
     return float(np.polyfit(np.log(STEPS), np.log(values), 1)[0])
 
 
@@ -50,7 +50,7 @@ def test_jacobi_converges_at_order_1() -> None:
 
 
 def test_the_delays_of_jacobi_cost_accuracy() -> None:
-    # It compares the state with the virtual trajectory of another instant, pi m/s times whole steps apart;
-    # Gauss-Seidel's error is that of a torque held for a step.
+    # Jacobi compares the state with the virtual trajectory of another instant, whole steps away at pi m/s. The error
+    # of Gauss-Seidel is that of a torque that is held for a step.
     for sequential, simultaneous in zip(errors("gauss-seidel"), errors("jacobi"), strict=True):
         assert simultaneous > 2 * sequential

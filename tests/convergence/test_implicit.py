@@ -1,7 +1,7 @@
-"""Corrected steps are the implicit ones: inputs that are held over a step at what their sources show at its end.
+"""Corrected steps are implicit steps: each input is held over a step at the value that its source shows at the end.
 
-For linear units z+ = Phi z + Gamma u with u = K z+ + L u + r that is a linear system for the step's end, solved here
-by hand with the closed forms of `tests.reference.problems`.
+For linear components z+ = Phi z + Gamma u with u = K z+ + L u + r, an implicit step is a linear system for the end of
+the step. The tests solve this system with the closed forms of `tests.reference.problems`.
 """
 
 import numpy as np
@@ -28,12 +28,12 @@ STATES = ["left.x", "left.v", "right.x", "right.v"]
 
 
 def corrected(exchange: str, method: str, jacobian: str = DIFFERENCES) -> Algorithm:
-    """Inputs held at the end of the step."""
+    """Return an algorithm whose inputs are held at the values of the end of the step."""
     return Algorithm("held", exchange, correction=Correction(method, Tolerance(TOLERANCE), jacobian=jacobian))
 
 
 def implicit_map(h: float, **numbers: float) -> np.ndarray:
-    """One step of h, s, of (x1, v1, x2, v2), shape (4, 4): left is given F at t + h, right (x1, v1) at t + h."""
+    """Return the map of (x1, v1, x2, v2) over a step h, s, shape (4, 4), with all inputs taken at t + h."""
     n = Numbers(**numbers)
     Phi_1, Gamma_1 = held(np.array([[0, 1], [-n.k1 / n.m1, -n.d1 / n.m1]]), np.array([[0], [1 / n.m1]]), h)
     own_2 = np.array([[0, 1], [-(n.k2 + n.k_c) / n.m2, -(n.d2 + n.d_c) / n.m2]])
@@ -52,21 +52,22 @@ def test_every_step_is_the_implicit_one(exchange: str, method: str) -> None:
     rows = np.column_stack([result[column] for column in STATES])
     one = implicit_map(h)
     scale = np.abs(rows[:-1]) @ np.abs(one.T)
-    # Runge-Kutta 4 misses 1e-14 here (10 sub-steps at 6 rad/s). An input differs from its source by 1e-11 (1 + |F|) at
-    # most, |F| < 10 N, which moves v by h / m1 of it: 1e-12; what meets it in the last sweep is far closer.
+    # Runge-Kutta 4 misses 1e-14 here (10 sub-steps at 6 rad/s). An input differs from its source by at most
+    # 1e-11 (1 + |F|), with |F| < 10 N. This moves v by h / m1 of the difference, 1e-12. The last sweep is far closer.
     assert (np.abs(rows[1:] - rows[:-1] @ one.T) <= 1e-12 + 1e-13 * scale).all()
-    assert np.abs(one - force_displacement.step_map("gauss-seidel", h)[:4, :4]).max() > 0.1  # another step by far
+    # The step of Gauss-Seidel is another step by far.
+    assert np.abs(one - force_displacement.step_map("gauss-seidel", h)[:4, :4]).max() > 0.1
 
 
 @pytest.mark.parametrize("exchange", [SEQUENTIAL, PARALLEL])
 def test_newton_makes_the_implicit_step_of_a_stiff_pair(exchange: str) -> None:
-    """Q = d_c h / m1 = 10, where Gauss-Seidel and Jacobi diverge."""
+    """The pair has q = d_c h / m1 = 10, where Gauss-Seidel and Jacobi diverge."""
     h = 1e-2
     result = simulate(damper_pair.system(h, 0.4), algorithm=corrected(exchange, NEWTON))
     rows = np.column_stack([result[column] for column in STATES])
     one = implicit_map(h, **damper_pair.DAMPED)
-    # right.F = d_c (v2 - v1) is met within 1e-11 (1 + |F|), |F| <= 1200 N; F moves v1 by h / m1 and itself by q less
-    # through the implicit step, 1.2e-10 in v1; Runge-Kutta 4 misses 8e-11 (`test_orders_known`).
+    # right.F = d_c (v2 - v1) is met within 1e-11 (1 + |F|), with |F| <= 1200 N. F moves v1 by h / m1, and through the
+    # implicit step itself by q less: 1.2e-10 in v1. Runge-Kutta 4 misses 8e-11 (`test_orders_known`).
     assert (np.abs(rows[1:] - rows[:-1] @ one.T) <= 2.5e-10).all()
     assert np.abs(np.linalg.eigvals(one)).max() <= 1
 
@@ -83,29 +84,30 @@ def test_newton_makes_the_implicit_step_of_a_stiff_pair(exchange: str) -> None:
 )
 @pytest.mark.parametrize("numbers", [{}, feedthrough.CONTRACTING, feedthrough.EXPANDING], ids=["none", "-1/2", "-3"])
 def test_an_algebraic_loop_is_solved_at_every_step(numbers: dict[str, float], algorithm: Algorithm) -> None:
-    """U = g (c x+ + d u) + r with x+ = Phi x + Gamma u, whether or not repetition would settle (|d g| < 1)."""
+    """Each step solves u = g (c x+ + d u) + r with x+ = Phi x + Gamma u, also where repetition diverges (|d g| > 1)."""
     h, n = 1e-2, feedthrough.Numbers(**numbers)
     result = simulate(feedthrough.system(h, 1.0, **numbers), algorithm=algorithm)
     Phi, Gamma = (float(m[0, 0]) for m in held(np.array([[n.a]]), np.array([[n.b]]), h))
     x = result["plant.x"]
     u = (n.g * n.c * Phi * x[:-1] + n.r) / (1 - n.g * (n.c * Gamma + n.d))
-    # Inputs and sources agree within 1e-11 (1 + 2); the solution differs from both by at most that over |1 - d g| >= 1,
-    # once more by |g| = 2 in u.
+    # Inputs and sources agree within 1e-11 (1 + 2). The solution differs from both by at most that over |1 - d g| >= 1,
+    # and once more by the factor |g| = 2 in u.
     np.testing.assert_allclose(x[1:], Phi * x[:-1] + Gamma * u, rtol=0, atol=1e-10)
     np.testing.assert_allclose(result["gain.y"][1:], u, rtol=0, atol=1e-10)
 
 
 def test_directional_derivatives_see_the_feedthrough() -> None:
-    """Repetition diverges at d g = -3; with the feedthrough known, only what the step integrates is repeated."""
+    """Directional derivatives let Newton's method converge at d g = -3, where fixed-point iteration diverges."""
     system = feedthrough.system(1e-2, 1.0, **feedthrough.EXPANDING)
     result = simulate(system, algorithm=corrected(PARALLEL, NEWTON, DIRECTIONAL))
-    # The Jacobian leaves out c Gamma = h: two iterations, as each value passes both units, leave |g| h / (1 - d g) =
-    # 5e-3 of a residual of at most 1; 1e-11 takes 2 ln(1e11) / ln(200) = 9.6 of them, and a sweep before.
+    # The Jacobian leaves out c Gamma = h. Two iterations, in which each value passes both components, leave
+    # |g| h / (1 - d g) = 5e-3 of a residual of at most 1. To reach 1e-11 takes 2 ln(1e11) / ln(200) = 9.6 iterations,
+    # and one sweep before.
     assert int(result.metadata["sweeps"]) <= 11 * 100
 
 
 def test_no_convergence_is_an_error_with_residual_connection_and_advice() -> None:
-    """Three sweeps are too few to relax three values of the stiff damper; Newton's method needs two."""
+    """Three sweeps are too few to relax three values of the stiff damper, while Newton's method needs two."""
     stop, step = 0.05, 1e-3  # s
     iterative = Algorithm("iterative", PARALLEL, correction=Correction(max_iterations=3))
     message = (
@@ -116,7 +118,7 @@ def test_no_convergence_is_an_error_with_residual_connection_and_advice() -> Non
         simulate(damper_pair.system(step, stop), algorithm=iterative)
     result = caught.value.result
     assert result is not None
-    assert len(result.time) < round(stop / step)  # the rows before
+    assert len(result.time) < round(stop / step)  # only the rows before the error
     newton = Algorithm("newton", PARALLEL, correction=Correction(NEWTON, max_iterations=3))
     newton = simulate(damper_pair.system(step, stop), algorithm=newton)
     assert len(newton.time) == round(stop / step) + 1

@@ -1,7 +1,7 @@
-"""Evidence that Plant's integrator keeps order 4 through contact: its events are located, not stepped over.
+"""The integrator in the FMU `Plant` keeps order 4 through contact, because its events are located, not stepped over.
 
-The global error at a time T, through impact, wall damping that lets go, friction and leaving, against closed forms
-integrated by DOP853 from event to event (`tests.convergence.truth`).
+The tests measure the global error at a time T, through impact, wall damping that lets go, friction, and the end of
+contact. The truth is closed forms that DOP853 integrates from event to event (`tests.convergence.truth`).
 """
 
 from collections.abc import Callable
@@ -16,7 +16,7 @@ from tests.property.samples import EPS
 
 Open = Callable[..., Driver]
 
-PULL = (-64.0, -7.0)  # N.m, draws the tip off the wall with about 60 N
+PULL = (-64.0, -7.0)  # N.m; this torque draws the tip off the wall with about 60 N
 SPRING = Throw(v=(-1.5, 0.4))
 PUSHED = Throw(v=(-1.5, 0.4), turn=0.3, tau=(5.0, -3.0), viscous=(0.5, 0.3))
 DAMPED = Throw(v=(-1.5, 0.4), turn=0.3, tau=PULL, D_f=5.0)
@@ -26,7 +26,7 @@ ALL = Throw(v=(-1.5, 0.4), turn=0.3, tau=PULL, viscous=(0.5, 0.3), D_f=5.0, mu=0
 DURING, AFTER = (
     2.0**-6,
     2.0**-5,
-)  # s: in contact, and past it; powers of 2 so that T / 2^k and sums of it are exact
+)  # s: in contact, and after contact; powers of 2, so that T / 2^k and sums of T / 2^k are exact
 BOUNCE, LET_GO = ["+contact", "-contact"], ["+contact", "-pushing", "-contact"]
 CASES = {
     "spring, in contact": (SPRING, DURING, ["+contact"]),
@@ -42,14 +42,14 @@ CASES = {
 }
 # dt_max from 1e-3 s, a third of the wall's fastest time sqrt(m / K_f), to 6e-5 s: four halvings.
 LEVELS = [2.0**-k for k in range(10, 15)]
-# Reference and rounding together reach 5e-13 (what is left at 1.5e-5 s where truncation is smallest); ten times that is
-# truncation to within 10 %, too little to bend a slope.
+# The errors of the reference and of rounding together reach 5e-13 (what is left at 1.5e-5 s, where truncation is
+# smallest). Ten times that is truncation to within 10 %, and 10 % are too little to bend a slope.
 FLOOR = 5e-12
-ORDER = 3.8  # of 4: five points of an asymptotic expansion, whose next term is still felt at 1e-3 s
+ORDER = 3.8  # accepted instead of 4: the next term of the asymptotic expansion is still felt at 1e-3 s
 
 
 def throw_start(throw: Throw) -> dict[str, float]:
-    """Start values of Plant."""
+    """Return the start values of the FMU `Plant` for a throw."""
     pairs = {"q_start": throw.start[:2], "dq_start": throw.start[2:], "wall_normal": throw.normal}
     pairs |= {name: np.array(getattr(throw, name)) for name in ("m", "l", "viscous", "tau")}
     values = {f"{name}[{i + 1}]": float(pair[i]) for name, pair in pairs.items() for i in range(2)}
@@ -58,12 +58,12 @@ def throw_start(throw: Throw) -> dict[str, float]:
 
 
 def state(plant: Driver) -> np.ndarray:
-    """What Plant shows of (q, dq)."""
+    """Return the outputs (q, dq) of the plant, rad and rad/s, shape (4,)."""
     return plant.get("q[1]", "q[2]", "dq[1]", "dq[2]")
 
 
 def run(plant: Driver, throw: Throw, dt_max: float, h: float, steps: int) -> np.ndarray:
-    """States (q, dq) after each of `steps` steps of h, the start first."""
+    """Return the states (q, dq) at the start and after each of `steps` steps of h, s, shape (steps + 1, 4)."""
     plant.initialize(throw_start(throw) | {"dt_max": dt_max})
     states = [state(plant)]
     for k in range(steps):
@@ -73,7 +73,7 @@ def run(plant: Driver, throw: Throw, dt_max: float, h: float, steps: int) -> np.
 
 
 def end(open_fmu: Open, throw: Throw, T: float, dt_max: float) -> np.ndarray:
-    """State at T after a single step."""
+    """Return the state at T, s, after a single step, shape (4,)."""
     plant = open_fmu("Plant")
     final = run(plant, throw, dt_max, T, 1)[-1]
     plant.close()
@@ -82,12 +82,12 @@ def end(open_fmu: Open, throw: Throw, T: float, dt_max: float) -> np.ndarray:
 
 @cache
 def truth(name: str) -> tuple[np.ndarray, list[str]]:
-    """Reference state and events of a case."""
+    """Return the state of the reference at the end of a case, and the events on the way."""
     return solve(*CASES[name][:2])
 
 
 def slope(steps: list[float], errors: list[float]) -> float:
-    """Order fitted to all points."""
+    """Return the order of the error in the step: the fitted slope of the logarithms."""
     return float(np.polyfit(np.log(steps), np.log(errors), 1)[0])
 
 
@@ -104,7 +104,7 @@ def test_order_is_4_through_contact(open_fmu: Open, name: str) -> None:
 @pytest.mark.parametrize("name", ["spring, after", "everything, after"])
 def test_the_error_goes_down_to_rounding(open_fmu: Open, name: str) -> None:
     throw, T, _ = CASES[name]
-    # Truncation at 1.5e-5 s is 4^-4 of that at 6e-5 s, at most 1e-9: 4e-12. The rest is rounding, see FLOOR.
+    # The truncation error at 1.5e-5 s is 4^-4 of that at 6e-5 s, at most 1e-9: 4e-12. The rest is rounding, see FLOOR.
     assert np.abs(end(open_fmu, throw, T, 2.0**-16) - truth(name)[0]).max() <= 5e-12
 
 
@@ -118,7 +118,7 @@ def test_steps_of_dt_max_give_the_same_bits_as_one_step(open_fmu: Open, name: st
 
 @pytest.mark.parametrize("throw", [SPRING, ALL])
 def test_a_step_of_2h_is_two_steps_of_h_bitwise(open_fmu: Open, throw: Throw) -> None:
-    """Decimal steps, whose sub-steps h / n and 2 h / (2 n) are equal although 1e-3 and 1e-4 are not exact."""
+    """Decimal steps have equal sub-steps h / n and 2 h / (2 n), although 1e-3 and 1e-4 are not exact in binary."""
     for h, dt_max in ((1e-3, 1e-4), (3e-4, 1e-4), (1e-4, 1e-4)):
         n = round(0.03 / (2 * h))
         fine = run(open_fmu("Plant"), throw, dt_max, h, 2 * n)
@@ -127,7 +127,7 @@ def test_a_step_of_2h_is_two_steps_of_h_bitwise(open_fmu: Open, throw: Throw) ->
 
 
 def test_an_elastic_bounce_keeps_the_energy(open_fmu: Open) -> None:
-    """Kinetic energy goes into the spring and comes back; gravity acts as well."""
+    """In a bounce without damping, kinetic energy goes into the spring of the wall and comes back, under gravity."""
     errors = []
     for dt in LEVELS:
         states = run(open_fmu("Plant"), SPRING, dt, 2.0**-10, 2**6)
@@ -135,8 +135,8 @@ def test_an_elastic_bounce_keeps_the_energy(open_fmu: Open) -> None:
         assert max(SPRING.gap(s) for s in states) > 5e-3
         assert SPRING.gap(states[-1]) < 0
         errors.append(float(np.abs(energies - energies[0]).max()))
-    # RK4 of y'' = -w^2 y changes the energy by (w dt)^6 / 72 in a step, pi / (w dt) steps in half a swing. Here
-    # w^2 = K_f n' J H^-1 J' n = (174/s)^2 at the impact; it varies while in contact, hence twice that. The spring
+    # RK4 of y'' = -w^2 y changes the energy by (w dt)^6 / 72 in a step, and half a swing has pi / (w dt) steps. Here
+    # w^2 = K_f n' J H^-1 J' n = (174/s)^2 at the impact. w varies during contact, so twice that is accepted. The spring
     # takes at most the kinetic energy.
     J, n = SPRING.jacobian(np.array(SPRING.q)), SPRING.normal
     w = np.sqrt(SPRING.K_f * n @ J @ np.linalg.solve(SPRING.inertia(np.array(SPRING.q)), J.T @ n))

@@ -1,4 +1,4 @@
-"""Controlled steps keep the error that is asked for, and end on the stop time."""
+"""Runs with step control keep the accepted error, and end exactly at the stop time."""
 
 from dataclasses import replace
 
@@ -13,16 +13,16 @@ TOLERANCES = (1e-2, 1e-3, 1e-4, 1e-5)
 
 
 def controlled(tolerance: float, order: int = 1, **steps: float) -> Algorithm:
-    """Sequential exchange."""
+    """Return an algorithm with step control and sequential exchange."""
     return Algorithm("adaptive", order=order, control=StepControl(Tolerance(tolerance), **steps))
 
 
 @pytest.mark.parametrize("name", ["force-displacement", "displacement-displacement"])
 def test_the_error_at_the_end_is_the_tolerance(name: str) -> None:
-    """Within a factor 2 of one constant, over three decades: half the tolerance.
+    """The error at the stop time is half the tolerance, within a factor 2 and over three decades of tolerances.
 
-    The controller aims at 0.9^(2 / 0.7) = 0.74 of it (where its proportional part is at rest, 0.9^(2 / 0.3)), and in
-    oscillations the errors of steps partly cancel.
+    The controller aims at 0.9^(2 / 0.7) = 0.74 of the tolerance (or 0.9^(2 / 0.3), where its proportional part is at
+    rest). In oscillations the errors of steps partly cancel.
     """
     problem = PROBLEMS[name]
     stop = problem.span[0]
@@ -41,7 +41,7 @@ def test_the_error_at_the_end_is_the_tolerance(name: str) -> None:
 @pytest.mark.parametrize("name", PROBLEMS)
 def test_steps_end_on_the_stop_time(name: str, order: int) -> None:
     problem = PROBLEMS[name]
-    stop = problem.span[0] / 3  # of no short binary fraction
+    stop = problem.span[0] / 3  # not a short binary fraction
     result = simulate(problem.system(1e-3, stop), algorithm=controlled(1e-3, order))
     assert result.time[-1] == stop
     assert (np.diff(result.time) > 0).all()
@@ -72,6 +72,6 @@ def test_a_step_below_the_smallest_names_the_output() -> None:
 def test_steps_stay_within_the_largest() -> None:
     problem = PROBLEMS["force-displacement"]
     result = simulate(problem.system(1e-3, 1.0), algorithm=controlled(1.0, largest=0.03))
-    # 0.03 s reaches 0.99 s after 33 steps; the last two share the rest
+    # Steps of 0.03 s reach 0.99 s after 33 steps. The last two steps share the rest.
     assert np.diff(result.time).max() <= 0.03 * (1 + 1e-12)
     assert len(result.time) <= 40

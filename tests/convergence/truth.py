@@ -1,4 +1,7 @@
-"""The arm against the wall once more, from closed forms, by DOP853 from event to event: what errors are measured by."""
+"""An independent solution for an arm that hits a wall, by which the errors of the FMU `Plant` are measured.
+
+The right-hand side is written in closed form. DOP853 integrates it from one contact event to the next.
+"""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -12,16 +15,22 @@ MAX_STEP = 2e-4  # s; keeps the dense output, on which events are found, as accu
 
 @dataclass(frozen=True)
 class Throw:
-    """A tip thrown at the wall n.x >= offset, n = (-1, 0) turned by `turn` rad; SI units.
+    """A tip thrown at the wall n.x >= offset, with all numbers in SI units.
+
+    The other attributes are the parameters of the FMU `Plant` of the same names.
 
     Attributes
     ----------
-    q, v
-        Joint angles at the start, and the tip's velocity.
+    v
+        Velocity of the tip at the start, m/s.
+    q
+        Joint angles at the start, rad.
     distance
-        How far from the wall the tip starts, m.
+        Distance of the tip from the wall at the start, m.
+    turn
+        Angle by which the normal n of the wall is turned from (-1, 0), rad.
     tau
-        Constant joint torque.
+        Constant joint torque, N.m.
     """
 
     v: tuple[float, float]
@@ -40,39 +49,39 @@ class Throw:
 
     @property
     def normal(self) -> np.ndarray:
-        """Unit normal into the wall."""
+        """Normal into the wall, of length 1, shape (2,)."""
         return np.array([-np.cos(self.turn), -np.sin(self.turn)])
 
     @property
     def offset(self) -> float:
-        """Distance of the wall from the origin."""
+        """Distance of the wall from the origin along the normal, m."""
         return float(self.normal @ self.tip(np.array(self.q))) + self.distance
 
     @property
     def start(self) -> np.ndarray:
-        """State (q, dq) at t = 0."""
+        """State (q, dq) at t = 0, rad and rad/s, shape (4,)."""
         q = np.array(self.q)
         return np.concatenate([q, np.linalg.solve(self.jacobian(q), self.v)])
 
     def tip(self, q: np.ndarray) -> np.ndarray:
-        """Tip position."""
+        """Return the position of the tip, m, shape (2,)."""
         (l1, l2), a, b = self.l, q[0], q[0] + q[1]
         return np.array([l1 * np.cos(a) + l2 * np.cos(b), l1 * np.sin(a) + l2 * np.sin(b)])
 
     def jacobian(self, q: np.ndarray) -> np.ndarray:
-        """Tip Jacobian."""
+        """Return the Jacobian of the tip, m/rad, shape (2, 2)."""
         (l1, l2), a, b = self.l, q[0], q[0] + q[1]
         s, c = l2 * np.sin(b), l2 * np.cos(b)
         return np.array([[-l1 * np.sin(a) - s, -s], [l1 * np.cos(a) + c, c]])
 
     def inertia(self, q: np.ndarray) -> np.ndarray:
-        """Inertia matrix."""
+        """Return the inertia matrix, kg.m2, shape (2, 2)."""
         (m1, m2), (l1, l2), c2 = self.m, self.l, np.cos(q[1])
         off = m2 * l2**2 + m2 * l1 * l2 * c2
         return np.array([[(m1 + m2) * l1**2 + m2 * l2**2 + 2 * m2 * l1 * l2 * c2, off], [off, m2 * l2**2]])
 
     def energy(self, state: np.ndarray) -> float:
-        """Kinetic and potential energy, that of the wall's spring included, J."""
+        """Return the kinetic and potential energy, with that of the spring of the wall, J."""
         q, dq = state[:2], state[2:]
         (m1, m2), (l1, _) = self.m, self.l
         height = m1 * l1 * np.sin(q[0]) + m2 * self.tip(q)[1]
@@ -80,15 +89,15 @@ class Throw:
         return float(0.5 * dq @ self.inertia(q) @ dq + self.gravity * height + spring)
 
     def gap(self, state: np.ndarray) -> float:
-        """Depth of the tip in the wall, negative outside."""
+        """Return the depth of the tip in the wall, m, negative outside."""
         return float(self.normal @ self.tip(state[:2]) - self.offset)
 
     def factor(self, state: np.ndarray) -> float:
-        """Hunt and Crossley's 1 + D_f d(gap)/dt."""
+        """Return the damping factor 1 + D_f d(gap)/dt of Hunt and Crossley's contact law."""
         return float(1 + self.D_f * self.normal @ self.jacobian(state[:2]) @ state[2:])
 
     def derivative(self, state: np.ndarray, contact: bool, pushing: bool) -> np.ndarray:
-        """Right-hand side in fixed modes."""
+        """Return the derivative of the state (q, dq), shape (4,), while the wall is in contact and pushes or not."""
         q, dq = state[:2], state[2:]
         (_, m2), (l1, l2), J = self.m, self.l, self.jacobian(q)
         F = np.zeros(2)
@@ -105,7 +114,7 @@ class Throw:
 
 
 def solve(throw: Throw, T: float) -> tuple[np.ndarray, list[str]]:
-    """State at T, and the events on the way, such as ``["+contact", "-pushing"]``."""
+    """Return the state at T, s, shape (4,), and the events on the way, such as ``["+contact", "-pushing"]``."""
     indicators: dict[str, Callable[[np.ndarray], float]] = {"contact": throw.gap, "pushing": throw.factor}
     t, state, log = 0.0, throw.start, []
     modes = {name: z(state) > 0 for name, z in indicators.items()}
@@ -125,7 +134,7 @@ def solve(throw: Throw, T: float) -> tuple[np.ndarray, list[str]]:
 
 
 def _crossing(indicator: Callable[[np.ndarray], float], *, rising: bool) -> Callable[[float, np.ndarray], float]:
-    """A terminal event of `solve_ivp`."""
+    """Return a terminal event for `solve_ivp`."""
 
     def event(_: float, y: np.ndarray) -> float:
         return indicator(y)

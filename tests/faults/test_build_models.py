@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from adaptimp_fmu import build
-from adaptimp_fmu.testing import open_fmu
+from orchestration import Fmu
 from tests.faults.cli import Command
 
 GAIN = '''"""Gain: y = 2 u."""
@@ -46,7 +46,7 @@ def test_a_model_of_a_file_is_built_with_its_docstring(adaptimp: Command, tmp_pa
     assert [file.name for file in (tmp_path / "built").iterdir()] == ["Gain.fmu"]
     with zipfile.ZipFile(tmp_path / "built" / "Gain.fmu") as archive:
         assert "<pre>Gain: y = 2 u.</pre>" in archive.read("documentation/index.html").decode()
-    with open_fmu(tmp_path / "built" / "Gain.fmu", u=4.0) as unit:
+    with Fmu(tmp_path / "built" / "Gain.fmu", u=4.0) as unit:
         assert unit.outputs()["y"] == 8.0
 
 

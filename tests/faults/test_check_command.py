@@ -79,4 +79,4 @@ def test_a_file_that_is_no_fmu(tmp_path: Path, capsys: Captured) -> None:
     path = tmp_path / "text.fmu"
     path.write_text("no archive")
     assert run_check(path, None, False) == 1
-    assert "is no readable zip archive" in capsys.readouterr().out
+    assert "is not a readable zip archive" in capsys.readouterr().out

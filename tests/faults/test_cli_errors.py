@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+from orchestration import System
 from tests.faults.cli import Command
 
 SHORT = ("--stop", "0.01")
@@ -40,8 +41,8 @@ BAD_OPTIONS = {
     "fig2 --step nan": r"The step nan s is not positive\.",
     "fig2 --step small": r"Invalid value for '--step': .*number",
     "fig2 --step 1e-4 --sample-time 1e-4": r"--step and --sample-time exclude each other",
-    "fig2 --stop 0.00015": r"from 0 s to 0\.00015 s is no multiple of the step 0\.0001 s; stop at 0\.0001 s",
-    "fig2 --stop -1": r"The run from 0 s to -1 s is no multiple of the step",
+    "fig2 --stop 0.00015": r"from 0 s to 0\.00015 s is not a multiple of the step 0\.0001 s; stop at 0\.0001 s",
+    "fig2 --stop -1": r"The run from 0 s to -1 s is not a multiple of the step",
     "fig2 --controller missing.fmu": r"missing\.fmu: there is no such FMU\.",
     "missing.ssp": r"missing\.ssp: there is no such package\.",
     "fig1": r"There is no scenario fig1; there are fig2, fig3, fig4",
@@ -51,7 +52,7 @@ BAD_OPTIONS = {
     "fig2 --record plant.tau[1]": r"plant\.tau\[1\] is a Real of causality input; only outputs",
     "fig2 --out fig2.xlsx": r"fig2\.xlsx: results are written as \.csv or \.parquet",
     "fig2 --exchange both": r"no exchange 'both'; there are sequential, parallel",
-    "fig2 --input-order 3": r"order 3 of the inputs is none of 0, 1, 2",
+    "fig2 --input-order 3": r"order 3 of the inputs is not 0, 1 or 2",
     "fig2 --tolerance 1e-6": r"Algorithm gauss-seidel has no tolerance; iterative, newton and adaptive have",
     "fig2 --algorithm newton --tolerance 0": r"tolerance relative = 0\.0 is not positive",
     "fig2 --algorithm adaptive --absolute m=x": r"--absolute: 'x' is no number",
@@ -103,7 +104,7 @@ def test_other_bad_requests(adaptimp: Command, tmp_path: Path, arguments: tuple[
 def test_file_that_is_no_archive(adaptimp: Command, tmp_path: Path) -> None:
     (tmp_path / "notes.fmu").write_text("text")
     outcome = adaptimp("run", "fig2", "--controller", "notes.fmu")
-    assert re.search(r"notes\.fmu is no readable zip archive", outcome.sentence)
+    assert re.search(r"notes\.fmu is not a readable zip archive", outcome.sentence)
     assert outcome.code == 2
 
 
@@ -161,3 +162,19 @@ def test_failed_run_keeps_its_rows_apart(adaptimp: Command, tmp_path: Path) -> N
     lines = (tmp_path / "x.partial.csv").read_text().splitlines()
     assert len(lines) == step + 2  # names, rows 0 to `step`
     assert f"wrote x.partial.csv: the {step + 1} rows before the failure" in outcome.err
+
+
+def test_a_package_without_step_or_stop_time(adaptimp: Command, fmu_folder: Path, tmp_path: Path) -> None:
+    """As packages of other tools are; what is missing is asked for, and then the run is made."""
+    System.connected_by_name("lone", {"plant": fmu_folder / "Plant.fmu"}).write(tmp_path / "lone.ssp")
+    outcome = adaptimp("run", "lone.ssp", *SHORT)
+    assert (outcome.code, outcome.sentence) == (
+        2,
+        "System lone has no communication step; give one, in s, as `step` or --step.",
+    )
+    outcome = adaptimp("run", "lone.ssp", "--step", "1e-3")
+    assert (outcome.code, outcome.sentence) == (
+        2,
+        "System lone has no stop time; give one, in s, as `stop_time` or --stop.",
+    )
+    assert adaptimp("run", "lone.ssp", "--step", "1e-3", *SHORT).code == 0

@@ -6,7 +6,7 @@ from collections.abc import Callable
 import pytest
 
 from adaptimp_fmu.package import definition
-from fmus.catalog import UNITS
+from fmus.catalog import MODELS
 
 GUID = re.compile(r"\{[0-9a-f]{8}(?:-[0-9a-f]{4}){3}-[0-9a-f]{12}\}")
 
@@ -20,11 +20,11 @@ def masked(text: str) -> str:
 
 @pytest.mark.parametrize("unit", ["Plant", "HoganImpedance"])
 def test_model_description(unit: str, assert_golden: Callable[[str, str], None]) -> None:
-    _, description = definition(UNITS[unit]())
+    _, description = definition(MODELS[unit]())
     assert_golden(f"{unit}.xml", masked(description.decode()))
 
 
 @pytest.mark.parametrize("unit", ["Plant", "HoganImpedance"])
 def test_tables(unit: str, assert_golden: Callable[[str, str], None]) -> None:
-    sources, _ = definition(UNITS[unit]())
+    sources, _ = definition(MODELS[unit]())
     assert_golden(f"{unit}.c", masked(sources["model.c"]))

@@ -17,6 +17,8 @@ from zipfile import ZipFile
 
 import numpy as np
 
+from tests.untested import needs
+
 _SSD = {"ssd": "http://ssp-standard.org/SSP1/SystemStructureDescription"}
 _LIBCOSIM_EXPERIMENT = """<ssd:DefaultExperiment startTime="0.0"><ssd:Annotations>
 <ssc:Annotation type="com.opensimulationplatform"
@@ -43,7 +45,7 @@ class _Variable(NamedTuple):
 
 
 def unavailable(engine: str) -> str | None:
-    """Tell why ``"ecospy"`` or ``"libcosimpy"`` does not load (ecospy needs Debian's libtbb12)."""
+    """Tell why ``"ecospy"`` or ``"libcosimpy"`` does not load here, None if it does."""
     try:
         if engine == "ecospy":
             import ecospy  # noqa: F401
@@ -51,8 +53,11 @@ def unavailable(engine: str) -> str | None:
             from libcosimpy._internal import libcosimc
 
             libcosimc()
+    except ModuleNotFoundError as error:
+        return f"{engine} has no binaries for this platform: {error}"
     except (ImportError, OSError) as error:
-        return f"{engine} does not load: {error}"
+        reason = f"{engine} does not load: {error}"
+        return needs(reason, "libtbb12") if "libtbb" in reason else reason
     return None
 
 

@@ -42,9 +42,9 @@ def figure_system(fmu_folder: Path, figure: str) -> System:
 
 def ours(system: System, *, nanoseconds: bool = False) -> Result:
     """Our Jacobi run, on the engine's clock."""
-    step_ns = round(system.step * 1e9)
+    step_ns = round(system.run_step() * 1e9)
     times = np.array([(k * step_ns) / 1e9 for k in range(STEPS + 1)]) if nanoseconds else None
-    return simulate(system, STEPS * system.step, system.step, "jacobi", times=times)
+    return simulate(system, STEPS * system.run_step(), system.run_step(), "jacobi", times=times)
 
 
 def assert_agree(values: np.ndarray, rows: np.ndarray) -> None:
@@ -70,7 +70,7 @@ def test_libcosim_agrees(fmu_folder: Path, figure: str, tmp_path: Path) -> None:
     system = figure_system(fmu_folder, figure)
     result = ours(system, nanoseconds=True)
     package = system.write(tmp_path / "figure.ssp")
-    values = run_libcosim(package, round(system.step * 1e9), STEPS, result.names)
+    values = run_libcosim(package, round(system.run_step() * 1e9), STEPS, result.names)
     assert_agree(values, result.rows[1:])
 
 
@@ -83,7 +83,7 @@ def whole(fmu_folder: Path, figure: str, tmp_path: Path) -> tuple[System, Path, 
     """A figure as it is, its package, and the number of its steps."""
     scenario = SCENARIOS[figure]
     system = scenario.system({unit: fmu_folder / f"{unit}.fmu" for unit in scenario.units.values()})
-    return system, system.write(tmp_path / "whole.ssp"), round(system.stop_time / system.step)
+    return system, system.write(tmp_path / "whole.ssp"), round(system.run_stop_time() / system.run_step())
 
 
 @adaptive_figures
@@ -99,7 +99,7 @@ def test_ecos_agrees_to_the_end(fmu_folder: Path, figure: str, tmp_path: Path) -
 @needs_libcosim
 def test_libcosim_agrees_to_the_end(fmu_folder: Path, figure: str, tmp_path: Path) -> None:
     system, package, steps = whole(fmu_folder, figure, tmp_path)
-    step_ns = round(system.step * 1e9)
+    step_ns = round(system.run_step() * 1e9)
     result = simulate(system, algorithm="jacobi", times=np.arange(steps + 1) * step_ns / 1e9)
     values = run_libcosim(package, step_ns, steps, WATCHED)
     assert_agree(values, np.column_stack([result[name] for name in WATCHED])[1:])
@@ -130,7 +130,7 @@ def test_libcosim_scales_as_we_do(fmu_folder: Path, tmp_path: Path) -> None:
     system = scaled(fmu_folder)
     assert sum(c.scale.factor == 2.0 for c in system.connections) == 2
     result = ours(system, nanoseconds=True)
-    values = run_libcosim(system.write(tmp_path / "scaled.ssp"), round(system.step * 1e9), STEPS, result.names)
+    values = run_libcosim(system.write(tmp_path / "scaled.ssp"), round(system.run_step() * 1e9), STEPS, result.names)
     assert_agree(values, result.rows[1:])
     plain = ours(figure_system(fmu_folder, "fig2"), nanoseconds=True)
     assert np.abs(result["plant.dq[1]"] - plain["plant.dq[1]"]).max() > 1e-3  # rad/s

@@ -12,15 +12,15 @@ import pytest
 from fmpy import extract, read_model_description, simulate_fmu
 from fmpy.fmi2 import FMU2Slave
 
-from fmus.catalog import UNITS
+from fmus.catalog import MODELS
 from orchestration import Component, Result, System, UnconnectedInputWarning, simulate
-from orchestration.fmi.instance import read_description
+from orchestration.fmi.description import read_description
 from tests.interop.peers import run_ecospy, run_libcosim, unavailable
 
 STEP, STEP_NS = 1e-4, 100_000
 STEPS = 20
 
-pytestmark = pytest.mark.parametrize("unit", list(UNITS))
+pytestmark = pytest.mark.parametrize("unit", list(MODELS))
 
 
 def alone(fmu: Path) -> System:

@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 from lxml import etree
 
-from fmus.catalog import UNITS
+from fmus.catalog import MODELS
 from tests.interop.matrix.jobs import FIGURES, figure_system
 
 KINDS = {"ssd": "Description", "ssv": "ParameterValues"}
@@ -31,7 +31,7 @@ def schemas() -> dict[str, Any]:
 @pytest.fixture(scope="module", params=FIGURES)
 def package(request: pytest.FixtureRequest, fmu_folder: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A figure's package."""
-    fmus = {unit: fmu_folder / f"{unit}.fmu" for unit in UNITS}
+    fmus = {unit: fmu_folder / f"{unit}.fmu" for unit in MODELS}
     return figure_system(request.param, fmus).write(tmp_path_factory.mktemp("package") / f"{request.param}.ssp")
 
 

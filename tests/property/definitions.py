@@ -7,7 +7,7 @@ import numpy as np
 
 from adaptimp_fmu import ContinuousModel
 from adaptimp_fmu.variables import Role
-from fmus.catalog import UNITS
+from fmus.catalog import MODELS
 
 
 def outputs(identifier: str, **columns: np.ndarray) -> dict[str, np.ndarray]:
@@ -35,7 +35,7 @@ def outputs(identifier: str, **columns: np.ndarray) -> dict[str, np.ndarray]:
 @cache
 def _function(identifier: str) -> tuple[ca.Function, dict[str, np.ndarray]]:
     """The map to all outputs, and the start values of inputs and parameters."""
-    model = UNITS[identifier]()
+    model = MODELS[identifier]()
     parameters = [variable for variable in model.variables if variable.role.is_parameter]
     inputs, shown = model.with_role(Role.INPUT), model.with_role(Role.OUTPUT)
     symbols = dict(zip(_names(parameters), model.parameter_symbols, strict=True))

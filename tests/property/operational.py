@@ -4,6 +4,7 @@ What the FMUs do in joint space, without an inverse of H_x, is done here with th
 tests/property/pose.py.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -66,7 +67,7 @@ class Answer:
 
     outputs: dict[str, np.ndarray]
     rate: np.ndarray
-    scales: dict[str, float]
+    scales: Mapping[str, float | np.floating]
 
 
 def augmented(tick: Tick, gains: Gains) -> np.ndarray:

@@ -35,7 +35,7 @@ class Meeting:
 
     def pose(self, i: int) -> Pose:
         """Closed forms at a sample."""
-        arm = Arm(*map(float, self.l[:, i]), GRAVITY, COULOMB_VELOCITY)
+        arm = Arm(float(self.l[0, i]), float(self.l[1, i]), GRAVITY, COULOMB_VELOCITY)
         return Pose(arm, self.plant["q"][:, i], self.plant["dq"][:, i])
 
 
@@ -51,7 +51,9 @@ def meeting() -> Meeting:
     dq, l, angle = uniform(-3, 3), uniform(0.7, 1.4), uniform(-np.pi, np.pi, 1)
     p, p_hat = (np.vstack([uniform(0.5, 3), uniform(0, 2, 4)]) for _ in range(2))
     normal, depth = np.vstack([np.cos(angle), np.sin(angle)]), uniform(-0.005, 0.005, 1)
-    poses = [Pose(Arm(*map(float, l[:, i]), GRAVITY, COULOMB_VELOCITY), q[:, i], dq[:, i]) for i in range(SIZE)]
+    poses = [
+        Pose(Arm(float(l[0, i]), float(l[1, i]), GRAVITY, COULOMB_VELOCITY), q[:, i], dq[:, i]) for i in range(SIZE)
+    ]
     x, dx = np.array([pose.x for pose in poses]).T, np.array([pose.dx for pose in poses]).T
     common = {"q": q, "dq": dq, "l": l}
     common |= {

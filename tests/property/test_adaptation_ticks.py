@@ -84,7 +84,7 @@ def test_torque_and_watched_quantities_are_the_papers(walk: Walk) -> None:
                 # gamma* divides by alpha^2: two more relative errors of alpha, and a factor for its own
                 # cancellation.
                 factor = 10.0 if name == "gamma_bound" else 1.0
-                require(shown[name], value, factor * relative * expected.scales[name], f"{name}, tick {k}")
+                require(shown[name], value, factor * relative * float(expected.scales[name]), f"{name}, tick {k}")
             if walk.controller != SLOTINE_LI:
                 active += expected.outputs["gamma"][0] > 0
                 bounds += expected.outputs["gamma_bound"][0] > 0

@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+from fmus.mechanics.arm import Arm
 from fmus.mechanics.planar_arm import PlanarArm
 from tests.property.samples import EPS, evaluate, random_arms
 
@@ -26,6 +27,20 @@ def matrices(*rows: tuple[np.ndarray, ...]) -> np.ndarray:
 def rate(matrix: ca.SX, q: ca.SX, dq: ca.SX) -> ca.SX:
     """Exact time derivative of a matrix along dq."""
     return ca.reshape(ca.jtimes(ca.vec(matrix), q, dq), *matrix.shape)
+
+
+@pytest.mark.parametrize("n", [2, 3])
+def test_equations_have_the_shapes_of_the_arm_s_protocol(n: int) -> None:
+    arm: Arm = PlanarArm(n)
+    k = arm.task_size
+    shapes = {
+        **{"forward_kinematics": (k, 1), "jacobian": (k, n), "jacobian_rate": (k, n), "inertia": (n, n)},
+        **{"coriolis": (n, n), "gravity_torque": (n, 1), "friction_torque": (n, 1), "inverse_dynamics": (n, 1)},
+        "regressor": (n, 3 * n),
+    }
+    assert shapes.keys() == Arm.__annotations__.keys()
+    assert {name: getattr(arm, name).size_out(0) for name in shapes} == shapes
+    assert [part.numel() for part in arm.split(ca.SX.sym("p", 3 * n))] == [n, n, n]
 
 
 def test_two_joints_have_the_paper_s_closed_forms() -> None:

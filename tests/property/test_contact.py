@@ -11,7 +11,9 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from adaptimp_fmu import SampledModel
 from fmus.environment.contact import Wall
+from fmus.environment.half_space import HalfSpace, declare_half_space
 from tests.driver import Driver
 from tests.property.samples import EPS
 
@@ -113,3 +115,24 @@ def test_plant_shows_the_force_of_the_law_at_its_start(open_fmu: Callable[..., D
         np.testing.assert_allclose(plant.get("F_ext[1]", "F_ext[2]"), F, rtol=0, atol=100 * EPS * K_F)
         assert abs(plant.get("gap")[0] - depth) <= 10 * EPS
         assert abs(plant.get("penetration")[0] - max(depth, 0)) <= 10 * EPS
+
+
+@PROFILE
+@given(angles, depths, st.floats(-3, 3, allow_subnormal=False))
+def test_the_gap_is_the_depth_and_components_make_up_the_vector(angle: float, depth: float, along: float) -> None:
+    n = np.array([math.cos(angle), math.sin(angle)])
+    half_space = HalfSpace(ca.SX(n), ca.SX(0.7))
+    t = np.array(ca.DM(half_space.tangent)).ravel()
+    x = (0.7 + depth) * n + along * t
+    # n.n and t.t differ from 1 by 2 EPS, n.t from 0 by EPS, and lengths are below 4 m.
+    assert abs(float(half_space.gap(ca.SX(x))) - depth) <= 20 * EPS
+    components = [float(half_space.along_normal(ca.SX(x))), float(half_space.along_surface(ca.SX(x)))]
+    np.testing.assert_allclose(components, [0.7 + depth, along], rtol=0, atol=20 * EPS)
+
+
+def test_a_declared_half_space_demands_a_unit_normal() -> None:
+    model = SampledModel("Walled", "Has a wall")
+    half_space = declare_half_space(model)
+    assert [check.sentence for check in model.static_checks] == ["wall_normal must have length 1"]
+    miss = ca.Function("miss", [half_space.normal], [model.static_checks[0].value])
+    assert [float(miss(normal)) > 0 for normal in ([0.6, 0.8], [0.6, 0.8 + 1e-8], [0.0, 0.0])] == [True, False, False]

@@ -5,6 +5,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
+from orchestration.fmi.codes import Status
 from tests.driver import Driver
 from tests.property.samples import EPS
 
@@ -83,8 +84,6 @@ def test_without_a_wall_in_reach_it_is_the_whole_ellipse(open_fmu: Callable[...,
 def test_a_normal_of_another_length_is_an_error(open_fmu: Callable[..., Driver]) -> None:
     driver = open_fmu("VirtualTrajectory")
     driver.set({"wall_normal[1]": -1.001})
-    driver.slave.setupExperiment(startTime=0.0)
-    driver.slave.enterInitializationMode()
-    fmi2_error = 3
-    assert driver.status("fmi2ExitInitializationMode") == fmi2_error
-    assert any("wall_normal must have length 1" in text for _, _, text in driver.messages)
+    driver.enter()
+    assert driver.instance.status("fmi2ExitInitializationMode") == Status.ERROR
+    assert any("wall_normal must have length 1" in text for text in driver.messages)

@@ -68,7 +68,8 @@ def samples(size: int, ticks: int, *, seed: int) -> Iterator[Sample]:
     """
     arms, rng = random_arms(2, size, seed=seed, regular=True), np.random.default_rng(seed)
     for i in range(size):
-        arm = Arm(*arms.l[:, i], float(arms.gravity[0, i]), float(arms.coulomb_velocity[0, i]))
+        l1, l2 = arms.l[:, i]
+        arm = Arm(float(l1), float(l2), float(arms.gravity[0, i]), float(arms.coulomb_velocity[0, i]))
         inputs, q, dq = [], arms.q[:, i], arms.dq[:, i]
         for _ in range(ticks):
             pose = Pose(arm, q, dq)
@@ -139,4 +140,4 @@ def run(driver: Driver, controller: str, sample: Sample, **more: Value) -> Itera
         a_f = a_f + share * (inputs["ddq"] - a_f)
         feed(driver, inputs, k, h)
         yield seen(driver, sample, inputs, a_f)
-    driver.slave.reset()
+    driver.call("fmi2Reset")

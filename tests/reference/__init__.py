@@ -1,1 +1,1 @@
-"""An independent monolithic reference of the sampled-data loop, and its own checks."""
+"""An independent monolithic reference of the sampled-data loop, tests of this reference, and comparisons with it."""

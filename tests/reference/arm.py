@@ -1,4 +1,4 @@
-"""Closed-form planar 2R arm with point masses at the distal ends of its links, and the wall it presses on.
+"""Closed-form model of a planar arm with two joints and point masses at the ends of its links, and of a wall.
 
     H(q) ddq + C(q, dq) dq + g(q) + f(dq) = tau - J' F_ext                                                    (1)
 
@@ -6,7 +6,7 @@ Lu and Meng (1991), eqs. (1)-(2). Angles are relative (the absolute angle of lin
 -x2, f(dq) = viscous dq + coulomb tanh(dq / coulomb_velocity). ``F_ext`` is the force of the tip ON the environment;
 the wall normal ``n`` points INTO the wall and ``gap = n.x - offset`` is positive in penetration.
 
-Everything here is written from these formulas, without code generation, so that it can be an oracle for models that
+Everything here is written from these formulas, without code generation. So this module can be an oracle for models that
 are derived symbolically.
 """
 
@@ -19,7 +19,7 @@ from .compiled import compiled
 
 
 class Arm(NamedTuple):
-    """Known geometry: link lengths `l1`, `l2` (m), `gravity` (m/s2), `coulomb_velocity` (rad/s)."""
+    """Known numbers of the arm: link lengths `l1`, `l2` (m), `gravity` (m/s2), `coulomb_velocity` (rad/s)."""
 
     l1: float
     l2: float
@@ -28,7 +28,10 @@ class Arm(NamedTuple):
 
 
 class Wall(NamedTuple):
-    """Half-plane: unit normal (`n1`, `n2`), `offset` (m), `K_f` (N/m), `D_f` (s/m), `mu`, `friction_velocity` (m/s)."""
+    """Wall as a half-plane: normal (`n1`, `n2`) of length 1, `offset` (m), and the numbers of the contact law.
+
+    `K_f` (N/m) is the stiffness, `D_f` (s/m) the damping, `mu` the friction, `friction_velocity` (m/s) its smoothing.
+    """
 
     n1: float
     n2: float
@@ -49,7 +52,7 @@ class Plant(NamedTuple):
 
 @compiled
 def acceleration(plant, q, dq, tau, F):
-    """Solve (1) for the joint acceleration.
+    """Solve the equation of motion (1) for the joint acceleration.
 
     Parameters
     ----------
@@ -78,9 +81,9 @@ def acceleration(plant, q, dq, tau, F):
 
 @compiled
 def contact_force(wall, gap, dx1, dx2):
-    """Force law of the loaded wall, smooth in its arguments: K_f gap (1 + D_f gap_rate), friction along the sliding.
+    """Return the force on a loaded wall: K_f gap (1 + D_f gap_rate) along the normal, and friction along the sliding.
 
-    Whether the wall is loaded (gap > 0 and 1 + D_f gap_rate > 0) is the caller's business.
+    The caller must know that the wall is loaded (gap > 0 and 1 + D_f gap_rate > 0). The law is smooth in its arguments.
 
     Returns
     -------
@@ -95,7 +98,7 @@ def contact_force(wall, gap, dx1, dx2):
 
 @compiled
 def external_force(plant, q, dq):
-    """F_ext at a state (tuple of 2 floats, N) with the unilateral law max(gap, 0) max(0, 1 + D_f gap_rate)."""
+    """Return F_ext at a state (tuple of 2 floats, N), with the unilateral law max(gap, 0) max(0, 1 + D_f gap_rate)."""
     wall = plant.wall
     dx1, dx2 = tip_velocity(plant.arm, q, dq)
     gap = wall_gap(plant, q)
@@ -106,28 +109,28 @@ def external_force(plant, q, dq):
 
 @compiled
 def wall_gap(plant, q):
-    """Signed distance n.x - offset (m), positive in penetration."""
+    """Return the signed distance n.x - offset (m) of the tip, which is positive inside the wall."""
     x1, x2 = tip_position(plant.arm, q)
     return plant.wall.n1 * x1 + plant.wall.n2 * x2 - plant.wall.offset
 
 
 @compiled
 def tip_position(arm, q):
-    """Tip position (m)."""
+    """Return the position of the tip (tuple of 2 floats, m)."""
     s = q[0] + q[1]
     return arm.l1 * cos(q[0]) + arm.l2 * cos(s), arm.l1 * sin(q[0]) + arm.l2 * sin(s)
 
 
 @compiled
 def tip_velocity(arm, q, dq):
-    """Tip velocity J dq (m/s)."""
+    """Return the velocity J dq of the tip (tuple of 2 floats, m/s)."""
     j11, j12, j21, j22 = jacobian_entries(arm, q)
     return j11 * dq[0] + j12 * dq[1], j21 * dq[0] + j22 * dq[1]
 
 
 @compiled
 def jacobian_entries(arm, q):
-    """J11, J12, J21, J22 (m/rad)."""
+    """Return the entries J11, J12, J21, J22 of the Jacobian of the tip (m/rad)."""
     s = q[0] + q[1]
     a1, a2 = arm.l2 * cos(s), arm.l2 * sin(s)
     return -arm.l1 * sin(q[0]) - a2, -a2, arm.l1 * cos(q[0]) + a1, a1
@@ -135,14 +138,14 @@ def jacobian_entries(arm, q):
 
 @compiled
 def jacobian(arm, q):
-    """J (2 x 2, m/rad) with dx = J dq."""
+    """Return the Jacobian J of the tip, shape (2, 2) (m/rad), with dx = J dq."""
     j11, j12, j21, j22 = jacobian_entries(arm, q)
     return np.array([[j11, j12], [j21, j22]])
 
 
 @compiled
 def jacobian_rate(arm, q, dq):
-    """dJ/dt (2 x 2, m/(rad s))."""
+    """Return the rate dJ/dt of the Jacobian, shape (2, 2) (m/(rad s))."""
     s, ds = q[0] + q[1], dq[0] + dq[1]
     a1, a2 = -arm.l2 * cos(s) * ds, -arm.l2 * sin(s) * ds
     b1, b2 = -arm.l1 * cos(q[0]) * dq[0], -arm.l1 * sin(q[0]) * dq[0]
@@ -151,7 +154,7 @@ def jacobian_rate(arm, q, dq):
 
 @compiled
 def inertia_entries(arm, p, q2):
-    """H11, H12, H22 (kg m2)."""
+    """Return the entries H11, H12, H22 of the inertia matrix (kg m2)."""
     coupling = p[1] * arm.l1 * arm.l2 * cos(q2)
     h22 = p[1] * arm.l2**2
     return (p[0] + p[1]) * arm.l1**2 + h22 + 2.0 * coupling, h22 + coupling, h22
@@ -159,28 +162,28 @@ def inertia_entries(arm, p, q2):
 
 @compiled
 def inertia(arm, p, q):
-    """H (2 x 2, kg m2)."""
+    """Return the inertia matrix H, shape (2, 2) (kg m2)."""
     h11, h12, h22 = inertia_entries(arm, p, q[1])
     return np.array([[h11, h12], [h12, h22]])
 
 
 @compiled
 def coriolis(arm, p, q, dq):
-    """C (2 x 2, N.m.s) in the Christoffel form, for which dH/dt - 2 C is skew-symmetric."""
+    """Return the Coriolis matrix C, shape (2, 2) (N.m.s), in the form for which dH/dt - 2 C is skew-symmetric."""
     c = p[1] * arm.l1 * arm.l2 * sin(q[1])
     return np.array([[-c * dq[1], -c * (dq[0] + dq[1])], [c * dq[0], 0.0]])
 
 
 @compiled
 def gravity_torque(arm, p, q):
-    """Gravity torque g(q) (tuple of 2 floats, N.m), the gradient of the potential energy."""
+    """Return the gravity torque g(q) (tuple of 2 floats, N.m), the gradient of the potential energy."""
     g2 = p[1] * arm.gravity * arm.l2 * cos(q[0] + q[1])
     return (p[0] + p[1]) * arm.gravity * arm.l1 * cos(q[0]) + g2, g2
 
 
 @compiled
 def friction_torque(arm, p, dq):
-    """Joint friction f(dq) (tuple of 2 floats, N.m): viscous plus smoothed Coulomb."""
+    """Return the joint friction f(dq) (tuple of 2 floats, N.m): viscous plus smoothed Coulomb friction."""
     f1 = p[2] * dq[0] + p[4] * tanh(dq[0] / arm.coulomb_velocity)
     f2 = p[3] * dq[1] + p[5] * tanh(dq[1] / arm.coulomb_velocity)
     return f1, f2
@@ -188,15 +191,15 @@ def friction_torque(arm, p, dq):
 
 @compiled
 def regressor(arm, q, dq, v, a):
-    """Joint regressor Y(q, dq, v, a), with Y p = H(q) a + C(q, dq) v + g(q) + f(dq).
+    """Return the joint regressor Y(q, dq, v, a), with Y p = H(q) a + C(q, dq) v + g(q) + f(dq).
 
     Parameters
     ----------
     arm : Arm
     q, dq : ndarray, shape (2,)
-        Joint angles (rad) and rates (rad/s); friction is taken at dq.
+        Joint angles (rad) and rates (rad/s). Friction is taken at dq.
     v, a : ndarray, shape (2,)
-        Velocity multiplied by C (rad/s), acceleration multiplied by H (rad/s2).
+        Velocity that C multiplies (rad/s), and acceleration that H multiplies (rad/s2).
 
     Returns
     -------

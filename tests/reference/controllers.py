@@ -1,4 +1,4 @@
-"""The four impedance controllers with a closed-form model of their own: torque, adaptation, reference trajectory.
+"""The four impedance controllers of the reference: torque, adaptation and reference trajectory in closed form.
 
 Lu and Meng (1991). At a tick, with e = x - x_t, e' = dx - dx_t, ddq* = J^-1 (a - dJ/dt dq),
 a = ddx_v - M^-1 [B (dx - dx_v) + K (x - x_v) + F_hat] and H^, C^, g^, f^ at p_hat:
@@ -10,9 +10,9 @@ a = ddx_v - M^-1 [B (dx - dx_v) + K (x - x_v) + F_hat] and H^, C^, g^, f^ at p_h
                                  dp_hat/dt = -Gamma W_s' s,    s = e' + Psi e                               (33)
     SpongOrtegaAdaptiveImpedance as Craig's with H^ = H(p0) fixed, tau -= Y(q, dq, dq, a_f) (p0 - p_hat)  (III-C, 2)
 
-The fields of Law are those of Setup, `kind` of KINDS, the `arm`'s geometry and the discrete reference `tirt`. A sample
-is what a controller knows at a tick: the tuple (q, dq, F_hat, virtual, x_t, dx_t) of arrays, `virtual` with the rows
-x_v, dx_v, ddx_v. All arrays hold SI units: q (rad), tau (N.m), x (m), F (N).
+The fields of Law are those of Setup, the `kind` (one of KINDS), the geometry of the `arm` and the discrete target
+impedance `tirt`. A sample is everything that a controller knows at a tick: the tuple (q, dq, F_hat, virtual, x_t, dx_t)
+of arrays, where `virtual` has the rows x_v, dx_v, ddx_v. All arrays hold SI units: q (rad), tau (N.m), x (m), F (N).
 """
 
 from typing import NamedTuple
@@ -43,7 +43,7 @@ KINDS = {
 
 
 class Law(NamedTuple):
-    """One controller; gains per axis and parameters p are arrays of shape (2,) and (6,), `tirt` is (2, 2, 3)."""
+    """Numbers of one controller: gains per axis, shape (2,); parameters p, shape (6,); `tirt`, shape (2, 2, 3)."""
 
     kind: int
     arm: Arm
@@ -70,7 +70,7 @@ class Law(NamedTuple):
 
 
 def reference_transition(M, B, K, h):
-    """Exact one-sample map of M d'' + B d' + K d = -F, F held, per axis.
+    """Return the exact map of the target impedance M d'' + B d' + K d = -F over one sample with F held, per axis.
 
     Parameters
     ----------
@@ -86,8 +86,8 @@ def reference_transition(M, B, K, h):
 
     Notes
     -----
-    The exponential is taken in the variables (d, h d', h^2 F / M), all in metres, so that the entries of the matrix are
-    of one magnitude and its norm-wise rounding error is also an entry-wise one.
+    The exponential is taken in the variables (d, h d', h^2 F / M), all in metres. So the entries of the matrix are of
+    one magnitude, and the rounding error of the norm is also that of each entry.
     """
     transition = np.empty((2, 2, 3))
     for axis in range(2):
@@ -99,7 +99,7 @@ def reference_transition(M, B, K, h):
 
 @compiled
 def advance_reference(law, sample):
-    """x_t and dx_t of the next tick, eq. (11): exact in d = x_t - x_v, x_v extrapolated by its Taylor polynomial."""
+    """Return x_t and dx_t of the next tick, eq. (11): exact in d = x_t - x_v, with x_v by its Taylor polynomial."""
     _, _, F, v, x_t, dx_t = sample
     h, x_next, dx_next = law.sample_time, np.empty(2), np.empty(2)
     for i in range(2):
@@ -111,7 +111,7 @@ def advance_reference(law, sample):
 
 @compiled
 def torque(law, sample, p_hat, a_f):
-    """Commanded joint torque, shape (2,); `a_f` is the filtered joint acceleration of the fixed-inverse variant."""
+    """Return the commanded joint torque, shape (2,); `a_f` is the filtered joint acceleration of Spong-Ortega's law."""
     arm, (q, dq, F_hat, virtual, _, _) = law.arm, sample
     J = jacobian(arm, q)
     if law.kind == SLOTINE_LI:
@@ -134,7 +134,7 @@ def torque(law, sample, p_hat, a_f):
 
 @compiled
 def adaptation_rate(law, sample, p_hat, ddq):
-    """dp_hat/dt, shape (6,), of (19), (33) or the fixed-inverse variant; ddq is the measured joint acceleration."""
+    """Return dp_hat/dt, shape (6,), by (19), (33) or Spong-Ortega's law; `ddq` is the measured joint acceleration."""
     error = augmented_error(law, sample)
     if law.kind == HOGAN or np.sqrt(error @ error) <= law.dead_zone:
         return np.zeros(6)
@@ -152,7 +152,7 @@ def adaptation_rate(law, sample, p_hat, ddq):
 
 @compiled
 def robust_gain(law, sample, p):
-    """Return gamma of (22): gamma_margin times the right side of (25) with beta^2 + gamma_eps^2 below."""
+    """Return gamma of (22): gamma_margin times the right side of (25), with the denominator beta^2 + gamma_eps^2."""
     q, _, F_hat, _, _, _ = sample
     delta = law.controller_noise_bound if np.sqrt(F_hat @ F_hat) > law.contact_threshold else 0.0
     J = jacobian(law.arm, q)
@@ -167,7 +167,7 @@ def robust_gain(law, sample, p):
 
 @compiled
 def joint_reference(law, sample):
-    """dq_r and ddq_r (Slotine-Li) of dx_r = dx_t - Psi e, ddx_r = ddx_t - Psi e', with ddx_t from (11) at this tick."""
+    """Return dq_r and ddq_r of Slotine-Li: dx_r = dx_t - Psi e, ddx_r = ddx_t - Psi e', with ddx_t by (11)."""
     q, dq, F_hat, virtual, x_t, dx_t = sample
     e, rate = errors(law, sample)
     ddx_t = impedance_acceleration(law, x_t, dx_t, virtual, F_hat)
@@ -179,41 +179,41 @@ def joint_reference(law, sample):
 
 @compiled
 def impedance_acceleration(law, x, dx, virtual, F):
-    """Acceleration that the target impedance (3) asks for: ddx_v - M^-1 [B (dx - dx_v) + K (x - x_v) + F]."""
+    """Return the acceleration of the target impedance (3), m/s2: ddx_v - M^-1 [B (dx - dx_v) + K (x - x_v) + F]."""
     return virtual[2] - (law.B * (dx - virtual[1]) + law.K * (x - virtual[0]) + F) / law.M
 
 
 @compiled
 def augmented_error(law, sample):
-    """e* of (14) and s of (30): e' + Psi e (m/s)."""
+    """Return the augmented error e' + Psi e (m/s), which is e* of (14) and s of (30)."""
     e, rate = errors(law, sample)
     return rate + law.Psi * e
 
 
 @compiled
 def errors(law, sample):
-    """E = x - x_t (m) and its rate (m/s)."""
+    """Return the error e = x - x_t (m) and the rate of this error (m/s)."""
     q, dq, _, _, x_t, dx_t = sample
     return tip(law.arm, q) - x_t, jacobian(law.arm, q) @ dq - dx_t
 
 
 @compiled
 def tip(arm, q):
-    """Tip position as an array (m)."""
+    """Return the position of the tip as an array (m)."""
     x1, x2 = tip_position(arm, q)
     return np.array([x1, x2])
 
 
 @compiled
 def model_torque(arm, p, q, dq, v, a):
-    """H a + C v + g + f(dq) with parameters p, shape (2,)."""
+    """Return the torque H a + C v + g + f(dq) of the model with parameters p (N.m), shape (2,)."""
     g1, g2 = gravity_torque(arm, p, q)
     f1, f2 = friction_torque(arm, p, dq)
     return inertia(arm, p, q) @ a + coriolis(arm, p, q, dq) @ v + np.array([g1 + f1, g2 + f2])
 
 
 def tip_space_torque(law, sample, p):
-    """Torque J' F in form (4), written in tip coordinates; equals (6)-(7) to rounding (a check, not the loop's law)."""
+    """Return the torque J' F of form (4), written in task space, which equals (6)-(7) to rounding; for checks only."""
     arm, (q, dq, F_hat, virtual, _, _) = law.arm, sample
     J = jacobian(arm, q)
     J_inv = np.linalg.inv(J)

@@ -1,4 +1,4 @@
-"""Monolithic reference of the loop trajectory -> force sensor -> controller -> actuator -> plant, NumPy and SciPy only.
+"""Monolithic reference of the loop trajectory, force sensor, controller, actuator, plant, with NumPy and SciPy only.
 
 At each tick t_k = t0 + k Ts, in this order:
 
@@ -6,10 +6,11 @@ At each tick t_k = t0 + k Ts, in this order:
     tau = clip(tau_cmd, -tau_max, tau_max), held on [t_k, t_k+1);  the plant, with events, to t_k+1.
 
 Row 0 is the initial state with the outputs of tick 0. Row k + 1 holds the sampled values of tick k and the plant at
-t_k+1; ``plant.ddq`` is the left limit there (the torque of tick k). A controller at tick k reads the ddq and the
-saturation flags of the rows up to its tick: at tick 0 those under its own first torque, which depends on neither.
+t_k+1. ``plant.ddq`` is the left limit there (under the torque of tick k). A controller at tick k reads the ddq and the
+saturation flags of the rows up to this tick. At tick 0 the controller reads those under its own first torque, which
+depends on neither.
 
-Compiled code is cached; the first run takes half a minute, later ones a second or two before they start.
+Compiled code is cached, so only the first run waits for the compiler.
 """
 
 from dataclasses import dataclass
@@ -34,22 +35,22 @@ SOLVER = Solver()
 
 
 class SetupError(ValueError):
-    """A number of a Setup that has no meaning."""
+    """Error for a Setup with a number that does not make sense."""
 
 
 class IntegrationError(RuntimeError):
-    """The plant could not be integrated to the asked accuracy."""
+    """Error for a plant that cannot be integrated to the required accuracy."""
 
 
 @dataclass(frozen=True)
 class Setup:
-    """All numbers of one run, in SI units (rad, m, s, N, kg); the defaults are those of the units' parameters.
+    """All numbers of one run, in SI units (rad, m, s, N, kg); the defaults are the start values of the FMUs.
 
-    Pairs are per joint (`m`, `l`, `viscous`, `coulomb`, `q_start`, `dq_start`, `tau_max`) or per axis (the others);
-    sextuples follow p = (m1, m2, viscous1, viscous2, coulomb1, coulomb2). The sensor's `noise_std` and `noise_bound`
-    are N; `controller_noise_bound` is delta of (25). The controller shares `l`, `gravity` and `coulomb_velocity` with
-    the plant, the trajectory its wall. `p_min`, `p_max` clamp p_hat when `projection` is set. `update_divisor` = N
-    adapts at ticks 0, N, 2N, ... with step N Ts.
+    Pairs are per joint (`m`, `l`, `viscous`, `coulomb`, `q_start`, `dq_start`, `tau_max`) or per axis (the others).
+    Sextuples follow p = (m1, m2, viscous1, viscous2, coulomb1, coulomb2). `noise_std` and `noise_bound` (N) belong to
+    the sensor; `controller_noise_bound` is delta of (25). The controller shares `l`, `gravity` and `coulomb_velocity`
+    with the plant. The trajectory shares the wall with the plant. `p_min` and `p_max` clamp p_hat when `projection` is
+    set. With `update_divisor` = N the controller adapts at ticks 0, N, 2N, ... with the step N Ts.
     """
 
     controller: str = "HoganImpedance"
@@ -98,7 +99,7 @@ class Setup:
     acc_filter_time: float = 1e-4
 
     def __post_init__(self):
-        """Raise SetupError for a number without meaning."""
+        """Raise SetupError for a number that does not make sense."""
         steps = (self.stop_time - self.t0) / self.sample_time
         length = np.hypot(*self.wall_normal)
         problems = (
@@ -125,18 +126,19 @@ class Setup:
 
 
 def simulate_reference(setup, solver=SOLVER):
-    """Simulate the loop.
+    """Simulate the sampled-data loop as one monolithic program.
 
     Parameters
     ----------
     setup : Setup
+        Numbers of the run.
     solver : Solver, optional
-        Accuracy of the plant between ticks.
+        Accuracy of the integration of the plant between ticks.
 
     Returns
     -------
     dict of str to ndarray, shape (N + 1,)
-        "time" (s) and the columns of the module docstring's rows, float64, by FMI names ("plant.q[1]", ...).
+        "time" (s) and all columns, float64, by FMI names ("plant.q[1]", ...). The module docstring explains the rows.
 
     Raises
     ------
@@ -159,7 +161,7 @@ def simulate_reference(setup, solver=SOLVER):
 
 
 def virtual_trajectory(setup, time):
-    """x_v (m), dx_v (m/s), ddx_v (m/s2), shape (n, 3, 2): the ellipse, its normal component clipped in the wall."""
+    """Return x_v (m), dx_v (m/s), ddx_v (m/s2), shape (n, 3, 2): an ellipse, clipped in the wall along the normal."""
     w, axes, n = 2.0 * np.pi / setup.period, np.array(setup.semi_axis), np.array(setup.wall_normal)
     c, s = np.cos(w * time), np.sin(w * time)
     virtual = np.stack([np.stack([c, s], 1), w * np.stack([-s, c], 1), -w * w * np.stack([c, s], 1)], 1) * axes
@@ -171,7 +173,7 @@ def virtual_trajectory(setup, time):
 
 
 def sensor_noise(setup, ticks):
-    """Force errors (N), shape (ticks, 2): tick n uses block n of Philox4x64-10 keyed by (seed, 0)."""
+    """Return the errors of the sensor (N), shape (ticks, 2): tick n uses block n of Philox4x64-10, key (seed, 0)."""
     if setup.noise_std == 0.0:
         return np.zeros((ticks, 2))
     # NumPy increments the counter before use, so the stream from counter -1 is block 0, 1, 2, ... of four words each.
@@ -185,7 +187,7 @@ def sensor_noise(setup, ticks):
 
 
 def plant_of(setup):
-    """Plant of a Setup; all numbers become floats, so that there is one type and one compilation."""
+    """Return the plant of a Setup; all numbers become floats, so that numba compiles for one type only."""
     wall = (*setup.wall_normal, setup.wall_offset, setup.K_f, setup.D_f, setup.mu, setup.friction_velocity)
     p = np.array([*setup.m, *setup.viscous, *setup.coulomb], dtype=np.float64)
     return Plant(arm_of(setup), p, Wall(*map(float, wall)))
@@ -206,13 +208,13 @@ def law_of(setup):
 
 
 def arm_of(setup):
-    """Geometry of a Setup."""
+    """Return the geometry of the arm of a Setup."""
     return Arm(*map(float, (*setup.l, setup.gravity, setup.coulomb_velocity)))
 
 
 @compiled
 def run(plant, law, y, signals, solver, rows):
-    """Fill `rows` tick by tick; returns (tick, status) of the last segment."""
+    """Fill `rows` tick by tick; return (tick, status) of the last segment."""
     virtual, noise, gated, tau_max = signals
     mode, p_hat, a_f = initial_mode(y, plant), law.p_start.copy(), np.zeros(2)
     ddq, saturated = np.zeros(2), False
@@ -248,7 +250,7 @@ def run(plant, law, y, signals, solver, rows):
 
 @compiled
 def measured_force(plant, q, dq, noise, gated):
-    """F_hat (N): the true force plus this tick's error, which needs contact when gated."""
+    """Return F_hat (N): the true force plus the error `noise`, which a gated sensor has in contact only."""
     F1, F2 = external_force(plant, q, dq)
     if gated and F1 == 0.0 and F2 == 0.0:
         return np.array([F1, F2])

@@ -1,14 +1,14 @@
-"""The plant between two ticks: one DOP853 step per smooth segment, halved if its error estimate says so.
+"""Integration of the plant between two ticks: one DOP853 step per smooth segment, halved if the error is too large.
 
-The torque is held, so the flow of y = (q1, q2, dq1, dq2) is autonomous and smooth except where the wall is met or left
-(gap = 0) and where the damped wall would start to pull (1 + D_f gap_rate = 0). No step crosses such a point: within a
-segment the force law of its mode is used beyond its range, the crossing is located on the step length, the step is
-redone with that length and the integration restarts in the other mode. Both kinks leave the acceleration continuous,
-so the slope of an event function has the same sign on both sides of its crossing.
+The torque is held, so the flow of y = (q1, q2, dq1, dq2) is autonomous. It is smooth except where the tip meets or
+leaves the wall (gap = 0) and where the damped wall would start to pull (1 + D_f gap_rate = 0). No step crosses such a
+point. Within a segment, the force law of the mode is used beyond its range. The crossing is located as a step length.
+Then the step is made again with that length, and the integration restarts in the other mode. Both kinks leave the
+acceleration continuous, so the slope of an event function has the same sign on both sides of its crossing.
 
 Coefficients: Hairer, Norsett, Wanner, "Solving Ordinary Differential Equations I" (1993), as published in SciPy.
-Event functions are checked at both ends of a step and at an extremum between them; two extrema inside one step would
-go unseen, which takes a motion faster than the step (contact: about 300 rad/s, a step at most 1e-4 s).
+Event functions are checked at both ends of a step and at an extremum between the ends. Two extrema inside one step
+would go unseen. That needs a motion faster than the step (contact has about 300 rad/s, and a step at most 1e-4 s).
 """
 
 from typing import NamedTuple
@@ -32,11 +32,11 @@ MESSAGES = {
     TOO_MANY_EVENTS: f"more than {MAX_EVENTS} contact events between two ticks",
 }
 
-GAP, PULL = 0, 1  # event functions: gap, and 1 + D_f gap_rate
+GAP, PULL = 0, 1  # event functions: the gap, and 1 + D_f gap_rate
 
 
 class Solver(NamedTuple):
-    """Local error below atol + rtol |y| per component; at least `substeps` steps between ticks."""
+    """Accuracy: the local error of each state is below atol + rtol |y|; at least `substeps` steps between ticks."""
 
     rtol: float = 1e-12
     atol: float = 1e-14
@@ -45,14 +45,15 @@ class Solver(NamedTuple):
 
 @compiled
 def advance(y, mode, tau, plant, duration, solver):
-    """Integrate the plant over `duration` (s) with the torque held; `y` and `mode` are updated in place.
+    """Integrate the plant over `duration` (s) with the torque held, and update `y` and `mode` in place.
 
     Parameters
     ----------
     y : ndarray, shape (4,)
         q1, q2 (rad), dq1, dq2 (rad/s).
     mode : ndarray of bool, shape (2,)
-        In contact (gap > 0); the wall pushes (1 + D_f gap_rate > 0, meaningful in contact only).
+        Whether the tip is in contact (gap > 0), and whether the wall pushes (1 + D_f gap_rate > 0), which is
+        meaningful in contact only.
     tau : ndarray, shape (2,)
         Held torque (N.m).
     plant : Plant
@@ -95,7 +96,7 @@ def advance(y, mode, tau, plant, duration, solver):
 
 @compiled
 def initial_mode(y, plant):
-    """Mode at a state: contact also at gap = 0 when the tip moves inward."""
+    """Return the mode at a state; a tip at gap = 0 that moves inward is in contact."""
     mode = np.zeros(2, dtype=np.bool_)
     gap, rate = event_value(GAP, y, y, plant)
     mode[0] = gap > 0.0 or (gap == 0.0 and rate > 0.0)
@@ -105,7 +106,7 @@ def initial_mode(y, plant):
 
 @compiled
 def toggle(which, y, plant, mode):
-    """Change the mode at an event; a wall just met pushes or not according to the gap rate."""
+    """Change the mode at an event; the gap rate decides whether a wall that was just met pushes."""
     mode[which] = not mode[which]
     if which == GAP:
         mode[1] = event_value(PULL, y, y, plant)[0] > 0.0
@@ -113,7 +114,7 @@ def toggle(which, y, plant, mode):
 
 @compiled
 def first_event(y, h, tau, plant, mode, k, y_end, solver):
-    """Earliest end of the mode within an accepted step: (event or -1, step length in s)."""
+    """Return the first event within an accepted step, or -1, and the step length up to this event (s)."""
     count = 2 if mode[0] and plant.wall.D_f > 0.0 else 1
     found, length = -1, h
     dy_end, y_try = k[12].copy(), np.empty(4)
@@ -143,7 +144,7 @@ def first_event(y, h, tau, plant, mode, k, y_end, solver):
 
 @compiled
 def bisect(which, part, sign, low, high, args):
-    """Step length where `sign` times value (part 0) or slope (part 1) turns negative, to rounding."""
+    """Return the step length at which `sign` times the value (part 0) or the slope (part 1) turns negative."""
     while True:
         middle = 0.5 * (low + high)
         if middle <= low or middle >= high:
@@ -156,7 +157,7 @@ def bisect(which, part, sign, low, high, args):
 
 @compiled
 def probe(which, h, args):
-    """Event function and its slope after a step of length h."""
+    """Return an event function and its slope after a step of length h (s)."""
     y, tau, plant, mode, k, y_try, solver = args
     trial_step(y, h, tau, plant, mode, k, y_try, solver)
     return event_value(which, y_try, k[12], plant)
@@ -164,7 +165,7 @@ def probe(which, h, args):
 
 @compiled
 def event_value(which, y, dy, plant):
-    """Value and time derivative of an event function; dy is the derivative of the state y."""
+    """Return the value and the time derivative of an event function; `dy` is the derivative of the state `y`."""
     arm, wall = plant.arm, plant.wall
     v1, v2 = tip_velocity(arm, y[:2], y[2:])
     rate = wall.n1 * v1 + wall.n2 * v2
@@ -179,7 +180,7 @@ def event_value(which, y, dy, plant):
 
 @compiled
 def trial_step(y, h, tau, plant, mode, k, y_new, solver):
-    """One DOP853 step from y with k[0] = f(y): fills y_new and k[1..12], returns the scaled error estimate."""
+    """Make one DOP853 step from y with k[0] = f(y): fill y_new and k[1..12], return the scaled error estimate."""
     for s in range(1, 12):
         for i in range(4):
             total = 0.0
@@ -198,7 +199,7 @@ def trial_step(y, h, tau, plant, mode, k, y_new, solver):
 
 @compiled
 def error_norm(y, y_new, h, k, solver):
-    """Hairer's combination of the embedded fifth- and third-order estimates, 1 at the tolerance."""
+    """Return Hairer's combination of the embedded error estimates of orders 5 and 3, which is 1 at the tolerance."""
     sum5, sum3 = 0.0, 0.0
     for i in range(4):
         scale = solver.atol + solver.rtol * max(abs(y[i]), abs(y_new[i]))
@@ -215,7 +216,7 @@ def error_norm(y, y_new, h, k, solver):
 
 @compiled
 def derivative(y, tau, plant, mode, dy):
-    """Write dy/dt with the force law of the mode, not of the sign of the gap."""
+    """Write dy/dt with the force law of the mode, whatever the sign of the gap is."""
     q, dq = y[:2], y[2:]
     F = (0.0, 0.0)
     if mode[0] and mode[1]:
@@ -227,5 +228,5 @@ def derivative(y, tau, plant, mode, dy):
 
 @compiled
 def left_acceleration(y, tau, plant):
-    """Joint acceleration (tuple of 2 floats, rad/s2) at a state under a torque."""
+    """Return the joint acceleration (tuple of 2 floats, rad/s2) at a state under a torque."""
     return acceleration(plant, y[:2], y[2:], tau, external_force(plant, y[:2], y[2:]))

@@ -1,9 +1,9 @@
-"""What the chaos of a chattering F_c leaves of a comparison: the reference against itself.
+"""How far the reference agrees with itself after a tiny change of its start, when the force F_c chatters.
 
     python -m tests.reference.sensitivity
 
-prints, for the runs of algorithm 1 with noise, the largest difference of each kind of signal over its
-range when the initial angle q[1] moves by 1e-14 rad, before and after the first contact.
+prints a table for the runs of algorithm 1 with noise. The initial angle q[1] moves by 1e-14 rad. The table shows the
+largest difference of each kind of signal over its range, before and after the first contact.
 """
 
 from dataclasses import replace
@@ -27,7 +27,7 @@ SIGNALS = (
 
 
 def sensitivity(name: str) -> dict[str, tuple[float, float]]:
-    """Largest differences over the range, before and from the first contact on, by signal."""
+    """Return the largest difference of each signal over its range, before the first contact and from there on."""
     expected, given = reference(name), setup(RUNS[name])
     moved = simulate_reference(replace(given, q_start=(given.q_start[0] + PERTURBATION, given.q_start[1])))
     contact = int(np.flatnonzero(expected["plant.gap"] > 0)[0])
@@ -39,7 +39,7 @@ def sensitivity(name: str) -> dict[str, tuple[float, float]]:
 
 
 def main() -> None:
-    """Print the table."""
+    """Print the table of all runs and signals."""
     table = Table("run", "signal", "before contact", "from contact on")
     for name in CHATTERING:
         for column, (before, after) in sensitivity(name).items():

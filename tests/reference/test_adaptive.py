@@ -1,14 +1,15 @@
 """The adaptive runs of Figs. 5 to 7 agree with the independent monolithic reference, noise included.
 
-The reference has its own control laws and adaptation and draws the noise with numpy.random.Philox.
-Where algorithm 1's F_c chatters (its gain (25) is a sliding term), differences in the last bit grow
-to the width of the chatter within milliseconds, in the reference too. There the yardstick is what
-the reference itself keeps when its initial state moves by 1e-14.
+The reference has its own control laws and adaptation, and draws the noise with numpy.random.Philox.
+The force F_c of algorithm 1 chatters, because its gain (25) is a sliding term. Differences in the last
+bit then grow to the width of the chatter within milliseconds, in the reference too. There the yardstick
+is the difference between two runs of the reference whose initial states differ by 1e-14.
 """
 
 from collections.abc import Mapping
 from dataclasses import replace
 from functools import cache
+from typing import Any
 
 import numpy as np
 import pytest
@@ -19,11 +20,11 @@ from orchestration.paper.scenarios import SCENARIOS, VARIANTS, Scenario
 from tests.reference.monolithic import Setup, simulate_reference
 from tests.reference.test_gauss_seidel import scale
 
-# The plant's integrator is good to 1e-11 at steps of 2e-5 s (test_gauss_seidel); adaptation and
-# noise add rounding of the same size. 1e-7 leaves room for what an impact amplifies.
+# The integrator of the plant is good to 1e-11 at steps of 2e-5 s (test_gauss_seidel). Adaptation and noise add
+# rounding of the same size. 1e-7 leaves room for the differences that an impact amplifies.
 TOLERANCE = 1e-7
 PERTURBATION = 1e-14  # rad, some 50 ulp of q
-# Two runs that have lost correlation differ by up to twice what one differs from their middle.
+# Two runs without correlation differ by up to twice the difference of one run from the mean of the two.
 SPREAD = 2.0
 
 RUNS = {**SCENARIOS, **VARIANTS}
@@ -31,14 +32,14 @@ CHATTERING = ("fig5", "fig6", "spong-ortega")
 FELT = ("sensor.F_hat[1]", "sensor.F_hat[2]")
 
 
-def setup(scenario: Scenario, **changes: object) -> Setup:
-    """The reference's numbers, read from the scenario's values."""
+def setup(scenario: Scenario, **changes: Any) -> Setup:
+    """Return the numbers of the reference for a scenario; `changes` replace fields of Setup."""
     values = {path: value.number for path, value in scenario.values.items()}
 
     def pair(path: str) -> tuple[float, float]:
         return values[f"{path}[1]"], values[f"{path}[2]"]
 
-    numbers: dict[str, object] = {
+    numbers: dict[str, Any] = {
         "controller": scenario.units["controller"],
         "sample_time": scenario.step,
         "B": pair("controller.B"),
@@ -60,7 +61,7 @@ def setup(scenario: Scenario, **changes: object) -> Setup:
 
 
 def run(scenario: Scenario, **changes: float) -> Result:
-    """The co-simulated run; changes are ``component__variable``."""
+    """Return the co-simulated run of a scenario; changes are written as ``component__variable``."""
     system = scenario.system(fmus(scenario.units.values()))
     system = system.set({path.replace("__", "."): value for path, value in changes.items()})
     return simulate(system, options=Options(strict=True))
@@ -68,12 +69,12 @@ def run(scenario: Scenario, **changes: float) -> Result:
 
 @cache
 def reference(name: str) -> dict[str, np.ndarray]:
-    """The reference run of a scenario."""
+    """Return the run of the reference for a scenario, by column."""
     return simulate_reference(setup(RUNS[name]))
 
 
 def misses(result: Result, expected: dict[str, np.ndarray], rows: slice) -> dict[str, float]:
-    """Largest difference of each common signal over its range."""
+    """Return the largest difference of each common signal over its range."""
     return {
         column: float(np.abs(result[column] - expected[column])[rows].max()) / scale(expected, column)
         for column in result.names
@@ -82,13 +83,13 @@ def misses(result: Result, expected: dict[str, np.ndarray], rows: slice) -> dict
 
 
 def feel_alike(a: Mapping[str, np.ndarray], b: Mapping[str, np.ndarray]) -> np.ndarray:
-    """Rows in which both sensors measure a force, or neither does."""
+    """Return the rows, as a mask of shape (n,), in which both sensors measure a force, or neither sensor does."""
     one, other = (np.any([run[column] != 0 for column in FELT], axis=0) for run in (a, b))
     return one == other
 
 
 def require(differences: dict[str, float], bounds: dict[str, float]) -> None:
-    """Every signal keeps its bound."""
+    """Require that the difference of every signal is within its bound."""
     excess = {column: differences[column] / bounds[column] for column in differences}
     worst = max(excess, key=lambda column: excess[column])
     assert excess[worst] <= 1, f"{worst}: {differences[worst]:.2e} of its range, bound {bounds[worst]:.2e}"
@@ -120,9 +121,10 @@ def test_algorithm_1_agrees_pointwise_until_F_c_chatters(name: str) -> None:
 
 @pytest.mark.parametrize("name", CHATTERING)
 def test_algorithm_1_agrees_as_well_as_the_reference_with_itself(name: str) -> None:
-    """But for the ticks at which one run feels the wall and the other does not: F_hat jumps by its noise there.
+    """The run differs from the reference by no more than the reference from itself after a tiny change of its start.
 
-    Contact ends some ticks, each of 2e-5 s, earlier or later; where, hangs on the last bits of the processor's libm.
+    F_hat is compared only at ticks at which both runs feel the wall, or neither does, because F_hat jumps by its noise
+    at the others. The last bits of the libm decide at which tick, 2e-5 s earlier or later, contact ends.
     """
     expected, given, result = reference(name), setup(RUNS[name]), run(RUNS[name])
     bounds: dict[str, float] = {}

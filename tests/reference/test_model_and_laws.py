@@ -1,4 +1,7 @@
-"""Checks of the reference's model and laws against point masses and the printed formulas."""
+"""The model and the control laws of the reference agree with point masses and with the printed formulas.
+
+Equation numbers are those of Lu and Meng (1991).
+"""
 
 import numpy as np
 import pytest
@@ -44,13 +47,13 @@ FULL = Setup(
 
 
 def random_states(n=20):
-    """States away from the stretched arm, whose Jacobian is singular: q2 in (0.4, 2.4) rad, rates up to 4 rad/s."""
+    """Return random states away from the stretched arm, where the Jacobian is singular; rates up to 4 rad/s."""
     rng = np.random.default_rng(1991)
     return [(rng.uniform([-3, 0.4], [3, 2.4]), rng.uniform(-4, 4, 2)) for _ in range(n)]
 
 
 def random_samples():
-    """Yield controller inputs around random states; errors of 1 cm and 0.5 m/s, forces of 100 N."""
+    """Yield inputs of a controller around random states, with errors of 1 cm and 0.5 m/s, and forces of 100 N."""
     rng = np.random.default_rng(7)
     for q, dq in random_states():
         x, dx = np.array(tip_position(arm_of(FULL), q)), jacobian(arm_of(FULL), q) @ dq
@@ -59,7 +62,7 @@ def random_samples():
 
 
 def difference(function, q, direction):
-    """Central directional derivative; with step 1e-5, truncation and rounding are both about 1e-10 of O(1) values."""
+    """Return a directional derivative by central differences; truncation and rounding are both about 1e-10."""
     step = 1e-5 * direction
     return (np.asarray(function(q + step)) - np.asarray(function(q - step))) / 2e-5
 
@@ -77,7 +80,7 @@ def test_model_follows_from_point_masses():
         H = p[0] * J_elbow.T @ J_elbow + p[1] * J_tip.T @ J_tip
         dH = difference(lambda z: inertia(arm, p, z), q, dq)
         kinetic = [0.5 * difference(lambda z: dq @ inertia(arm, p, z) @ dq, q, e) for e in np.eye(2)]  # noqa: B023
-        # Central differences: 1e-10 each (see `difference`), times masses, squared rates and gravity of at most 1e2.
+        # Central differences err by 1e-10 (see `difference`), times masses, squared rates and gravity of at most 1e2.
         assert_allclose(jacobian(arm, q), J_tip, atol=1e-8)
         assert_allclose(jacobian_rate(arm, q, dq), difference(lambda z: jacobian(arm, z), q, dq), atol=1e-8)
         assert_allclose(inertia(arm, p, q), H, atol=1e-8)
@@ -96,7 +99,7 @@ def test_regressor_reproduces_the_model_and_the_acceleration_solves_it():
         model = inertia(arm, p, q) @ a + coriolis(arm, p, q, dq) @ v + rest
         ddq = np.array(acceleration(plant, q, dq, tau, (F[0], F[1])))
         residual = inertia(arm, p, q) @ ddq + coriolis(arm, p, q, dq) @ dq + rest + jacobian(arm, q).T @ F - tau
-        # Sums of about ten terms of at most 1e3: 10 x 1e3 x 1.1e-16.
+        # The sums have about ten terms of at most 1e3, so rounding is 10 x 1e3 x 1.1e-16.
         assert_allclose(regressor(arm, q, dq, v, a) @ p, model, atol=1e-12)
         assert_allclose(residual, 0.0, atol=1e-12)
 
@@ -110,12 +113,12 @@ def test_reference_transition_agrees_with_solve_ivp(B):
         d = transition @ np.array([*d, F])
     options = {"method": "DOP853", "rtol": 1e-13, "atol": 1e-16}
     exact = solve_ivp(lambda _, d: [d[1], (-F - B * d[1] - K * d[0]) / M], (0.0, 50 * h), [0.01, -0.4], **options)
-    # rtol 1e-13 per step over some 10 steps, of 1e-2 m and 1 m/s.
+    # The accuracy is rtol = 1e-13 per step over some 10 steps, of values of 1e-2 m and 1 m/s.
     assert_allclose(d, exact.y[:, -1], rtol=2e-12)
 
 
 def tip_space(law, sample, p):
-    """J, H_x, its inverse, and e, e', from the printed definitions."""
+    """Return J, H_x, e and e' from the printed definitions."""
     q, dq, _, _, x_t, dx_t = sample
     J = jacobian(law.arm, q)
     H_x = np.linalg.inv(J).T @ inertia(law.arm, p, q) @ np.linalg.inv(J)
@@ -126,9 +129,9 @@ def test_torque_forms_agree_and_adaptive_laws_reduce_to_them():
     law = law_of(FULL)
     for sample in random_samples():
         expected = tip_space_torque(law, sample, law.p_start)
-        # Torques of at most 1e4 N.m through Jacobians of condition below 10: 1e4 x 1e2 x 1e-16.
+        # Torques of at most 1e4 N.m pass through Jacobians of condition below 10, so rounding is 1e4 x 1e2 x 1e-16.
         assert_allclose(torque(law, sample, law.p_start, np.zeros(2)), expected, atol=1e-9)
-        for kind in (1, 3):  # no noise bound, phi_hat = 0: Craig and Spong-Ortega are form (4)
+        for kind in (1, 3):  # without a noise bound and with phi_hat = 0, Craig and Spong-Ortega are form (4)
             quiet = law._replace(kind=kind, controller_noise_bound=0.0)
             assert_allclose(torque(quiet, sample, law.p_start, np.ones(2)), expected, atol=1e-9)
 
@@ -144,7 +147,7 @@ def test_craig_and_spong_ortega_as_printed():
             e_star = rate + law.Psi * e
             z = np.linalg.solve(H_x, e_star)
             W = np.linalg.inv(J).T @ regressor(law.arm, sample[0], sample[1], sample[1], ddq)
-            # Values up to 1e4 through condition numbers below 1e2.
+            # Values up to 1e4 pass through condition numbers below 1e2.
             assert_allclose(adaptation_rate(law, sample, p_hat, ddq), -law.Gamma * (W.T @ z), rtol=1e-9, atol=1e-9)
             k, b = law.K / law.M, law.B / law.M
             X = np.concatenate([e, rate])
@@ -175,7 +178,7 @@ def test_slotine_li_as_printed():
         C_x = J_inv.T @ (coriolis(law.arm, p_hat, q, dq) - inertia(law.arm, p_hat, q) @ J_inv @ dJ) @ J_inv
         rest = J_inv.T @ np.add(gravity_torque(law.arm, p_hat, q), friction_torque(law.arm, p_hat, dq))
         F = H_x @ ddx_r + C_x @ dx_r + rest + F_hat - law.K_d * s
-        # As above: values up to 1e4 through condition numbers below 1e2.
+        # As above, values up to 1e4 pass through condition numbers below 1e2.
         assert_allclose(torque(law, sample, p_hat, np.zeros(2)), J.T @ F, rtol=1e-9, atol=1e-8)
         dq_r = J_inv @ dx_r
         W = J_inv.T @ regressor(law.arm, q, dq, dq_r, J_inv @ (ddx_r - dJ @ dq_r))

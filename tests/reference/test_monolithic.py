@@ -1,4 +1,4 @@
-"""Checks of the reference against physics, SciPy and the written semantics; nothing of the project is imported."""
+"""The reference agrees with physics, with SciPy and with the written semantics, without an import from the project."""
 
 from itertools import pairwise
 
@@ -49,12 +49,12 @@ def test_energy_is_conserved(wall_offset):
         assert advance(y, mode, np.zeros(2), plant, 1e-4, SOLVER) == OK
     touched = np.array(depths) > 0.0
     assert touched.any() == (wall_offset < 2.0)
-    # 2e4 segments, each rounding an energy of about 50 J to 1e-14 J: 2e-10 J if all had one sign.
+    # Each of 2e4 segments rounds an energy of about 50 J to 1e-14 J. This is 2e-10 J if all have one sign.
     assert_allclose(energies, energies[0], atol=2e-10)
 
 
 def segment_by_solve_ivp(plant, y, tau, duration):
-    """Solve the same problem by SciPy with terminal events: the end state and the number of events."""
+    """Solve the same problem by SciPy with terminal events; return the state at the end and the number of events."""
     wall, contact, pushing = plant.wall, *initial_mode(y, plant)
 
     def rate(y):
@@ -78,7 +78,7 @@ def segment_by_solve_ivp(plant, y, tau, duration):
         for event, up in ((meets, not contact), (pulls, not pushing)):
             setattr(event, "terminal", True)  # noqa: B010 - solve_ivp reads attributes of functions
             setattr(event, "direction", 1.0 if up else -1.0)  # noqa: B010
-        # rtol 1e-13 and max_step so small that SciPy cannot step over a contact.
+        # max_step is so small that SciPy cannot step over a contact.
         options = {"method": "DOP853", "rtol": 1e-13, "atol": 1e-15, "max_step": duration / 200}
         result = solve_ivp(right_side, (t, duration), y, events=[meets, pulls], **options)
         t, y = result.t[-1], result.y[:, -1]
@@ -93,7 +93,8 @@ def segment_by_solve_ivp(plant, y, tau, duration):
 
 @pytest.mark.parametrize(("D_f", "pull", "count"), [(0.0, 0.0, 2), (0.5, 0.0, 2), (10.0, 300.0, 3)])
 def test_bounce_agrees_with_solve_ivp(D_f, pull, count):
-    # A bounce alone never makes the damped wall pull (it is passive); 300 N outward does: enter, end of push, leave.
+    # A bounce alone never makes the damped wall pull, because the wall is passive. 300 N outward make the wall pull.
+    # Then there are three events: contact begins, the push ends, contact ends.
     plant = plant_of(Setup(D_f=D_f, mu=0.3, viscous=(0.5, 0.3), gravity=9.81, friction_velocity=0.1))
     q = np.array([1.9, 1.2])
     J = jacobian(plant.arm, q)
@@ -103,7 +104,7 @@ def test_bounce_agrees_with_solve_ivp(D_f, pull, count):
     assert events == count
     y, mode = start.copy(), initial_mode(start, plant)
     assert advance(y, mode, tau, plant, 0.03, SOLVER) == OK
-    # rtol 1e-13 over some 1e2 steps of rates of 5 rad/s, in both codes; a missed kink costs 1e-6 and more.
+    # Both programs have rtol = 1e-13 over some 1e2 steps of rates of 5 rad/s. A missed kink would cost 1e-6 and more.
     assert_allclose(y, expected, rtol=0.0, atol=1e-10)
 
 
@@ -118,7 +119,7 @@ def test_segments_of_the_loop_agree_with_solve_ivp():
     for k in (0, 5000, *crossings, crossings[0] + 10):
         expected, events = segment_by_solve_ivp(plant, state[k], tau[k + 1], 1e-4)
         assert (events > 0) == (k in crossings)
-        # rtol 1e-13 of rates of 5 rad/s, and events to 1e-15 s times jumps in jerk: both below 1e-12.
+        # rtol = 1e-13 of rates of 5 rad/s, and events located to 1e-15 s times jumps in jerk, are both below 1e-12.
         assert_allclose(state[k + 1], expected, rtol=0.0, atol=1e-12)
 
 
@@ -138,7 +139,7 @@ def test_contact_shorter_than_a_segment_is_seen():
         assert advance(y, mode, tau, plant, 1e-3, SOLVER._replace(substeps=substeps)) == OK
         assert not mode[0]
         ends.append(y)
-    # Rounding of 64 steps of values of O(1); the wall's push of about 0.03 N for 0.3 ms changes rates by 1e-5 rad/s.
+    # 64 steps round values of O(1). The push of the wall, about 0.03 N for 0.3 ms, changes rates by 1e-5 rad/s.
     assert_allclose(ends[0], ends[1], rtol=0.0, atol=1e-13)
     assert np.abs(ends[0] - ends[2]).max() > 1e-7
 
@@ -151,7 +152,7 @@ def test_noise_is_the_philox_recipe():
         w0, w1 = (int(w) for w in bits.random_raw(2))
         u0, u1 = ((w0 >> 11) + 0.5) / 2.0**53, ((w1 >> 11) + 0.5) / 2.0**53
         r = 25.0 * np.sqrt(-2.0 * np.log(1.0 - u0 * (1.0 - np.exp(-4.5))))
-        # A few roundings of functions with condition numbers below 10.
+        # This allows a few roundings of functions with condition numbers below 10.
         assert_allclose(noise[n], [r * np.cos(2 * np.pi * u1), r * np.sin(2 * np.pi * u1)], rtol=1e-12)
     assert np.hypot(*noise.T).max() <= 75.0
     rows = simulate_reference(Setup(B=CRITICAL, noise_std=25.0, noise_bound=75.0, stop_time=1.0))
@@ -164,7 +165,7 @@ def test_virtual_trajectory_is_clipped_in_the_wall():
     time = np.arange(20001) * 1e-4
     v = virtual_trajectory(FIG2, time)
     w = np.pi
-    # One rounding of the phase (2 pi) times amplitudes and w^2: 15 x 1e-15.
+    # One rounding of the phase (2 pi), times amplitudes and w^2, gives 15 x 1e-15.
     assert_allclose(v[:, 0, 1], np.sin(w * time), atol=1e-14)
     inside = 1.5 * np.cos(w * time) < -1.46
     assert_allclose(v[inside, 0, 0], -1.46, atol=1e-15)
@@ -211,7 +212,7 @@ def test_target_reference_of_the_loop_follows_its_equation():
 
             start = [x_t[k] - x_v[k], dx_t[k] - dx_v[k]]
             d, rate = solve_ivp(deviation, (0.0, 1e-4), start, method="DOP853", rtol=1e-13, atol=1e-18).y[:, -1]
-            # Roundings of positions and rates of O(1).
+            # This allows roundings of positions and rates of O(1).
             assert_allclose(x_t[k + 1], x_v[k] + 1e-4 * dx_v[k] + 0.5e-8 * ddx_v[k] + d, rtol=0.0, atol=1e-15)
             assert_allclose(dx_t[k + 1], dx_v[k] + 1e-4 * ddx_v[k] + rate, rtol=0.0, atol=1e-14)
 
@@ -226,7 +227,7 @@ def test_torque_reaches_the_plant_without_delay():
 def test_conventional_control_in_the_paper_scenario():
     r = simulate_reference(FIG2)
     contact = r["time"][r["plant.penetration"] > 0.0]
-    # An independent prototype found contact in 0.92-1.08 s and 557 N; its numbers are given to these digits.
+    # An independent prototype found contact from 0.92 s to 1.08 s and 557 N, given to these digits.
     assert_allclose([contact[0], contact[-1]], [0.92, 1.08], atol=0.005)
     assert_allclose(np.hypot(r["plant.F_ext[1]"], r["plant.F_ext[2]"]).max(), 557.0, atol=1.0)
     error = np.hypot(r["controller.e[1]"], r["controller.e[2]"]).max()
@@ -247,7 +248,7 @@ def test_halved_steps_change_nothing(controller):
     coarse = simulate_reference(setup)
     fine = simulate_reference(setup, Solver(rtol=1e-13, atol=1e-15, substeps=2))
     for name, values in coarse.items():
-        # Rounding of positions (1e-16 m) is all that is left; |e| of 1e-3 m makes it 1e-10 of the range at worst.
+        # Only rounding of positions (1e-16 m) is left. For |e| of 1e-3 m this is 1e-10 of the range at worst.
         assert np.abs(values - fine[name]).max() <= 1e-9 * max(np.ptp(values), 1e-6), name
 
 
@@ -261,8 +262,9 @@ def test_adaptation_finds_the_mass_in_free_motion(controller):
         stop_time=0.9,
     )
     r = simulate_reference(setup)
-    # The paper: m2_hat "quickly approaches its true value 1 kg during the first free-motion duration"; a tenth of the
-    # initial error of 1.5 kg is left at most (Spong-Ortega is slowest: its gain carries the inverse of the larger H0).
+    # The paper says that m2_hat "quickly approaches its true value 1 kg during the first free-motion duration". At most
+    # a tenth of the initial error of 1.5 kg is left. Spong-Ortega is slowest, because its gain has the inverse of the
+    # larger H0.
     assert abs(r["controller.p_hat[2]"][-1] - 1.0) < 0.15
     assert_array_equal(r["controller.p_hat[1]"], 2.0)
     changes = np.flatnonzero(np.diff(r["controller.p_hat[2]"]))
@@ -283,7 +285,8 @@ def test_update_divisor_projection_dead_zone_and_freeze():
     assert_array_equal(m2(freeze_when_saturated=True, tau_max=(1e-3, 1e9)), 2.5)
     starts = [m2(update_divisor=n)[n + 1] - 2.5 for n in (1, 2)]
     assert starts[0] != 0.0
-    # The same rate at tick 0, times N Ts; the difference of two values of 2.5 kg is rounded to 4e-16 kg.
+    # The rate at tick 0 is the same, and is multiplied by N Ts. The difference of two values of 2.5 kg is rounded to
+    # 4e-16 kg.
     assert_allclose(starts[1], 2.0 * starts[0], rtol=0.0, atol=2e-15)
 
 

@@ -1,4 +1,4 @@
-"""The known problems themselves: exact solutions against their equations, units against the exact solutions."""
+"""The exact solutions of the known problems satisfy their equations, and the FMUs tend to the exact solutions."""
 
 import numpy as np
 import pytest
@@ -30,16 +30,16 @@ def test_row_0_is_exact(name: str, numbers: dict[str, float]) -> None:
 
 
 @pytest.mark.parametrize(("name", "numbers"), VARIANTS)
-def test_the_units_tend_to_the_exact_solution(name: str, numbers: dict[str, float]) -> None:
-    """With a small step, and its first-order error removed by Richardson's extrapolation."""
+def test_the_fmus_tend_to_the_exact_solution(name: str, numbers: dict[str, float]) -> None:
+    """With a small step, the rows are the exact solution, once Richardson's extrapolation removes the first order."""
     problem, finer = PROBLEMS[name], 16
     stop, step = problem.span
     coarse, fine = (simulate(problem.system(step / n, stop, **numbers)) for n in (finer, 2 * finer))
     exact = problem.exact(coarse.time, **numbers)
     scale = {column: np.abs(values).max() for column, values in exact.items()}
     first = max(np.abs(fine[c][::2] - coarse[c]).max() / scale[c] for c in exact) * 2
-    # The second term is 0.1 / 16 of the first, `first`, at most (`Problem.span`); extrapolation leaves half of
-    # it. Twice that, as the numbers of a variant are up to 1.5 times as fast.
+    # The second term is at most 0.1 / 16 of the first term, `first` (`Problem.span`). Extrapolation leaves half of the
+    # second term. Twice that is accepted, because the numbers of a variant are up to 1.5 times as fast.
     for column, values in exact.items():
         extrapolated = 2 * fine[column][::2] - coarse[column]
         assert np.abs(extrapolated - values).max() <= 0.1 / finer * first * scale[column], column
@@ -47,11 +47,11 @@ def test_the_units_tend_to_the_exact_solution(name: str, numbers: dict[str, floa
 
 @pytest.mark.parametrize("name", [name for name, problem in PROBLEMS.items() if problem.energy])
 def test_energy_of_the_exact_solution(name: str) -> None:
-    """It is kept without dampers, and never grows."""
+    """The energy of the exact solution is constant without dampers, and never grows."""
     problem = PROBLEMS[name]
     assert problem.energy is not None
     energies = problem.energy(problem.exact(TIMES))
-    rounding = 1000 * EPS * energies[0]  # expm squares up to 10 times, each doubling what rounding it has
+    rounding = 1000 * EPS * energies[0]  # expm squares up to 10 times, and each square doubles the rounding
     assert (np.diff(energies) <= rounding).all()
     if name != "damper pair":
         assert np.ptp(energies) <= rounding
@@ -80,13 +80,13 @@ def test_the_closed_algebraic_loop(numbers: dict[str, float]) -> None:
     n, z, dt = feedthrough.Numbers(**numbers), feedthrough.exact(TIMES, **numbers), 1e-4
     x, y, u = z["plant.x"], z["plant.y"], z["gain.y"]
     largest = max(np.abs(v).max() for v in z.values())
-    # Three products and sums, each rounded.
+    # Three products and three sums are rounded.
     assert np.abs(y - n.c * x - n.d * u).max() <= 8 * EPS * largest
     assert np.abs(u - n.g * y - n.r).max() <= 8 * EPS * (1 + abs(n.g)) * largest
     rate = (
         feedthrough.exact(TIMES + dt, **numbers)["plant.x"] - feedthrough.exact(TIMES - dt, **numbers)["plant.x"]
     ) / (2 * dt)
-    # Central differences are dt^2 / 6 of the third derivative off, |A|^3 |x| with |A| <= 3/s; rounding, EPS / dt.
+    # Central differences miss dt^2 / 6 of the third derivative, |A|^3 |x| with |A| <= 3/s. Rounding is EPS / dt.
     assert np.abs(rate - n.a * x - n.b * u).max() <= (dt**2 / 6 * 27 + 2 * EPS / dt) * 2 * largest
 
 
@@ -108,7 +108,7 @@ def test_the_quarter_car_against_its_equations() -> None:
     solution = solve_ivp(rates, (0, 1), start, "DOP853", t_eval=TIMES, rtol=1e-12, atol=1e-14)
     exact = quarter_car.exact(TIMES)
     for i, column in enumerate(["body.z", "body.v", "wheel.z", "wheel.v"]):
-        # rtol bounds the error of a step; over a second, of some hundred steps, a hundred times that.
+        # rtol bounds the error of one step. A second has some hundred steps, so a hundred times that is accepted.
         np.testing.assert_allclose(exact[column], solution.y[i], rtol=0, atol=1e-10 * np.abs(exact[column]).max())
 
 
@@ -119,12 +119,12 @@ def test_two_masses_oscillate_at_their_eigenfrequencies() -> None:
     for square, mode in zip(squares, modes.T, strict=True):
         z = force_displacement.exact(TIMES, x1=mode[0], x2=mode[1], v1=0.0, v2=0.0)
         for column, amplitude in zip(["left.x", "right.x"], mode, strict=True):
-            # See `test_energy_of_the_exact_solution`.
+            # The tolerance is that of `test_energy_of_the_exact_solution`.
             np.testing.assert_allclose(z[column], amplitude * np.cos(np.sqrt(square) * TIMES), rtol=0, atol=1000 * EPS)
 
 
 def test_a_bounce() -> None:
-    """Continuous, free outside, and slower by exp(-d pi / (2 m w)) after contact."""
+    """A bounce is continuous and free outside of contact, and slower by exp(-d pi / (2 m w)) afterwards."""
     start = wall.BOUNCE | {"d": 2.0}
     n = wall.Numbers(**start)
     w = np.sqrt(n.k / n.m - (n.d / (2 * n.m)) ** 2)
@@ -133,7 +133,7 @@ def test_a_bounce() -> None:
     t = np.array([0, begin - 1e-9, begin + 1e-9, end - 1e-9, end + 1e-9, end + 0.1])
     z = wall.exact(t, **start)
     leaving = -n.v * np.exp(-n.d / (2 * n.m) * np.pi / w)
-    # 1e-9 s from an event, positions are 1e-9 m from 0 and velocities 1e-9 k / m = 1e-7 m/s from their limits.
+    # 1e-9 s away from an event, positions are 1e-9 m from 0, and velocities 1e-9 k / m = 1e-7 m/s from their limits.
     np.testing.assert_allclose(z["mass.x"], [n.x, 0, 0, 0, 0, leaving * 0.1], rtol=0, atol=2e-9)
     np.testing.assert_allclose(z["mass.v"], [n.v, n.v, n.v, leaving, leaving, leaving], rtol=0, atol=1e-7)
     assert (z["wall.F"][[0, 1, 4, 5]] == 0).all()

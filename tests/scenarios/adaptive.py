@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from fmus.catalog import UNITS
+from fmus.catalog import MODELS
 from orchestration import Options, Result, System, simulate
 from orchestration.paper.built_fmus import fmus
 from orchestration.paper.scenarios import SCENARIOS, VARIANTS
@@ -24,7 +24,7 @@ UNLIMITED = {"actuator.tau_max[1]": 1e9, "actuator.tau_max[2]": 1e9}
 @cache
 def files() -> Mapping[str, Path]:
     """All FMU files by model identifier."""
-    return fmus(UNITS)
+    return fmus(MODELS)
 
 
 def system(name: str, changes: Mapping[str, float] | None = None) -> System:

@@ -51,7 +51,7 @@ def test_run_is_complete(results: dict[str, Result], systems: dict[str, System],
     assert system.unconnected_inputs() == []
     assert result.time[0] == 0.0
     assert result.time[-1] == pytest.approx(2.0, abs=np.spacing(2.0))  # one product of an integer and the step
-    assert len(result.time) == round(2.0 / system.step) + 1
+    assert len(result.time) == round(2.0 / system.run_step()) + 1
     assert np.isfinite(result.rows).all()
     assert set(result.steps_per_tick.values()) == {1}
 

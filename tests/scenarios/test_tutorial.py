@@ -8,10 +8,9 @@ import numpy as np
 import pytest
 
 from adaptimp_fmu import host_platform
-from adaptimp_fmu.testing import open_fmu
-from orchestration import Crossings, Options, OrchestrationError, Result, prepare, simulate
-from orchestration.check.roles import ROLES
+from orchestration import Crossings, Fmu, Options, OrchestrationError, Result, prepare, simulate
 from orchestration.paper.built_fmus import fmus
+from orchestration.paper.roles import ROLES
 from orchestration.paper.scenarios import SCENARIOS
 from tests.scenarios.tutorial import Printed, blocks, follow
 
@@ -53,8 +52,8 @@ def test_both_laws_agree_wherever_the_arm_is(followed: tuple[Path, dict[int, Pri
     random = np.random.default_rng(1)
     rows = {name: random.uniform(-2, 2, (50, 2)) for name in ("q", "dq", "x_v", "dx_v")}
     with (
-        open_fmu(followed[0] / "CartesianImpedance.fmu", gravity=9.81, l=[1.0, 0.7], m=[2.0, 1.5]) as python,
-        open_fmu(followed[0] / "CartesianC.fmu", Gravity=9.81, Length=[1.0, 0.7], Mass=[2.0, 1.5]) as c,
+        Fmu(followed[0] / "CartesianImpedance.fmu", gravity=9.81, l=[1.0, 0.7], m=[2.0, 1.5]) as python,
+        Fmu(followed[0] / "CartesianC.fmu", Gravity=9.81, Length=[1.0, 0.7], Mass=[2.0, 1.5]) as c,
     ):
         expected = python.drive(1e-4, rows)["tau_cmd"]
         found = c.drive(1e-4, {NAMES[name]: values for name, values in rows.items()})["Torque"]

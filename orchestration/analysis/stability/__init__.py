@@ -1,1 +1,1 @@
-"""Whether a co-simulation is stable at a step size, and up to which."""
+"""Stability of a co-simulation at a communication step, and the largest stable step."""

@@ -1,40 +1,43 @@
-"""A linear step map from its pulse responses: the eigensystem realization algorithm.
+"""The eigensystem realization algorithm: a linear state-space model from measured pulse responses.
 
-A unit with inputs u over a step, x the deviation of its state and y what it shows at the end:
+The model describes one step of a component. Its state x and inputs u are deviations from the operating
+point. Its outputs y are taken at the end of the step:
 
     x+ = A x + B u          y+ = C x + D u          H_0 = D,   H_j = C A^(j-1) B,  j = 1, 2, ...
 
-The Markov parameters H_j are the responses to a pulse of one step. With the Hankel matrices of s x s
-blocks G = [H_(i+j+1)] and G' = [H_(i+j+2)], i, j = 0, ..., s - 1, and G = U S V^T,
+The Markov parameters H_j are the responses to a pulse of one step. The Hankel matrices
+G = [H_(i+j+1)] and G' = [H_(i+j+2)], i, j = 0, ..., s - 1, have s x s blocks. G has the singular value
+decomposition G = U S V^T. The matrices of the model follow from the largest singular values:
 
     A = S^-1/2 U^T G' V S^-1/2      B = first columns of S^1/2 V^T      C = first rows of U S^1/2
 
 (J.-N. Juang, R. S. Pappa, "An eigensystem realization algorithm for modal parameter identification
 and model reduction", J. Guidance 8(5), 1985). Outputs and inputs are scaled first, so that metres
-and newtons compare. A singular value counts if it exceeds the largest that errors can have: the
-Frobenius norm of a Hankel matrix whose every entry is as wrong as noise or drift allow.
+and newtons compare. A singular value counts as a state if it exceeds the largest singular value that
+errors alone can have. The Frobenius norm of a Hankel matrix of the errors bounds that largest value.
 """
 
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-ROUNDING = 16 * np.finfo(float).eps  # of the singular value decomposition, relative to the largest
+ROUNDING = 16 * np.finfo(float).eps  # of the singular value decomposition, relative to the largest singular value
 
 
 @dataclass(frozen=True)
 class Pulses:
-    """Responses of a unit to pulses.
+    """Measured responses of one component to pulses at its inputs.
 
     Attributes
     ----------
     H
-        Markov parameters, output unit per input unit, shape (2 s + 1, n_outputs, n_inputs); exactly zero
-        where nothing but noise was seen.
+        Markov parameters, unit of the output per unit of the input, shape (2 s + 1, n_outputs, n_inputs).
+        A response that is smaller than its noise is stored as exactly zero.
     noise
-        How wrong those that are not zero may be: H_0, and all others, shape (2, n_outputs, n_inputs).
+        Bounds on the errors of H_0 and of all later parameters, shape (2, n_outputs, n_inputs).
     later
-        The same parameters by pulses s steps later, shape of `H`: a unit that moves has changed.
+        Markov parameters measured with the pulse s steps later, shape of `H`. They differ from `H` where
+        the component moves during the experiment.
     """
 
     H: np.ndarray
@@ -42,7 +45,7 @@ class Pulses:
     later: np.ndarray
 
     def shaken(self, random: np.random.Generator) -> "Pulses":
-        """The same, every number changed by as much as its noise."""
+        """Responses with random errors of the size of the noise added; exact zeros stay zero."""
         noise = random.standard_normal(self.H.shape)
         noise[0] *= self.noise[0]
         noise[1:] *= self.noise[1]
@@ -51,14 +54,15 @@ class Pulses:
 
 @dataclass(frozen=True)
 class Realization:
-    """A, B, C, D of the module's equations.
+    """A linear state-space model of one step: x+ = A x + B u, y+ = C x + D u.
 
     Attributes
     ----------
     A, B, C, D
-        Shapes (n, n), (n, n_inputs), (n_outputs, n), (n_outputs, n_inputs).
+        Matrices of shapes (n, n), (n, n_inputs), (n_outputs, n), (n_outputs, n_inputs).
     full
-        Whether n reaches half of what the Hankel matrix can show: more steps may show more states.
+        Whether n exceeds half of the number of states that the Hankel matrix can show. Longer responses
+        may then show more states.
     """
 
     A: np.ndarray
@@ -77,12 +81,19 @@ class Realization:
 
 
 def realize(pulses: Pulses, order: int | None = None) -> Realization:
-    """The smallest step map with these responses.
+    """Find the smallest linear model that has the measured pulse responses.
 
     Parameters
     ----------
+    pulses
+        Measured responses.
     order
-        Number of states; what the noise lets be seen if None.
+        Number of states. Default: the number of singular values that exceed the noise.
+
+    Returns
+    -------
+    Realization
+        Model in balanced coordinates, by the method of Juang and Pappa (1985).
     """
     H = pulses.H
     s = (H.shape[0] - 1) // 2
@@ -110,7 +121,7 @@ def realize(pulses: Pulses, order: int | None = None) -> Realization:
 
 
 def _scales(H: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Largest magnitude of each output, then of each input so scaled; 1 for those that are all zero."""
+    """Scales of outputs and inputs: the largest magnitudes of their responses, or 1 where all are zero."""
     peak = np.abs(H).max(axis=0)
     rows = peak.max(axis=1)
     rows[rows == 0] = 1
@@ -120,5 +131,5 @@ def _scales(H: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _hankel(H: np.ndarray, s: int) -> np.ndarray:
-    """Blocks H_(i+j), shape (s n_outputs, s n_inputs)."""
+    """Hankel matrix with the blocks H_(i+j), shape (s n_outputs, s n_inputs)."""
     return np.block([[H[i + j] for j in range(s)] for i in range(s)])

@@ -1,7 +1,8 @@
-"""Units at an operating point, to be stepped from there as often as one likes.
+"""The operating point of a coupled system: its components with saved states, for repeated experiments.
 
-The operating point is where the coupled system is after initialization, or after running on with
-Gauss-Seidel. Every unit's state is saved there (fmi2GetFMUstate), and freed at the end.
+The operating point is the state of the system after initialization, or after a run by the Gauss-Seidel
+algorithm. The state of every component is saved there (fmi2GetFMUstate). Every experiment starts from the
+saved state. All saved states are freed at the end.
 """
 
 import ctypes
@@ -16,31 +17,37 @@ from orchestration.fmi.instance import Instance
 from orchestration.fmi.native_calls import call_do_step, call_rates, call_state, call_transfer
 from orchestration.master.flatten import Assembly, assemble
 from orchestration.master.initialization import initialize, opened
-from orchestration.master.kernel.flat_system import (
-    CALL_NAMES,
-    DO_STEP,
-    END_DISCRETE,
-    END_REAL,
-    FIRST_DISCRETE,
-    FIRST_REAL,
-    copy_links,
-    get_outputs,
-    set_inputs,
-)
+from orchestration.master.kernel import fixed_step
+from orchestration.master.kernel.codes import CALL_NAMES, Column
+from orchestration.master.kernel.step_program import operations_of_step
 from orchestration.system.system import Component, System
 
 
-class Probe:
-    """A unit with its state saved.
+class SavedComponent:
+    """A component whose state is saved, so that an experiment can start from the same state many times.
 
     Parameters
     ----------
-    inputs, outputs
-        Names of the Real variables that are moved and watched.
+    instance
+        Running instance of the component's FMU.
+    component
+        Member of the system.
+    ports
+        Names of the Real inputs that an experiment changes, and of the Real outputs that it records.
     time
-        Of the saved state, s.
+        Time of the saved state, s.
+
+    Attributes
+    ----------
+    inputs, outputs
+        The two tuples of `ports`.
     u
-        Values of the inputs there, shape (n_inputs,).
+        Values of the inputs at the operating point, shape (n_inputs,), in the units of the inputs.
+
+    Raises
+    ------
+    SimulationError
+        If the FMU fails to save its state.
     """
 
     def __init__(
@@ -57,54 +64,54 @@ class Probe:
 
     @property
     def name(self) -> str:
-        """Of the component."""
+        """Name of the component."""
         return self.component.name
 
-    def run(self, h: float, steps: Sequence[np.ndarray]) -> np.ndarray | None:
-        """Step from the saved state.
+    def run(self, h: float, steps: np.ndarray) -> np.ndarray | None:
+        """Run several steps from the saved state, and record the outputs.
 
         Parameters
         ----------
         h
             Step, s.
         steps
-            For each step the inputs' values, and if they are to move their first, second, ... derivatives
-            too: shape (order + 1, n_inputs).
+            Inputs of each step, shape (n_steps, order + 1, n_inputs): values at the start of the step,
+            then the first, second, ... derivatives in time. An order of 0 holds the inputs during a step.
 
         Returns
         -------
         ndarray or None
             Outputs at the end of each step, shape (n_steps, n_outputs); None if a step fails.
         """
-        unit = self.instance
+        instance = self.instance
         y = np.empty((len(steps), len(self.outputs)))
-        status = call_state(unit.address("fmi2SetFMUstate"), unit.component, self._state.value or 0)
-        set_, get, step = (unit.address(f"fmi2{name}") for name in ("SetReal", "GetReal", "DoStep"))
+        status = call_state(instance.address("fmi2SetFMUstate"), instance.component, self._state.value or 0)
+        set_, get, step = (instance.address(f"fmi2{name}") for name in ("SetReal", "GetReal", "DoStep"))
         references, watched = self._input_references, self._output_references
         for k, inputs in enumerate(steps):
             values = np.ascontiguousarray(inputs, float)
             if references.size and status <= WORST_ACCEPTED:
                 status = call_transfer(
-                    set_, unit.component, references.ctypes.data, references.size, values.ctypes.data
+                    set_, instance.component, references.ctypes.data, references.size, values.ctypes.data
                 )
                 if len(values) > 1 and status <= WORST_ACCEPTED:
                     status = self._move(values[1:])
             if status <= WORST_ACCEPTED:
-                status = call_do_step(step, unit.component, self.time + k * h, h)
+                status = call_do_step(step, instance.component, self.time + k * h, h)
             if watched.size and status <= WORST_ACCEPTED:
-                status = call_transfer(get, unit.component, watched.ctypes.data, watched.size, y[k].ctypes.data)
+                status = call_transfer(get, instance.component, watched.ctypes.data, watched.size, y[k].ctypes.data)
             if status > WORST_ACCEPTED:
                 return None
         return y if np.isfinite(y).all() else None
 
     def close(self) -> None:
-        """Return to the saved state and free it."""
+        """Restore the saved state, and free the memory of the saved state."""
         if self._state.value:
             self.instance.status("fmi2SetFMUstate", self._state)
             self.instance.status("fmi2FreeFMUstate", ctypes.byref(self._state))
 
     def _move(self, rates: np.ndarray) -> int:
-        """Hand over derivatives, shape (order, n_inputs); returns the status."""
+        """Set the time derivatives of the inputs, shape (order, n_inputs), and return the FMI status."""
         order = np.repeat(np.arange(1, len(rates) + 1, dtype=np.int32), len(self.inputs))
         references = np.tile(self._input_references, len(rates))
         return call_rates(
@@ -117,30 +124,41 @@ class Probe:
         )
 
     def _references(self, names: Sequence[str]) -> np.ndarray:
+        """Value references of variables, for the calls of the FMU."""
         return np.array([self.component.variable(name).reference for name in names], np.uint32)
 
 
 @contextmanager
-def operating_point(system: System, step: float, at: float) -> Iterator[list[Probe]]:
-    """Probes of all components, in their order, `at` seconds into a run with steps of `step`.
+def operating_point(system: System, step: float, at: float) -> Iterator[list[SavedComponent]]:
+    """Bring a system to its operating point, and save the states of all components there.
 
     Parameters
     ----------
-    step, at
-        s; `at` is rounded down to an instant at which every sampled unit ticks.
+    system
+        System whose components can save their states.
+    step
+        Communication step of the run to the operating point, s.
+    at
+        Time of the operating point, s. It is rounded down to an instant at which every sampled component
+        ticks.
+
+    Yields
+    ------
+    list of SavedComponent
+        All components, in the order of the system. They can be used within the context only.
 
     Raises
     ------
     SystemDescriptionError
-        If a unit cannot save its state; naming all of these.
+        If a component cannot save its state; the message names all such components.
     SimulationError
-        If the run fails.
+        If the run to the operating point fails.
     """
     unable = [c.name for c in system.components if not c.description.can(SAVES_STATE)]
     if unable:
         msg = (
             f"{', '.join(unable)}: canGetAndSetFMUstate is false, so no step can be repeated from one state;"
-            " units that can save their state are needed."
+            " components that can save their state are needed."
         )
         raise SystemDescriptionError(msg)
     common = int(np.lcm.reduce([1, *system.steps_per_tick(step).values()]))
@@ -148,18 +166,18 @@ def operating_point(system: System, step: float, at: float) -> Iterator[list[Pro
     with opened(system) as instances, ExitStack() as stack:
         assembly = assemble(system, instances, None)
         initialize(system, instances, assembly, 0.0)
-        for k in range(n):
-            _step(instances, assembly, k * step, step)
-        probes = []
+        if n > 0:
+            _run_on(instances, assembly, n, step)
+        saved = []
         for component, instance in zip(system.components, instances, strict=True):
-            probes.append(Probe(instance, component, connected(system, component.name), n * step))
-            stack.callback(probes[-1].close)
-        _fill_inputs(system, probes, assembly)
-        yield probes
+            saved.append(SavedComponent(instance, component, connected(system, component.name), n * step))
+            stack.callback(saved[-1].close)
+        _fill_inputs(system, saved, assembly)
+        yield saved
 
 
 def connected(system: System, name: str) -> tuple[list[str], list[str]]:
-    """Connected Real inputs and outputs of a component, in the order of its variables."""
+    """Names of the connected Real inputs and outputs of a component, in the order of its variables."""
     variables = system.component(name).description.variables.values()
     inputs = {c.input for c in system.connections if c.target == name}
     outputs = {c.output for c in system.connections if c.source == name}
@@ -167,25 +185,20 @@ def connected(system: System, name: str) -> tuple[list[str], list[str]]:
     return [n for n in reals if n in inputs], [n for n in reals if n in outputs]
 
 
-def _fill_inputs(system: System, probes: Sequence[Probe], assembly: Assembly) -> None:
-    """Let every probe's inputs be what their sources show."""
+def _fill_inputs(system: System, saved: Sequence[SavedComponent], assembly: Assembly) -> None:
+    """Set the inputs `u` of every component to the connected outputs."""
     sources = {(c.target, c.input): f"{c.source}.{c.output}" for c in system.connections}
-    for probe in probes:
-        shown = [assembly.real_outputs[sources[probe.name, name]] for name in probe.inputs]
-        probe.u[:] = assembly.plan.reals[shown]
+    for one in saved:
+        shown = [assembly.real_outputs[sources[one.name, name]] for name in one.inputs]
+        one.u[:] = assembly.plan.reals[shown]
 
 
-def _step(instances: Sequence[Instance], assembly: Assembly, t: float, h: float) -> None:
-    """One step of the coupled system, unit by unit."""
-    plan = assembly.plan
-    for i, instance in enumerate(instances):
-        row = plan.table[i]
-        copy_links(plan.real_links, row[FIRST_REAL], row[END_REAL], plan.reals)
-        copy_links(plan.discrete_links, row[FIRST_DISCRETE], row[END_DISCRETE], plan.discretes)
-        call, status = set_inputs(plan.table, i)
-        if status <= WORST_ACCEPTED:
-            call, status = DO_STEP, call_do_step(row[DO_STEP], instance.component, t, h)
-        if status <= WORST_ACCEPTED:
-            call, status = get_outputs(plan.table, i)
-        if status > WORST_ACCEPTED:
-            raise SimulationError(instance.failure(CALL_NAMES[call], status, f" at t = {t:.9g} s"))
+def _run_on(instances: Sequence[Instance], assembly: Assembly, n: int, step: float) -> None:
+    """Make n steps of the coupled system from t = 0 by the Gauss-Seidel algorithm, without a record."""
+    operations = operations_of_step(assembly.plan, sequential=True)
+    times, no_rows = step * np.arange(n + 1), np.empty((0, len(assembly.columns)))
+    k, j, status = fixed_step.run(operations, assembly.plan, (times, np.array([step])), (0, n), no_rows, n + 1)
+    if k < n:
+        failed = operations[int(j)]
+        name, where = CALL_NAMES[Column(failed.call)], f" at t = {times[k]:.9g} s"
+        raise SimulationError(instances[failed.subject].failure(name, status, where))

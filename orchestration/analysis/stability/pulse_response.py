@@ -1,18 +1,21 @@
-"""Step maps of black-box units, by pulses from a saved state.
+"""Linear models of components whose equations are hidden, from responses to small pulses.
 
-FMUs for co-simulation hide their states. So a unit makes 2 s + 1 steps from a saved state with its
-inputs held at u_0, one input moved by +delta in the first step, and again by -delta; half the
-difference over delta is a column of the Markov parameters (`eigensystem_realization`):
+An FMU for co-simulation hides its state. So the model is found by experiment. A component makes 2 s + 1
+steps from a saved state. Its inputs are held at u_0, except that one input is changed by +delta in the first
+step. A second run has -delta in place of +delta. The central difference of both runs is a column of the
+Markov parameters (`eigensystem_realization`):
 
     H_j = (y_(j+1)(u_0 + delta) - y_(j+1)(u_0 - delta)) / (2 delta)
 
-Curvature spoils it by a share of delta^2, rounding by eps |y| / delta. Delta goes up, or else down, in
-decades for as long as neighbouring ones agree better; what they still disagree by is the noise. Where
-inputs are polynomials, their first and second derivatives in time (fmi2SetRealInputDerivatives) are
-further inputs. A sampled unit steps from tick to tick.
+Curvature causes an error proportional to delta^2, rounding an error of about eps |y| / delta. So delta is
+changed in powers of ten, first upwards, then downwards, while the responses to neighbouring powers agree
+better and better. The disagreement that remains at the best power is the noise of the response. Where
+inputs are polynomials in time, their first and second derivatives (fmi2SetRealInputDerivatives) count as
+further inputs. A sampled component steps from tick to tick.
 
-A unit that moves changes while it is probed: the same pulse, given s steps later, has another
-response. States that show no more than this drift are not to be told from it.
+The operating point of a moving component changes during the experiment. The same pulse, given s steps later,
+then has another response. The difference of both responses is the drift. States whose responses are smaller
+than the drift cannot be identified.
 """
 
 import math
@@ -22,31 +25,35 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from orchestration.analysis.stability.eigensystem_realization import Pulses, Realization, realize
-from orchestration.analysis.stability.operating_point import Probe
+from orchestration.analysis.stability.operating_point import SavedComponent
 from orchestration.errors import SimulationError
 
-BLOCKS, MOST_BLOCKS = 6, 24  # s at first, and at most: doubled while the states fill the Hankel matrix
-FIRST_DECADE, LAST_DECADE, LEAST_DECADE = -2, 4, -9  # of delta over max(1, |u|)
-PERFECT = 1e-13  # relative disagreement of responses that rounding alone explains
-SEEN = 2  # times the noise: a response that stays below is none
+BLOCKS, MOST_BLOCKS = 6, 24  # first and largest s; s is doubled while the states fill the Hankel matrix
+FIRST_DECADE, LAST_DECADE, LEAST_DECADE = -2, 4, -9  # powers of ten of delta / max(1, |u|)
+PERFECT = 1e-13  # relative disagreement of two responses that rounding alone explains
+SEEN = 2  # a response below this multiple of its noise counts as zero
 EPS = float(np.finfo(float).eps)
 
 
 @dataclass(frozen=True)
-class UnitModel:
-    """A unit's step map, linear about its operating point.
+class ComponentModel:
+    """Linear model of one step of a component, about its operating point.
 
     Attributes
     ----------
+    name
+        Name of the component.
     continuous
-        See `orchestration.system.system.Component`.
+        Whether the component is continuous; see `orchestration.system.component.Component`.
     inputs, outputs
         Names of the connected Real variables.
     order
-        Degree of the inputs' polynomials: columns of B and D are the inputs' values, then their first, then
-        their second derivatives.
+        Degree of the input polynomials. The columns of B and D belong to the values of all inputs, then
+        to the first, then to the second derivatives of all inputs.
     pulses
-        What the map was realized from.
+        Responses from which the model was identified.
+    map
+        State-space model of the step.
     """
 
     name: str
@@ -57,76 +64,88 @@ class UnitModel:
     pulses: Pulses
     map: Realization
 
-    def shaken(self, random: np.random.Generator) -> "UnitModel":
-        """A model with as many states that the noise allows as well."""
+    def shaken(self, random: np.random.Generator) -> "ComponentModel":
+        """A model with as many states, identified from responses that random errors within the noise change."""
         return replace(self, map=realize(self.pulses.shaken(random), self.map.A.shape[0]))
 
-    def later(self) -> "UnitModel":
-        """The model some steps later."""
+    def later(self) -> "ComponentModel":
+        """The model identified from the pulses that were given s steps later."""
         pulses = replace(self.pulses, H=self.pulses.later)
         return replace(self, map=realize(pulses, self.map.A.shape[0]))
 
 
-def identify(probe: Probe, h: float, order: int = 0) -> UnitModel:
-    """The map of a step of h, s, or of a tick if the unit is sampled.
+def identify(saved: SavedComponent, h: float, order: int = 0) -> ComponentModel:
+    """Identify a linear model of one step of a component from its responses to pulses.
 
     Parameters
     ----------
+    saved
+        Component at its operating point.
+    h
+        Step, s. A sampled component makes steps of its sampling period instead.
     order
-        Degree of the inputs' polynomials, for a unit that interpolates; others hold their inputs.
+        Degree of the input polynomials. A component that cannot interpolate its inputs holds them.
+
+    Returns
+    -------
+    ComponentModel
+        Linear model about the operating point.
 
     Raises
     ------
     SimulationError
-        If the unit cannot be stepped from where it is.
+        If a step from the operating point fails.
     """
-    period, order = probe.component.sample_time, order if probe.interpolates else 0
+    period, order = saved.component.sample_time, order if saved.interpolates else 0
     blocks = BLOCKS
     while True:
-        pulses = _pulses(probe, h if period is None else period, order, blocks)
+        pulses = _pulses(saved, h if period is None else period, order, blocks)
         map_ = realize(pulses)
         if not map_.full or blocks >= MOST_BLOCKS:
-            return UnitModel(probe.name, probe.component.continuous, probe.inputs, probe.outputs, order, pulses, map_)
+            return ComponentModel(
+                saved.name, saved.component.continuous, saved.inputs, saved.outputs, order, pulses, map_
+            )
         blocks *= 2
 
 
-def _pulses(probe: Probe, h: float, order: int, blocks: int) -> Pulses:
-    """Responses to pulses in all channels."""
-    n_inputs, n = len(probe.inputs), 2 * blocks + 1
-    H = np.zeros((n, len(probe.outputs), (order + 1) * n_inputs))
+def _pulses(saved: SavedComponent, h: float, order: int, blocks: int) -> Pulses:
+    """Measure the responses to pulses at all inputs and their derivatives."""
+    n_inputs, n = len(saved.inputs), 2 * blocks + 1
+    H = np.zeros((n, len(saved.outputs), (order + 1) * n_inputs))
     later, noise = H.copy(), np.zeros((2, *H.shape[1:]))
     if H.size:
         held = np.zeros((n + blocks, order + 1, n_inputs))
-        held[:, 0] = probe.u
-        base = probe.run(h, held)
+        held[:, 0] = saved.u
+        base = saved.run(h, held)
         if base is None:
-            raise SimulationError(_failure(probe, h, "its inputs held"))
+            raise SimulationError(_failure(saved, h, "its inputs held"))
         for j in range(H.shape[2]):
-            # a derivative moves the input, over the step, by about as much as its value does
+            # This scale lets a derivative change the input over a step by about as much as a value would.
             degree, i = divmod(j, n_inputs)
-            scale = max(1.0, abs(probe.u[i])) * math.factorial(degree) / h**degree
-            channel = _Channel(probe, h, held, (degree, i), scale, np.abs(base).max(axis=0))
+            scale = max(1.0, abs(saved.u[i])) * math.factorial(degree) / h**degree
+            channel = _Channel(saved, h, held, (degree, i), scale, np.abs(base).max(axis=0))
             H[:, :, j], noise[:, :, j], later[:, :, j] = channel.column(blocks)
     return Pulses(H, noise, later)
 
 
 @dataclass(frozen=True)
 class _Channel:
-    """One channel to be moved: derivative `place[0]` of input `place[1]`, by about `scale`."""
+    """The experiment on one channel: derivative number `place[0]` of input `place[1]`, changed by about `scale`."""
 
-    probe: Probe
+    saved: SavedComponent
     h: float
     held: np.ndarray
     place: tuple[int, int]
     scale: float
-    size: np.ndarray  # of the outputs
+    size: np.ndarray  # largest magnitudes of the outputs, shape (n_outputs,)
 
     def column(self, blocks: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Columns of H, noise and later H, shapes (n_steps, n_outputs), (2, n_outputs) and as H."""
+        """Columns of `Pulses.H`, `noise` and `later`, shapes (n_steps, n_outputs), (2, n_outputs) and as `H`."""
         n = 2 * blocks + 1
         found: dict[int, np.ndarray | None] = {}
 
         def response(decade: int) -> np.ndarray | None:
+            """Response to a pulse of a power of ten, measured once."""
             if decade not in found:
                 found[decade] = self.difference(decade, 0, n)
             return found[decade]
@@ -134,7 +153,7 @@ class _Channel:
         best = _best_decade(lambda d: self.disagreement(d, response(d), response(d + 1)))
         H, neighbour = response(best), response(best + 1)
         if H is None:
-            raise SimulationError(_failure(self.probe, self.h, f"{self.probe.inputs[self.place[1]]} moved"))
+            raise SimulationError(_failure(self.saved, self.h, f"{self.saved.inputs[self.place[1]]} moved"))
         noise = np.tile(self.rounding(best), (2, 1))
         if neighbour is not None:
             noise = np.maximum(noise, _largest(H - neighbour))
@@ -147,22 +166,22 @@ class _Channel:
         return H, noise, later
 
     def difference(self, decade: int, when: int, n: int) -> np.ndarray | None:
-        """Central difference of n steps by a pulse in step `when`; None if a step fails."""
+        """Central difference of two runs of n steps with a pulse in step `when`; None if a step fails."""
         delta, runs = self.scale * 10.0**decade, []
         for sign in (1, -1):
             moved = self.held[:n].copy()
             moved[when, *self.place] += sign * delta
-            runs.append(self.probe.run(self.h, moved))
+            runs.append(self.saved.run(self.h, moved))
             if runs[-1] is None:
                 return None
         return (runs[0] - runs[1]) / (2 * delta)
 
     def rounding(self, decade: int) -> np.ndarray:
-        """Rounding of the difference, shape (n_outputs,)."""
+        """Rounding error of the central difference, shape (n_outputs,)."""
         return 2 * EPS * self.size / (self.scale * 10.0**decade)
 
     def disagreement(self, decade: int, small: np.ndarray | None, large: np.ndarray | None) -> float:
-        """Largest difference of two responses in any output, beyond rounding, relative."""
+        """Largest relative difference of two responses in any output, beyond their rounding errors."""
         if small is None or large is None:
             return math.inf
         peak, rounding = _largest(small), self.rounding(decade)
@@ -172,14 +191,15 @@ class _Channel:
 
 
 def _largest(H: np.ndarray) -> np.ndarray:
-    """Largest magnitude of H_0 and of all others, shape (2, n_outputs)."""
+    """Largest magnitudes of H_0 and of all later parameters, shape (2, n_outputs)."""
     return np.stack([np.abs(H[0]), np.abs(H[1:]).max(axis=0)])
 
 
 def _best_decade(disagreement: Callable[[int], float]) -> int:
-    """The decade that agrees best with the next: upwards from the first, else downwards.
+    """Power of ten of delta whose response agrees best with the response to the next power.
 
-    Upwards, perfect agreement goes on: rounding still fades in outputs that do not yet show.
+    The search goes upwards first, and downwards if no larger power agrees better. Upwards, the search goes on
+    even at perfect agreement: the rounding errors of further outputs still decrease.
     """
     best, least = FIRST_DECADE, disagreement(FIRST_DECADE)
     while best + 1 < LAST_DECADE and (now := disagreement(best + 1)) <= max(least, PERFECT):
@@ -191,6 +211,7 @@ def _best_decade(disagreement: Callable[[int], float]) -> int:
     return best
 
 
-def _failure(probe: Probe, h: float, what: str) -> str:
-    last = probe.instance.messages[-1] if probe.instance.messages else "it logged nothing"
-    return f'{probe.name}: steps of {h:g} s from t = {probe.time:g} s fail with {what}; its last message: "{last}".'
+def _failure(saved: SavedComponent, h: float, what: str) -> str:
+    """Message of an experiment that failed."""
+    last = saved.instance.messages[-1] if saved.instance.messages else "it logged nothing"
+    return f'{saved.name}: steps of {h:g} s from t = {saved.time:g} s fail with {what}; its last message: "{last}".'

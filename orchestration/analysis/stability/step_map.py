@@ -1,15 +1,17 @@
-"""The step-to-step map of a coupled system: the algorithm, carried out on matrices.
+"""The linear map of a coupled system from one communication point to the next.
 
-The state z of a coupled system between two steps is the states of its units, what their outputs show,
-and what those showed at earlier communication points as far as polynomials need it. Every number
-that occurs in a step is linear in z: a row. So the step of `orchestration.master.algorithm` is carried out as
-it stands, with rows in place of numbers; the rows of the new z are the map M, z+ = M z.
+The state z of a coupled system at a communication point contains three parts: the states of all components,
+their outputs, and as many past outputs as the input polynomials need. All deviations from the operating point
+in a step are linear in z, so each one is a row of coefficients. The step of `orchestration.master.algorithm`
+is executed with these rows in place of numbers. The rows of the new z form the map M with z+ = M z.
 
-Where inputs are corrected, their assumed values e at the end of the step are unknowns beside z. After a
-sweep their sources show y = R z + J e. The correction ends where y = e = (I - J)^-1 R z. Repeating sweeps
-without relaxation multiplies the error of e by J: it converges if the spectral radius of J is below one.
+Where the algorithm corrects inputs, their assumed values e at the end of the step are unknowns besides z.
+After a sweep, the connected outputs are y = R z + J e. The correction ends at the solution
+y = e = (I - J)^-1 R z. A sweep without relaxation multiplies the error of e by J. So repeated sweeps
+converge if the spectral radius of J is below one.
 
-Units that tick every r steps hold their outputs in between; the map over all phases is a product.
+A component that ticks every r steps holds its outputs in between. The map over one period of all ticks is the
+product of the maps of its steps.
 (Stability of co-simulation by the spectral radius of such maps: M. Busch, "Zur effizienten Kopplung von
 Simulationsprogrammen", Kassel 2012; C. Gomes et al., "Co-simulation: a survey", ACM CSUR 51(3), 2018.)
 """
@@ -19,21 +21,25 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from orchestration.analysis.stability.pulse_response import UnitModel
+from orchestration.analysis.stability.pulse_response import ComponentModel
 from orchestration.master.algorithm import FIXED_POINT, SEQUENTIAL, Algorithm
 from orchestration.system.system import Connection, System
 
 
 @dataclass(frozen=True)
 class Link:
-    """A Real connection between identified units.
+    """A connection of two Real variables in a linear coupled system.
 
     Attributes
     ----------
-    source, output, target, input
-        Places of the units, and of the variables in them.
+    connection
+        Connection of the original system.
+    source, target
+        Indices of the two components in `Coupled.models`.
+    output, input
+        Indices of the two variables in the lists of the components' outputs and inputs.
     smooth
-        Whether both units are continuous, so that the connection may be corrected.
+        Whether both components are continuous. Only such connections are corrected or interpolated.
     """
 
     connection: Connection
@@ -46,36 +52,70 @@ class Link:
 
 @dataclass(frozen=True)
 class Coupled:
-    """A linear coupled system.
+    """A coupled system whose components are linear models.
 
     Attributes
     ----------
-    units
-        In the order of the components.
+    models
+        One model per component, in the order of the system.
+    links
+        All Real connections.
     ratios
-        Steps per tick of each unit; 1 for continuous ones.
+        Steps per tick of each component; 1 for a continuous component.
     """
 
-    units: tuple[UnitModel, ...]
+    models: tuple[ComponentModel, ...]
     links: tuple[Link, ...]
     ratios: tuple[int, ...]
 
     @classmethod
-    def of(cls, system: System, units: Sequence[UnitModel], step: float) -> "Coupled":
-        """The units of a system with its Real connections."""
-        places = {unit.name: i for i, unit in enumerate(units)}
+    def of(cls, system: System, models: Sequence[ComponentModel], step: float) -> "Coupled":
+        """Combine the models of all components with the Real connections of a system.
+
+        Parameters
+        ----------
+        system
+            System that has the connections.
+        models
+            One model per component, in the order of the system.
+        step
+            Communication step, s.
+
+        Raises
+        ------
+        SystemDescriptionError
+            If a sampling period is not a multiple of the step.
+        """
+        places = {model.name: i for i, model in enumerate(models)}
         links = []
         for c in system.connections:
-            source, target = units[places[c.source]], units[places[c.target]]
+            source, target = models[places[c.source]], models[places[c.target]]
             if c.output in source.outputs and c.input in target.inputs:
                 ends = (places[c.source], source.outputs.index(c.output))
                 ends += (places[c.target], target.inputs.index(c.input))
                 links.append(Link(c, *ends, smooth=source.continuous and target.continuous))
         ratios = system.steps_per_tick(step)
-        return cls(tuple(units), tuple(links), tuple(ratios.get(unit.name, 1) for unit in units))
+        return cls(tuple(models), tuple(links), tuple(ratios.get(model.name, 1) for model in models))
 
     def radius(self, algorithm: Algorithm, h: float, gains: np.ndarray | None = None) -> float:
-        """Spectral radius per step of h, s, with every link multiplied by its gain, shape (n_links,)."""
+        """Spectral radius of the map from one communication point to the next.
+
+        Where sampled components tick every few steps, this is the geometric mean over one period of all ticks.
+
+        Parameters
+        ----------
+        algorithm
+            Co-simulation algorithm.
+        h
+            Communication step, s.
+        gains
+            Factors of the connections, shape (n_links,). Default: all 1.
+
+        Raises
+        ------
+        LinAlgError
+            If the corrected inputs have no solution.
+        """
         n = int(np.lcm.reduce([1, *self.ratios]))
         product, kept = None, {}
         for k in range(n):
@@ -86,21 +126,21 @@ class Coupled:
         return spectral_radius(product) ** (1 / n) if product is not None else 0.0
 
     def contraction(self, algorithm: Algorithm, h: float) -> float | None:
-        """Spectral radius of the unrelaxed repetition of sweeps; None if nothing is corrected."""
-        J = transition(self, algorithm, h, (True,) * len(self.units))[1]
+        """Factor by which a sweep without relaxation changes the error of corrected inputs; None if none are."""
+        J = transition(self, algorithm, h, (True,) * len(self.models))[1]
         return None if J is None else spectral_radius(J)
 
     def ordered(self, order: Sequence[int]) -> "Coupled":
-        """The same with its units in another order."""
+        """The same coupled system with its components in another order, given as old indices."""
         place = {old: new for new, old in enumerate(order)}
         links = tuple(
             Link(x.connection, place[x.source], x.output, place[x.target], x.input, x.smooth) for x in self.links
         )
-        return Coupled(tuple(self.units[i] for i in order), links, tuple(self.ratios[i] for i in order))
+        return Coupled(tuple(self.models[i] for i in order), links, tuple(self.ratios[i] for i in order))
 
 
 def spectral_radius(M: np.ndarray) -> float:
-    """Largest magnitude of an eigenvalue; infinite if M is not finite."""
+    """Largest magnitude of the eigenvalues of a square matrix; infinite if the matrix is not finite."""
     if not np.isfinite(M).all():
         return np.inf
     return float(np.abs(np.linalg.eigvals(M)).max(initial=0.0))
@@ -109,17 +149,35 @@ def spectral_radius(M: np.ndarray) -> float:
 def transition(
     coupled: Coupled, algorithm: Algorithm, h: float, due: Sequence[bool], gains: np.ndarray | None = None
 ) -> tuple[np.ndarray, np.ndarray | None]:
-    """M of one step, and J of its correction if there is one; see the module.
+    """Matrices of one step: the map M, and the iteration matrix J of the corrected inputs.
+
+    The equations of both stand in the docstring of the module.
 
     Parameters
     ----------
+    coupled
+        Linear coupled system.
+    algorithm
+        Co-simulation algorithm.
+    h
+        Communication step, s.
     due
-        Which units step; a sampled one that does not tick holds.
+        Whether each component makes a step. A sampled component holds its outputs between two ticks.
+    gains
+        Factors of the connections, shape (n_links,). Default: all 1.
+
+    Returns
+    -------
+    M
+        Map of the state z, shape (n_z, n_z).
+    J
+        Iteration matrix of the corrected inputs, shape (n_corrected, n_corrected); None if no input is
+        corrected.
 
     Raises
     ------
     LinAlgError
-        If I - J is singular: the implicit inputs have no solution.
+        If I - J is singular, so that the corrected inputs have no solution.
     """
     rows = _Rows.identity(coupled, algorithm, h, np.ones(len(coupled.links)) if gains is None else gains)
     past = rows.past
@@ -134,16 +192,9 @@ def transition(
     if sweeps == 1 or not assumed:
         return rows.after(past), None
     first = {j: rows.shown(coupled.links[j]) for j in assumed}
-    smooth = [unit.continuous for unit in coupled.units]
-    rows.x = [start[i] if smooth[i] else x for i, x in enumerate(rows.x)]
-    n, m = rows.width, len(assumed)
-    rows.widen(m)
-    unknown = np.eye(m, n + m, n)
-    rows.sweep(smooth, {j: unknown[[i]] for i, j in enumerate(assumed)}, again=True)
-    end = np.vstack([rows.shown(coupled.links[j]) for j in assumed])
-    R, J = end[:, :n], end[:, n:]
+    R, J = _repeated_sweep(rows, start, assumed)
     if sweeps is None or algorithm.correction.method != FIXED_POINT:
-        E = np.linalg.solve(np.eye(m) - J, R)
+        E = np.linalg.solve(np.eye(len(assumed)) - J, R)
     else:
         E = np.vstack([first[j] for j in assumed])
         for _ in range(sweeps - 2):
@@ -151,11 +202,26 @@ def transition(
     return rows.substituted(E).after(past), J
 
 
+def _repeated_sweep(
+    rows: "_Rows", start: Sequence[np.ndarray], assumed: Sequence[int]
+) -> tuple[np.ndarray, np.ndarray]:
+    """Matrices R and J of y = R z + J e, from a repeated step of the continuous components."""
+    coupled, n, m = rows.coupled, rows.width, len(assumed)
+    smooth = [model.continuous for model in coupled.models]
+    rows.x = [start[i] if smooth[i] else x for i, x in enumerate(rows.x)]
+    rows.widen(m)
+    unknown = np.eye(m, n + m, n)
+    rows.sweep(smooth, {j: unknown[[i]] for i, j in enumerate(assumed)}, again=True)
+    end = np.vstack([rows.shown(coupled.links[j]) for j in assumed])
+    return end[:, :n], end[:, n:]
+
+
 @dataclass
 class _Rows:
-    """Every number of a step, as rows over z (and the unknowns, once widened).
+    """All quantities of one step, as rows of coefficients over the state z and the unknown input values.
 
-    `x` and `y` are the units' states and outputs as they are now, `past[a]` the outputs a + 0 steps before t.
+    `x` and `y` are the current states and outputs of the components. `past[a]` are the outputs at the
+    communication point a steps before the start of the step.
     """
 
     coupled: Coupled
@@ -168,37 +234,39 @@ class _Rows:
 
     @classmethod
     def identity(cls, coupled: Coupled, algorithm: Algorithm, h: float, gains: np.ndarray) -> "_Rows":
-        units, order = coupled.units, algorithm.order
-        sizes = [unit.map.A.shape[0] for unit in units] + (order + 1) * [len(unit.outputs) for unit in units]
+        """Rows at the start of a step, where every quantity is an element of the state z."""
+        models, order = coupled.models, algorithm.order
+        sizes = [model.map.A.shape[0] for model in models] + (order + 1) * [len(model.outputs) for model in models]
         parts = np.split(np.eye(sum(sizes)), np.cumsum(sizes)[:-1])
-        n = len(units)
+        n = len(models)
         past = [parts[n * (age + 1) : n * (age + 2)] for age in range(order + 1)]
         return cls(coupled, algorithm, h, gains, parts[:n], list(past[0]), past)
 
     @property
     def width(self) -> int:
+        """Number of columns: the elements of z, and the unknown input values if there are any."""
         return self.y[0].shape[1]
 
     def is_assumed(self, link: Link) -> bool:
-        """Whether the source has not stepped when the target's inputs are set, and may step again."""
+        """Whether the target uses an assumed value: its source has not made its step yet, and may repeat it."""
         sequential = self.algorithm.exchange == SEQUENTIAL
         return link.smooth and not (sequential and link.source < link.target)
 
     def sweep(self, due: Sequence[bool], ends: dict[int, np.ndarray] | None, again: bool = False) -> None:
-        """Step the units that are due; `ends` are the assumed values by link."""
+        """Step the components that are due; `ends` are the assumed values at the end of the step, by link."""
         sequential = self.algorithm.exchange == SEQUENTIAL or again
         inputs = {} if sequential else {i: self.inputs(i, ends) for i, now in enumerate(due) if now}
         for i, now in enumerate(due):
             if now:
-                U, map_ = inputs[i] if i in inputs else self.inputs(i, ends), self.coupled.units[i].map
+                U, map_ = inputs[i] if i in inputs else self.inputs(i, ends), self.coupled.models[i].map
                 self.y[i] = map_.C @ self.x[i] + map_.D @ U
                 self.x[i] = map_.A @ self.x[i] + map_.B @ U
 
     def inputs(self, i: int, ends: dict[int, np.ndarray] | None) -> np.ndarray:
-        """Values and derivatives of the inputs of unit i, shape ((order + 1) n_inputs, width)."""
-        unit = self.coupled.units[i]
-        order = min(unit.order, self.algorithm.order)
-        U = np.zeros((unit.order + 1, len(unit.inputs), self.width))
+        """Values and derivatives of the inputs of component i, shape ((order + 1) n_inputs, width)."""
+        model = self.coupled.models[i]
+        order = min(model.order, self.algorithm.order)
+        U = np.zeros((model.order + 1, len(model.inputs), self.width))
         for j, link in enumerate(self.coupled.links):
             if link.target != i:
                 continue
@@ -211,14 +279,14 @@ class _Rows:
             for degree, row in enumerate(self.polynomial(link, end if assumed or fresh else None)):
                 if degree <= order:
                     U[degree, link.input] = self.gains[j] * row[0]
-        return U.reshape(-1, self.width)
+        return U.reshape((model.order + 1) * len(model.inputs), self.width)
 
     def shown(self, link: Link) -> np.ndarray:
-        """What the link's source shows now, shape (1, width)."""
+        """Current output at the source of a link, shape (1, width)."""
         return self.y[link.source][[link.output]]
 
     def polynomial(self, link: Link, end: np.ndarray | None) -> tuple[np.ndarray, ...]:
-        """Value, first and second derivative at t of the polynomial through `end` and the past."""
+        """Value and derivatives, at the start of the step, of the polynomial through `end` and past outputs."""
         order, h = self.algorithm.order, self.h
         y = [values[link.source][[link.output]] for values in self.past]
         if end is not None and order == 1:
@@ -230,23 +298,23 @@ class _Rows:
         return y[0], (3 * y[0] - 4 * y[1] + y[2]) / (2 * h), (y[0] - 2 * y[1] + y[2]) / h**2
 
     def extrapolated(self, link: Link) -> np.ndarray:
-        """The value that is assumed first at the end of the step."""
-        if min(self.coupled.units[link.target].order, self.algorithm.order) == 0:
+        """Initial guess of the value at the end of the step."""
+        if min(self.coupled.models[link.target].order, self.algorithm.order) == 0:
             return self.past[0][link.source][[link.output]]
         terms = (1.0, self.h, self.h**2 / 2)
         return sum((c * row for c, row in zip(terms, self.polynomial(link, None), strict=False)), np.zeros(1))
 
     def widen(self, m: int) -> None:
-        """Add m unknowns."""
+        """Add m columns for unknown input values to all rows."""
         self.x, self.y = ([np.pad(a, ((0, 0), (0, m))) for a in arrays] for arrays in (self.x, self.y))
         self.past = [[np.pad(a, ((0, 0), (0, m))) for a in values] for values in self.past]
 
     def substituted(self, E: np.ndarray) -> "_Rows":
-        """The unknowns replaced by E z."""
+        """Rows over z alone, after the unknown input values were replaced by E z."""
         n = E.shape[1]
         x, y = ([a[:, :n] + a[:, n:] @ E for a in arrays] for arrays in (self.x, self.y))
         return _Rows(self.coupled, self.algorithm, self.h, self.gains, x, y)
 
     def after(self, past: list[list[np.ndarray]]) -> np.ndarray:
-        """The rows of the new z, given the past at t."""
+        """Rows of the new state z, given the past outputs at the start of the step."""
         return np.vstack([*self.x, *self.y, *(a for values in past[:-1] for a in values)])

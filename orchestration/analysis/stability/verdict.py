@@ -1,17 +1,17 @@
-"""Whether a co-simulation algorithm is stable on a system at a step, before anything is run.
+"""Prediction, before a run, whether a co-simulation algorithm is stable on a system at a step.
 
-The units are identified at an operating point (`pulse_response`), the step-to-step
-map of the coupled system is built (`step_map`), and its spectral radius rho says by what
-factor deviations grow in a step at worst:
+All components are linearised at an operating point (`pulse_response`). The linear map of the coupled system
+from one communication point to the next follows (`step_map`). Its spectral radius rho is the largest factor
+by which a small deviation grows in one step:
 
-    growth rate = log(rho) / h          amplification over a run of T = rho^(T / h)
+    growth rate = log(rho) / h          amplification over a run of length T = rho^(T / h)
 
-This is a linearisation at one instant: contacts that open, saturations that end and gains that change
-with the motion need further instants (`at`). States of a unit that no connected input moves, or no
-connected output shows, take no part.
+The prediction holds near one operating point. A contact that opens, a saturation that ends or a gain that
+changes with the motion needs a second verdict at another time (`at`). The prediction excludes states that
+connected inputs do not change, or that connected outputs do not show.
 
-A system whose undamped parts are coupled explicitly is unstable at every step: growth rate and
-amplification say whether that matters.
+A system whose undamped parts are coupled explicitly is unstable at every step. Growth rate and amplification
+then tell whether the instability matters in a run of the intended length.
 """
 
 import itertools
@@ -37,36 +37,42 @@ from orchestration.master.algorithm import (
 )
 from orchestration.system.system import Connection, System
 
-GAIN = 1e-6  # by which a connection's gain is changed
-MOST_ORDERED = 5  # components of which all orders are tried
+GAIN = 1e-6  # change of a connection's factor for a difference quotient
+MOST_ORDERED = 5  # most components for which all orders are tried
 
 
 @dataclass(frozen=True)
 class Verdict:
-    """Whether an algorithm is stable on a system at a step.
+    """Predicted stability of a co-simulation algorithm on a system at a communication step.
 
     Attributes
     ----------
+    system, algorithm
+        Names of the system and of the algorithm.
     step
         Communication step, s.
-    radius, threshold
-        Spectral radius per step, and how wrong it may be.
+    stop_time
+        Stop time of the system, s, for the amplification; None if the system has none.
+    radius
+        Spectral radius per step.
+    threshold
+        Bound on the error of the radius.
     contraction
-        Factor by which a sweep without relaxation multiplies the error of corrected inputs; None if
-        nothing is corrected.
+        Factor by which a sweep without relaxation multiplies the error of corrected inputs. None if the
+        algorithm corrects no input.
     largest_stable_step
-        s, within 1 %; with sampled units, of a step that all sampling periods follow in proportion.
-        None if every step is unstable, infinite if none in reach is.
+        Largest stable step, s, within 1 %. All sampling periods change in proportion to the step. None if
+        every examined step is unstable, infinite if no examined step is unstable.
     blame
-        Connections with |d radius / d gain|, the largest first.
+        Connections with their influence |d radius / d factor|, the largest first.
     advice
-        Sentences.
+        Sentences for the user.
     """
 
     system: str
     algorithm: str
     step: float
-    stop_time: float
+    stop_time: float | None
     radius: float
     threshold: float
     contraction: float | None
@@ -76,29 +82,34 @@ class Verdict:
 
     @property
     def stable(self) -> bool:
-        """Whether deviations do not grow, as far as can be seen."""
+        """Whether no deviation visibly grows: the radius exceeds 1 by at most the threshold."""
         return self.radius <= 1 + self.threshold
 
     @property
     def growth_rate(self) -> float:
-        """1/s; negative if deviations decay."""
+        """Growth rate of the fastest growing deviation, 1/s; negative if all deviations decay."""
         return math.log(max(self.radius, 1e-300)) / self.step
 
     @property
-    def amplification(self) -> float:
-        """Of a deviation, over the system's stop time."""
+    def amplification(self) -> float | None:
+        """Factor by which a deviation grows until the stop time, at worst; None if there is no stop time."""
+        if self.stop_time is None:
+            return None
         exponent = self.growth_rate * self.stop_time
         return math.exp(exponent) if exponent < 700 else math.inf
 
+    def _grown(self) -> str:
+        return "" if self.stop_time is None else f": {self.amplification:.4g} times over {self.stop_time:g} s"
+
     def __str__(self) -> str:
-        """Several lines for a terminal."""
+        """Verdict as several lines of text for a terminal."""
         word = "stable" if self.stable else "UNSTABLE"
         if self.stable and self.largest_stable_step is None:
             word = "stable as far as can be seen"
         lines = [
             f"{self.system}: {self.algorithm} with a step of {self.step:g} s is {word}",
             f"  radius         1 {self.radius - 1:+.3e} per step, within {self.threshold:.1e}",
-            f"  growth         {self.growth_rate:+.4g} 1/s: {self.amplification:.4g} times over {self.stop_time:g} s",
+            f"  growth         {self.growth_rate:+.4g} 1/s{self._grown()}",
             f"  largest step   {_step_text(self.largest_stable_step)}",
         ]
         if self.contraction is not None:
@@ -110,28 +121,42 @@ class Verdict:
 def stability(
     system: System, step: float | None = None, algorithm: str | Algorithm = "gauss-seidel", *, at: float = 0.0
 ) -> Verdict:
-    """Judge an algorithm before it is run; see the module for what a verdict can say.
+    """Predict whether a co-simulation algorithm is stable on a system, and give advice.
+
+    The docstring of the module states what the prediction covers.
 
     Parameters
     ----------
+    system
+        System whose components can save their states.
     step
-        s; the system's own if None. With step control, of a step of that size.
+        Communication step, s. Default: the step of the system. For an algorithm with step control, the
+        verdict is about a step of this size.
+    algorithm
+        Co-simulation algorithm, or its name.
     at
-        Time of the operating point, s, rounded down to a common tick; reached with Gauss-Seidel.
+        Time of the operating point, s, rounded down to a common tick of all sampled components. The run to
+        the operating point uses the Gauss-Seidel algorithm.
+
+    Returns
+    -------
+    Verdict
+        Spectral radius, largest stable step and advice.
 
     Raises
     ------
     SystemDescriptionError
-        If units cannot save their state, or the step does not fit the sample times.
+        If a component cannot save its state, if there is no step or it does not fit a sampling period, or if
+        the step or the time is out of range.
     SimulationError
-        If the operating point cannot be reached, or a unit not be stepped from there.
+        If the run to the operating point fails, or a step from there.
     """
-    algorithm, step = find_algorithm(algorithm), system.step if step is None else step
+    algorithm, step = find_algorithm(algorithm), system.run_step(step)
     if not (math.isfinite(step) and step > 0 and math.isfinite(at) and at >= 0):
-        msg = f"The step {step!r} s must be positive, and the instant {at!r} s not negative."
+        msg = f"The step {step!r} s must be positive, and the time {at!r} s must not be negative."
         raise SystemDescriptionError(msg)
-    with operating_point(system, step, at) as probes:
-        examined = Examined(system, step, at, probes, algorithm)
+    with operating_point(system, step, at) as saved:
+        examined = Examined(system, step, at, saved, algorithm)
         coupled = examined.coupled(step, algorithm.order)
         here = examined.judged(coupled, step)
         search = Search(examined, here)
@@ -140,11 +165,7 @@ def stability(
         if not here.stable:
             advice += _alternatives(examined, coupled, here)
     contraction = coupled.contraction(algorithm, step)
-    if contraction is not None and contraction >= 1:
-        advice.append(_sweeps(algorithm, contraction))
-    held = sum(system.resolve(f"{c.source}.{c.output}")[1].type != REAL for c in system.connections)
-    if held:
-        advice.append(f"{held} Integer or Boolean connections are taken as held.")
+    advice += _remarks(system, algorithm, contraction)
     return Verdict(
         *(system.name, algorithm.name, step, system.stop_time),
         *(here.radius, here.threshold, contraction, largest),
@@ -154,15 +175,34 @@ def stability(
 
 
 def is_stable(system: System, step: float | None = None, algorithm: str | Algorithm = "gauss-seidel") -> bool:
-    """Whether deviations do not grow at the start: `stability` without the search for steps and advice."""
-    algorithm, step = find_algorithm(algorithm), system.step if step is None else step
-    with operating_point(system, step, 0.0) as probes:
-        examined = Examined(system, step, 0.0, probes, algorithm)
+    """Whether a co-simulation algorithm is stable on a system at the start of a run.
+
+    This function is faster than `stability`, because it neither searches for steps nor gives advice.
+
+    Parameters
+    ----------
+    system
+        System whose components can save their states.
+    step
+        Communication step, s. Default: the step of the system.
+    algorithm
+        Co-simulation algorithm, or its name.
+
+    Raises
+    ------
+    SystemDescriptionError
+        If a component cannot save its state, or the step does not fit a sampling period.
+    SimulationError
+        If initialization fails, or a step after it.
+    """
+    algorithm, step = find_algorithm(algorithm), system.run_step(step)
+    with operating_point(system, step, 0.0) as saved:
+        examined = Examined(system, step, 0.0, saved, algorithm)
         return examined.judged(examined.coupled(step, algorithm.order), step).stable
 
 
 def _limits(search: Search, largest: float | None) -> str:
-    """What the search found."""
+    """Sentence on the largest stable step."""
     h = search.here.step
     if search.power is not None:
         return f"The radius exceeds 1 by a share of h^{search.power:.1f}: no step is stable, smaller ones grow slower."
@@ -172,8 +212,8 @@ def _limits(search: Search, largest: float | None) -> str:
         return f"No step up to {h * GRID**ABOVE:.3g} s, as far as it can be examined, is unstable."
     if search.gap is not None:
         return (
-            f"Use a step of at most {largest:.3g} s: one of {search.gap:.3g} s is unstable, and this one only too"
-            " long to see what grows there."
+            f"Use a step of at most {largest:.3g} s: a step of {search.gap:.3g} s is unstable,"
+            " and the given step is only too long to see that growth."
         )
     if not search.here.stable:
         return f"Use a step of at most {largest:.3g} s."
@@ -181,7 +221,7 @@ def _limits(search: Search, largest: float | None) -> str:
 
 
 def _alternatives(examined: Examined, coupled: Coupled, here: Point) -> Iterator[str]:
-    """Sentences on what would be stable at this step, or would grow least."""
+    """Sentences on algorithms that are stable at this step, or else on the algorithm that grows least."""
     h, algorithm = here.step, examined.algorithm
     if algorithm.exchange == SEQUENTIAL and algorithm.correction is None:
         yield from _orders(examined, coupled, here)
@@ -203,15 +243,15 @@ def _alternatives(examined: Examined, coupled: Coupled, here: Point) -> Iterator
 
 
 def _named(algorithm: Algorithm, coupled: Coupled, h: float) -> str:
-    """What to ask for; iterative beside newton where its sweeps converge."""
+    """Name and order of an algorithm for the user, with ``iterative`` as an alternative where sweeps converge."""
     contraction = coupled.contraction(algorithm, h)
     name = "newton or iterative" if contraction is not None and contraction < 1 else algorithm.name
     return f"{name} with order {algorithm.order}"
 
 
 def _orders(examined: Examined, coupled: Coupled, here: Point) -> Iterator[str]:
-    """A sentence on the best order of the components, if it is better by far."""
-    names = [unit.name for unit in coupled.units]
+    """Sentence on the best order of the components, if that order is much better than the given order."""
+    names = [model.name for model in coupled.models]
     if len(names) > MOST_ORDERED:
         return
     trials = [
@@ -224,14 +264,24 @@ def _orders(examined: Examined, coupled: Coupled, here: Point) -> Iterator[str]:
         yield f"The order {listed} has a radius of 1 {radius - 1:+.3g}."
 
 
+def _remarks(system: System, algorithm: Algorithm, contraction: float | None) -> Iterator[str]:
+    """Sentences on sweeps that do not converge, and on connections that the prediction leaves out."""
+    if contraction is not None and contraction >= 1:
+        yield _sweeps(algorithm, contraction)
+    held = sum(system.resolve(f"{c.source}.{c.output}")[1].type != REAL for c in system.connections)
+    if held:
+        yield f"{held} Integer or Boolean connections are treated as constant during a step."
+
+
 def _sweeps(algorithm: Algorithm, contraction: float) -> str:
+    """Sentence on sweeps that do not converge."""
     if algorithm.correction is not None and algorithm.correction.method == NEWTON:
-        return f"Sweeps alone would multiply their error by {contraction:.3g}; newton does not depend on that."
-    return f"Sweeps multiply their error by {contraction:.3g}: only relaxation can make them converge; newton does."
+        return f"Sweeps alone would multiply their error by {contraction:.3g}; newton does not depend on sweeps."
+    return f"Sweeps multiply their error by {contraction:.3g}: use newton, or relaxation so that sweeps converge."
 
 
 def _blame(coupled: Coupled, algorithm: Algorithm, h: float) -> tuple[tuple[Connection, float], ...]:
-    """|d radius / d gain| by connection, the largest first."""
+    """Connections with their influence |d radius / d factor|, the largest first."""
     base, n = radius_of(coupled, algorithm, h), len(coupled.links)
     weights = []
     for j, link in enumerate(coupled.links):
@@ -242,6 +292,7 @@ def _blame(coupled: Coupled, algorithm: Algorithm, h: float) -> tuple[tuple[Conn
 
 
 def _step_text(step: float | None) -> str:
+    """Largest stable step as text for a terminal."""
     if step is None:
         return "none is stable"
     return "no limit found" if math.isinf(step) else f"{step:.3g} s"

@@ -3,20 +3,23 @@
 import ctypes as ct
 import math
 from collections.abc import Iterator
+from contextlib import suppress
 from typing import Any
 
 from orchestration.check.dynamic.bitwise_runs import Yield
-from orchestration.check.dynamic.instance import Binary, Instance, references, status_name
+from orchestration.check.dynamic.instance import Binary, Instance
 from orchestration.check.findings import Finding, shown, warning
-from orchestration.fmi.signatures import OK, WARNING
+from orchestration.errors import InitializationError
+from orchestration.fmi.codes import accepted, status_name
+from orchestration.fmi.instance import c_references
+from orchestration.fmi.logging import Messages
 
 
 def guid(binary: Binary) -> Yield:
     """Rule 9: another GUID is refused."""
-    component = binary.create([], guid="{00000000-0000-0000-0000-000000000000}")
-    if component:
+    with suppress(InitializationError):
+        binary.create(Messages(), guid="{00000000-0000-0000-0000-000000000000}").close()
         yield warning("9", "fmi2Instantiate accepts a wrong GUID: a binary of another version is not noticed.")
-        binary.function("fmi2FreeInstance")(component)
 
 
 def unknown_reference(binary: Binary) -> Yield:
@@ -25,7 +28,7 @@ def unknown_reference(binary: Binary) -> Yield:
     reference = next(n for n in range(2**32 - 2, 0, -1) if n not in taken)
     with Instance(binary) as instance:
         instance.initialize()
-        status = instance.status("fmi2GetReal", references([reference]), 1, ct.byref(ct.c_double()))
+        status = instance.status("fmi2GetReal", c_references([reference]), 1, ct.byref(ct.c_double()))
         yield from _accepted(status, "10", f"fmi2GetReal of the unknown value reference {reference}")
 
 
@@ -56,14 +59,14 @@ def input_not_a_number(binary: Binary) -> Yield:
             instance.initialize()
             row = binary.variables[name]
             value = ct.byref(ct.c_double(math.nan))
-            if instance.status("fmi2SetReal", references([row["reference"]]), 1, value) in (OK, WARNING):
+            if accepted(instance.status("fmi2SetReal", c_references([row["reference"]]), 1, value)):
                 instance.status("fmi2DoStep", instance.time, binary.plan["step"], 1)
     yield from ()
 
 
 def _accepted(status: int, rule: str, what: str) -> Iterator[Finding]:
     """A finding if a bad call went well."""
-    if status in (OK, WARNING):
+    if accepted(status):
         yield warning(rule, f"{what} returns {status_name(status)}; an error is due.")
 
 
@@ -82,6 +85,6 @@ def _bad_set(binary: Binary, causality: str, variability: str) -> Yield:
     with Instance(binary) as instance:
         instance.initialize()
         value = ct.c_double(instance.get([rows[0]["name"]])[0])
-        status = instance.status("fmi2SetReal", references([rows[0]["reference"]]), 1, ct.byref(value))
+        status = instance.status("fmi2SetReal", c_references([rows[0]["reference"]]), 1, ct.byref(value))
         kind = f"{variability} {causality}".strip()
         yield from _accepted(status, "12", f"fmi2SetReal of the {kind} {shown(rows[0]['name'])} after initialization")

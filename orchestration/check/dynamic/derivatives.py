@@ -11,8 +11,9 @@ import ctypes as ct
 import math
 
 from orchestration.check.dynamic.bitwise_runs import Yield, moves
-from orchestration.check.dynamic.instance import Binary, Instance, reals, references
+from orchestration.check.dynamic.instance import Binary, Instance, reals
 from orchestration.check.findings import error, shown
+from orchestration.fmi.instance import c_references
 
 SHIFT, TOLERANCE = 1e-5, 1e-3
 ROUNDING = 100 * 2.0**-52
@@ -53,9 +54,9 @@ def _directional(instance: Instance, outputs: list[str], name: str) -> list[floa
     found = reals([0.0] * len(outputs))
     instance.call(
         "fmi2GetDirectionalDerivative",
-        references(numbers),
+        c_references(numbers),
         len(numbers),
-        references([instance.binary.variables[name]["reference"]]),
+        c_references([instance.binary.variables[name]["reference"]]),
         1,
         ct.byref(ct.c_double(1.0)),
         found,

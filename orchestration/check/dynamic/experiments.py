@@ -29,7 +29,7 @@ def loading(binary: Binary) -> Yield:
     if lacking and not binary.plan["exports_known"]:
         yield error("8", f"The library does not export {listed(lacking)}.")
     for function, expected in (("fmi2GetVersion", b"2.0"), ("fmi2GetTypesPlatform", b"default")):
-        answer = binary.function(function)()
+        answer = binary.ask(function)
         if answer != expected:
             yield warning("10", f"{function} answers {shown(answer)}, not {expected.decode()}.")
 

@@ -14,7 +14,8 @@ from orchestration.check.findings import Finding, Severity, error, shown, warnin
 from orchestration.check.static.archive_rules import Package
 from orchestration.check.static.binary_rules import host_library
 from orchestration.errors import ArchiveError
-from orchestration.fmi.instance import SAMPLE_TIME, needed_to_run
+from orchestration.fmi.description import SAMPLE_TIME
+from orchestration.fmi.library import needed_to_run
 from orchestration.sandbox.archive import unpack
 from orchestration.sandbox.process import Ending, work
 

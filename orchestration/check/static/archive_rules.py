@@ -1,23 +1,18 @@
 """Rules 1 and 7: the archive is safe, and holds a description that is valid against FMI's schema."""
 
-import importlib.resources
 import posixpath
 import re
 import zipfile
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
-from functools import cache
 from pathlib import Path
-from typing import Any
 
 from orchestration.check.findings import Finding, error, listed, note, shown, warning
-from orchestration.check.static.document import Document
 from orchestration.errors import ArchiveError
+from orchestration.fmi.document import MODEL_DESCRIPTION, Document, DocumentError, parsed, read_bytes, require_valid
 from orchestration.sandbox.archive import UNREADABLE, screen
 
-DESCRIPTION = "modelDescription.xml"
-LARGEST = 32 * 1024**2  # bytes of a description; a hundred thousand variables have 25 MB
 LARGEST_SOURCES = 8 * 1024**2  # bytes of all sources that are read; ours have 0.2 MB
 LONGEST_MESSAGE = 400
 _INCLUDE = re.compile(rb'^[ \t]*#[ \t]*include[ \t]*"([^"\n]{1,200})"', re.MULTILINE)
@@ -71,9 +66,9 @@ def open_package(path: Path) -> Package:
         raise UnreadableError(error("7", shown(str(failed).replace(str(path), path.name), LONGEST_MESSAGE))) from failed
     except UNREADABLE as failed:
         raise UnreadableError(error("7", f"The archive cannot be read: {shown(failed)}.")) from failed
-    if DESCRIPTION not in names:
-        raise UnreadableError(error("1", f"The archive has no {DESCRIPTION}; it has {listed(sorted(names))}."))
-    return Package(path, names, Document(_validated(_description(path))))
+    if MODEL_DESCRIPTION not in names:
+        raise UnreadableError(error("1", f"The archive has no {MODEL_DESCRIPTION}; it has {listed(sorted(names))}."))
+    return Package(path, names, _document(path))
 
 
 def sources_are_complete(package: Package) -> Iterator[Finding]:
@@ -100,48 +95,19 @@ def tool_is_not_needed(package: Package) -> Iterator[Finding]:
         yield note("7", "needsExecutionTool: the FMU runs only where the tool that exported it is installed.")
 
 
-def _description(path: Path) -> bytes:
-    """The bytes of the description."""
-    most = LARGEST
+def _document(path: Path) -> Document:
+    """A valid description."""
     try:
-        with zipfile.ZipFile(path) as archive, archive.open(DESCRIPTION) as file:
-            content = file.read(most + 1)
-    except UNREADABLE as failed:
-        raise UnreadableError(error("7", f"{DESCRIPTION} cannot be unpacked: {shown(failed)}.")) from failed
-    if len(content) > most:
-        raise UnreadableError(error("1", f"{DESCRIPTION} has more than {most} bytes."))
-    return content
-
-
-def _validated(content: bytes) -> Any:
-    """The root element of a valid description."""
-    from lxml import etree
-
-    parser = etree.XMLParser(resolve_entities=False, no_network=True, remove_comments=True, remove_pis=True)
-    try:
-        root = etree.fromstring(content, parser)
-    except (etree.XMLSyntaxError, ValueError) as failed:
-        raise UnreadableError(
-            error("1", f"{DESCRIPTION} is no well-formed XML: {shown(failed, LONGEST_MESSAGE)}.")
-        ) from failed
-    version = root.get("fmiVersion")
-    if root.tag != "fmiModelDescription" or version != "2.0":
-        said = f"{DESCRIPTION} has the root {shown(root.tag)} and fmiVersion {shown(version)}"
-        raise UnreadableError(error("1", f"{said}; fmiModelDescription and 2.0 are needed."))
-    schema = _schema()
-    if not schema.validate(root):
-        first = schema.error_log[0]
-        more = f" ({len(schema.error_log)} violations)" if len(schema.error_log) > 1 else ""
-        said = shown(first.message, LONGEST_MESSAGE)
-        raise UnreadableError(error("1", f"{DESCRIPTION} violates the schema in line {first.line}: {said}{more}"))
+        root = parsed(read_bytes(path))
+        version = root.get("fmiVersion")
+        if root.tag != "fmiModelDescription" or version != "2.0":
+            said = f"{MODEL_DESCRIPTION} has the root {shown(root.tag)} and fmiVersion {shown(version)}"
+            raise UnreadableError(error("1", f"{said}; fmiModelDescription and 2.0 are needed."))
+        require_valid(root)
+    except DocumentError as failed:
+        raise UnreadableError(error("1", shown(failed, LONGEST_MESSAGE))) from failed
+    except ArchiveError as failed:
+        raise UnreadableError(error("7", shown(failed, LONGEST_MESSAGE))) from failed
     if root.find("CoSimulation") is None:
         raise UnreadableError(error("1", "There is no CoSimulation element; the FMU is for model exchange only."))
-    return root
-
-
-@cache
-def _schema() -> Any:
-    from lxml import etree
-
-    path = importlib.resources.files("fmpy") / "schema" / "fmi2" / "fmi2ModelDescription.xsd"
-    return etree.XMLSchema(etree.parse(str(path)))
+    return Document(root)

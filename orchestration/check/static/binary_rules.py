@@ -1,14 +1,14 @@
 """Rules 6 and 8: there is a binary for this machine, named after the model, that exports FMI's functions."""
 
-import platform
 import re
-import sys
 from collections.abc import Iterator
 from pathlib import PurePosixPath
 
 from orchestration.check.findings import Finding, error, listed, note, shown, warning
 from orchestration.check.static.archive_rules import Package
 from orchestration.check.static.elf import ElfError, Library, read
+from orchestration.errors import ArchiveError
+from orchestration.fmi.library import host_folders, library_names
 from orchestration.fmi.signatures import FUNCTIONS
 
 LARGEST = 256 * 1024**2  # bytes of a library that are read
@@ -25,7 +25,11 @@ def binary_is_for_this_machine(package: Package) -> Iterator[Finding]:
     """Rule 6: a library named after the modelIdentifier, in a folder of this machine."""
     if host_library(package):
         return
-    folders, extension = host_folders()
+    try:
+        folders, extension = host_folders()
+    except ArchiveError as unknown:
+        yield error("6", str(unknown))
+        return
     identifier = package.document.identifier
     present = sorted(_platforms(package))
     others = [n for n in sorted(package.names) for folder in folders if n.startswith(f"binaries/{folder}/")]
@@ -42,8 +46,8 @@ def binary_is_for_this_machine(package: Package) -> Iterator[Finding]:
 def binaries_are_named_after_the_model(package: Package) -> Iterator[Finding]:
     """Rule 6: every platform has a file of that name."""
     identifier = package.document.identifier
-    folders, _ = host_folders()
-    for folder in sorted(_platforms(package) - set(folders)):
+    here = {PurePosixPath(name).parts[1] for name in _host_names(identifier)}
+    for folder in sorted(_platforms(package) - here):
         files = [PurePosixPath(name) for name in package.names if name.startswith(f"binaries/{folder}/")]
         if not any(file.stem == identifier for file in files):
             yield warning("6", f"binaries/{shown(folder)} has no file named after the model, {shown(identifier)}.")
@@ -64,21 +68,17 @@ def functions_are_exported(package: Package) -> Iterator[Finding]:
             yield from _interpreter(package, name, library)
 
 
-def host_folders() -> tuple[tuple[str, ...], str]:
-    """Folders below ``binaries/`` whose libraries this machine loads, the usual one first, and their extension."""
-    arm = platform.machine().lower() in ("arm64", "aarch64")
-    if sys.platform == "darwin":
-        return (("aarch64-darwin", "darwin64") if arm else ("darwin64", "x86_64-darwin")), ".dylib"
-    if sys.platform == "win32":
-        return ("win64", "x86_64-windows"), ".dll"
-    return (("aarch64-linux",) if arm else ("linux64", "x86_64-linux")), ".so"
-
-
 def host_library(package: Package) -> str | None:
-    """Name of the archive's entry that this machine loads."""
-    folders, extension = host_folders()
-    names = (f"binaries/{folder}/{package.document.identifier}{extension}" for folder in folders)
-    return next((name for name in names if name in package.names), None)
+    """Name of the archive's entry that this machine loads; None if there is none."""
+    return next((name for name in _host_names(package.document.identifier) if name in package.names), None)
+
+
+def _host_names(identifier: str) -> list[str]:
+    """Entries that this machine would load; none where no library runs, as `binary_is_for_this_machine` says."""
+    try:
+        return library_names(identifier)
+    except ArchiveError:
+        return []
 
 
 def _interpreter(package: Package, name: str, library: Library) -> Iterator[Finding]:

@@ -6,8 +6,9 @@ from collections.abc import Iterator
 
 from orchestration.check.findings import Finding, error, shown, warning
 from orchestration.check.static.archive_rules import Package
-from orchestration.check.static.document import APPROX, CALCULATED, EXACT, Declared
 from orchestration.fmi.codes import REAL, SERIALIZES_STATE
+from orchestration.fmi.description import IDENTIFIER
+from orchestration.fmi.document import APPROX, CALCULATED, EXACT, Declared
 
 _ANY = frozenset({EXACT, APPROX, CALCULATED})
 _COMPUTED = frozenset({APPROX, CALCULATED})
@@ -29,7 +30,6 @@ LEGAL: dict[tuple[str, str], frozenset[str]] = {
     ("local", "continuous"): _ANY,
     ("independent", "continuous"): frozenset(),
 }
-_IDENTIFIER = re.compile(r"[A-Za-z_]\w*", re.ASCII)
 _ELEMENT = r"""(?:[A-Za-z_]\w*|'(?:[ !#-&(-\[\]-~]|\\['"?\\abfnrtv])+')(?:\[\d+(?:,\d+)*\])?"""
 _PATH = rf"{_ELEMENT}(?:\.{_ELEMENT})*"
 _STRUCTURED = re.compile(rf"{_PATH}|der\({_PATH}(?:,\d+)?\)", re.ASCII)  # section 2.2.9
@@ -82,7 +82,7 @@ def units_are_declared(package: Package) -> Iterator[Finding]:
     for name, unit in document.units.items():
         if unit is None:
             yield warning("5", f"The unit {shown(name)} has no BaseUnit; importers cannot compare it.")
-        elif not (math.isfinite(unit.factor) and unit.factor and math.isfinite(unit.offset)):
+        elif not unit.convertible:
             yield error("5", f"The unit {shown(name)} has factor {unit.factor:g} and offset {unit.offset:g}.")
     for variable in document.variables:
         name, unit = shown(variable.name), variable.unit
@@ -123,7 +123,7 @@ def capabilities_agree(package: Package) -> Iterator[Finding]:
     document = package.document
     if document.flag(SERIALIZES_STATE) and not document.flag("canGetAndSetFMUstate"):
         yield error("6", f"{SERIALIZES_STATE} is true, but canGetAndSetFMUstate false: there is no state to serialize.")
-    if not _IDENTIFIER.fullmatch(document.identifier):
+    if not IDENTIFIER.fullmatch(document.identifier):
         yield error("6", f"The modelIdentifier {shown(document.identifier)!r} is no C identifier.")
     exchange = document.root.find("ModelExchange")
     other = document.identifier if exchange is None else exchange.get("modelIdentifier")

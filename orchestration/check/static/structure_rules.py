@@ -4,9 +4,8 @@ from collections.abc import Iterator
 
 from orchestration.check.findings import Finding, error, listed, shown, warning
 from orchestration.check.static.archive_rules import Package
-from orchestration.check.static.document import APPROX, CALCULATED, Document
+from orchestration.fmi.document import APPROX, CALCULATED, DERIVATIVES, INITIAL_UNKNOWNS, OUTPUTS, Document
 
-OUTPUTS, DERIVATIVES, INITIAL = "Outputs", "Derivatives", "InitialUnknowns"
 _COMPUTED = (APPROX, CALCULATED)
 
 
@@ -14,7 +13,7 @@ def indices_exist(package: Package) -> Iterator[Finding]:
     """Indices of unknowns, dependencies and states are those of variables."""
     document = package.document
     n = len(document.variables)
-    for listing in (OUTPUTS, DERIVATIVES, INITIAL):
+    for listing in (OUTPUTS, DERIVATIVES, INITIAL_UNKNOWNS):
         for row in document.unknowns(listing):
             wrong = [i for i in (row.index, *(row.dependencies or ())) if not 1 <= i <= n]
             if wrong:
@@ -37,10 +36,10 @@ def initial_unknowns_are_complete(package: Package) -> Iterator[Finding]:
     for row in document.unknowns(DERIVATIVES):
         places = [i for i in (row.index, _state(document, row.index)) if 1 <= i <= len(document.variables)]
         expected |= {i for i in places if document.variables[i - 1].initial in _COMPUTED}
-    yield from _compare(document, INITIAL, expected)
-    indices = [row.index for row in document.unknowns(INITIAL)]
+    yield from _compare(document, INITIAL_UNKNOWNS, expected)
+    indices = [row.index for row in document.unknowns(INITIAL_UNKNOWNS)]
     if indices != sorted(indices):
-        yield warning("4", f"{INITIAL} is not in ascending order.")
+        yield warning("4", f"{INITIAL_UNKNOWNS} is not in ascending order.")
 
 
 def derivatives_name_their_states(package: Package) -> Iterator[Finding]:
@@ -56,7 +55,7 @@ def dependencies_are_declared(package: Package) -> Iterator[Finding]:
     """What each unknown depends on is said, in ascending order, with a kind each or none."""
     document = package.document
     silent = []
-    for listing in (OUTPUTS, DERIVATIVES, INITIAL):
+    for listing in (OUTPUTS, DERIVATIVES, INITIAL_UNKNOWNS):
         for row in document.unknowns(listing):
             name = _name(document, row.index)
             if row.kinds is not None and len(row.kinds) != len(row.dependencies or ()):

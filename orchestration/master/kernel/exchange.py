@@ -1,227 +1,229 @@
-"""Sweeps over the units, their inputs, and going back: what every algorithm's step is made of.
+"""Sweeps over the components: set inputs, step, get outputs, and go back to saved states.
 
-Every function returns (subject, call, status): status 0 or 1 means that all went well; else it is the
-fmi2Status of that call of component `subject`.
+Every step of every algorithm is made of these. A function that makes several calls returns
+`orchestration.master.kernel.codes.Failure`; `FINE` says that all went well.
 """
 
 import numpy as np
-from numba import njit
 
 from orchestration.fmi.codes import WORST_ACCEPTED
-from orchestration.fmi.native_calls import call_do_step, call_rates, call_state
-from orchestration.master.kernel.coupling import (
-    ASSUMED,
-    CONTINUOUS,
-    FRESH,
-    GET_STATE,
-    INTERVAL,
+from orchestration.fmi.native_calls import call_do_step, call_rates, call_state, copy_bytes
+from orchestration.master.kernel.codes import (
     N_PAST,
-    N_PAST_KEPT,
-    RATE_1,
-    RATE_2,
-    RATES_COUNT,
-    RATES_FUNCTION,
-    RATES_ORDERS,
-    RATES_REFERENCES,
-    RATES_VALUES,
-    RATIO,
-    SAVED,
-    SET_STATE,
-    SOURCE,
-    STARTING,
-    STEP,
-    TARGET,
-    Coupling,
-    Method,
-    Work,
+    Action,
+    Column,
+    Failure,
+    Group,
+    Level,
+    Row,
+    Scope,
+    Turn,
 )
-from orchestration.master.kernel.flat_system import (
-    CALL_NAMES,
-    COMPONENT,
-    DO_STEP,
-    END_DISCRETE,
-    END_REAL,
-    FIRST_DISCRETE,
-    FIRST_REAL,
-    Plan,
-    copy_links,
-    get_outputs,
-    set_inputs,
-)
+from orchestration.master.kernel.compiled import compiled_for_callers
+from orchestration.master.kernel.coupling import Coupling
+from orchestration.master.kernel.flat_system import copy_links, exchange
 
-Failure = tuple[int, int, int]
-FINE = (0, 0, 0)
-SAVE, RESTORE, RATES, DIRECTION = 1000, 1001, 1002, 1003
-STEP_CALL_NAMES = CALL_NAMES | {
-    SAVE: "fmi2GetFMUstate",
-    RESTORE: "fmi2SetFMUstate",
-    RATES: "fmi2SetRealInputDerivatives",
-    DIRECTION: "fmi2GetDirectionalDerivative",
-}
-ALL, AGAIN = -1, -2  # what to sweep over
-GIVE, MAKE, SHOW = range(3)
-_options = {"cache": True, "nogil": True, "error_model": "numpy"}
+FINE = (-1, 0, 0)
+SIZE_OF_ADDRESS, SIZE_OF_REAL, SIZE_OF_DISCRETE = 8, 8, 4  # bytes
 
 
-@njit(**_options)
-def copy(source: np.ndarray, target: np.ndarray) -> None:
-    """Copy numbers; an assignment of slices would compile a second of error messages each time."""
-    for i in range(source.shape[0]):
-        target[i] = source[i]
+@compiled_for_callers
+def sweep(c: Coupling, step: tuple[float, float], scope: Scope) -> Failure:
+    """Set inputs, step, get outputs: of all components, of the continuous ones again, or of one again.
 
-
-@njit(**_options)
-def sweep(plan: Plan, coupling: Coupling, work: Work, method: Method, step: tuple[float, float], only: int) -> Failure:
-    """Set inputs, step, get outputs: of all units, of the continuous ones again, or of one of them again.
-
-    The order is unit by unit, or in the first sweep of a parallel exchange action by action. (There is
-    one place for each call: what is inlined twice is compiled twice.) A unit of ratio r > 1 makes a
-    step of r h in every r-th interval; a continuous one of these shows what it reached when the time is
-    reached.
-
-    Parameters
-    ----------
-    only
-        `ALL`, `AGAIN`, or a component.
+    The order is component by component, or in the first sweep of a parallel exchange action by action.
+    A component of ratio r > 1 makes a step of r h in every r-th interval; a continuous one of these shows
+    what it reached when the time is reached. Each call stands in one place: what is inlined twice is
+    compiled twice.
     """
-    table, units, interval = plan.table, coupling.units, work.integers[INTERVAL]
+    table, interval = c.table, c.state.interval
     n = table.shape[0]
-    by_unit = method.sequential or only != ALL
-    i, action = 0, GIVE
+    by_component = c.method.sequential == 1 or scope != Scope.ALL
+    i = action = zero = table.shape[0] - n  # a literal 0 would be a type of its own: callees compiled twice
     call, status = 0, 0
-    while i < n and action <= SHOW:
-        ratio, continuous = units[i, RATIO], units[i, CONTINUOUS] == 1
-        due = (only == ALL or only == i or (only == AGAIN and continuous)) and interval % ratio == 0
-        if action == SHOW and ratio > 1 and continuous:
+    while i < n and action < Action.DONE:
+        ratio, continuous = table[i, Column.RATIO], table[i, Column.IS_CONTINUOUS] == 1
+        due = concerns(c, i, scope) and interval % ratio == 0
+        if action == Action.SHOW and ratio > 1 and continuous:
             due = (interval + 1) % ratio == 0
         if due:
-            if action == GIVE:
-                call, status = give_inputs(plan, coupling, work, method, i, step)
-            elif action == MAKE:
-                call, status = DO_STEP, call_do_step(table[i, DO_STEP], table[i, COMPONENT], step[0], step[1] * ratio)
+            if action == Action.MAKE:
+                call = Column.DO_STEP.value
+                status = call_do_step(table[i, Column.DO_STEP], table[i, Column.INSTANCE], step[0], step[1] * ratio)
             else:
-                call, status = get_outputs(table, i)
+                if action == Action.GIVE:
+                    move_inputs(c, i, step[1])
+                call, status = exchange(table, i, Column.SET_REAL if action == Action.GIVE else Column.GET_REAL)
+                if action == Action.GIVE and status <= WORST_ACCEPTED and rates_count(table, i) > 0:
+                    call, status = set_rates(table, i)
             if status > WORST_ACCEPTED:
                 return i, call, status
-        if by_unit:
+        if by_component:
             action += 1
-            if action > SHOW:
-                i, action = i + 1, GIVE
+            if action == Action.DONE:
+                i, action = i + 1, zero
         else:
             i += 1
             if i == n:
-                i, action = 0, action + 1
+                i, action = zero, action + 1
     return FINE
 
 
-@njit(**_options)
-def give_inputs(
-    plan: Plan, coupling: Coupling, work: Work, method: Method, i: int, step: tuple[float, float]
-) -> tuple[int, int]:
-    """Set the inputs of component i for the step, and how they move in it; returns (call, status)."""
-    table, reals, row = plan.table, plan.reals, coupling.units[i]
-    correcting = method.max_iterations > 0 or work.integers[STARTING] == 1
-    for j in range(table[i, FIRST_REAL], table[i, END_REAL]):
-        link = coupling.links[j]
-        assumed = link[ASSUMED] == 1 and correcting
-        end = work.end[j] if assumed else reals[link[SOURCE]]
-        if link[RATE_1] < 0:
-            reals[link[TARGET]] = end
+@compiled_for_callers
+def concerns(c: Coupling, i: int, scope: Scope) -> bool:
+    """Whether component i is within the scope."""
+    if scope == Scope.ONE:
+        return i == c.state.moved
+    return scope == Scope.ALL or c.table[i, Column.IS_CONTINUOUS] == 1
+
+
+@compiled_for_callers
+def move_inputs(c: Coupling, i: int, h: float) -> None:
+    """Compute the inputs of component i for a step of h s, and how they move in it."""
+    correcting = c.method.max_iterations > 0 or c.state.starting == 1
+    for j in range(c.table[i, Column.FIRST_REAL], c.table[i, Column.END_REAL]):
+        link = c.links[j]
+        assumed = link.assumed == 1 and correcting
+        end = link.end if assumed else c.reals[link.source]
+        if link.rate < 0:
+            c.reals[link.target] = end
         else:
-            known = assumed or link[FRESH] == 1
-            value, rate, curvature = polynomial(link[SOURCE], work, method.order, step[1], known, end)
-            reals[link[TARGET]] = value
-            work.rates[link[RATE_1]] = rate
-            if link[RATE_2] >= 0:
-                work.rates[link[RATE_2]] = curvature
-    copy_links(plan.discrete_links, table[i, FIRST_DISCRETE], table[i, END_DISCRETE], plan.discretes)
-    call, status = set_inputs(table, i)
-    if status <= WORST_ACCEPTED and row[RATES_COUNT] > 0:
-        call = RATES
-        status = call_rates(
-            row[RATES_FUNCTION],
-            table[i, COMPONENT],
-            row[RATES_REFERENCES],
-            row[RATES_COUNT],
-            row[RATES_ORDERS],
-            row[RATES_VALUES],
-        )
-    return call, status
+            if assumed or link.fresh == 1:
+                value, rate, curvature = polynomial_to(c, link.source, h, end)
+            else:
+                value, rate, curvature = polynomial(c, link.source)
+            c.reals[link.target] = value
+            c.rates[link.rate] = rate
+            if link.curvature >= 0:
+                c.rates[link.curvature] = curvature
+    first, last = c.table[i, Column.FIRST_DISCRETE], c.table[i, Column.END_DISCRETE]
+    copy_links(c.discrete_links, first, last, c.discretes)
 
 
-@njit(**_options)
-def polynomial(source: int, work: Work, order: int, h: float, known: bool, end: float) -> tuple[float, float, float]:
-    """Value, first and second derivative at t of the polynomial through an output's values.
+@compiled_for_callers
+def rates_count(table: np.ndarray, i: int) -> int:
+    """How many input derivatives component i takes."""
+    return table[i, Column.SET_RATES + Group.COUNT]
 
-    It passes through the value `end` at t + h, if that is known, and as many values at t and before
-    as `order` asks for and the past since the last event has.
+
+@compiled_for_callers
+def set_rates(table: np.ndarray, i: int) -> tuple[int, int]:
+    """Hand component i its input derivatives; returns (call, status)."""
+    status = call_rates(
+        table[i, Column.SET_RATES + Group.FUNCTION],
+        table[i, Column.INSTANCE],
+        table[i, Column.SET_RATES + Group.REFERENCES],
+        table[i, Column.SET_RATES + Group.COUNT],
+        table[i, Column.SET_RATES + Group.ORDERS],
+        table[i, Column.SET_RATES + Group.VALUES],
+    )
+    return Column.SET_RATES.value, status
+
+
+@compiled_for_callers
+def polynomial_to(c: Coupling, source: int, h: float, end: float) -> tuple[float, float, float]:
+    """Value, first and second derivative at t of a polynomial through `end` at t + h.
+
+    It also passes through as many of the output's values at t and before as the order of the method asks
+    for and the past since the last event has.
     """
-    y, t = work.past, work.past_times
-    n = work.integers[N_PAST]
-    value = y[0, source]
-    if known:
-        to_end = (end - value) / h
-        if order < 2 or n < 2:
-            return value, to_end, 0.0
-        behind = t[0] - t[1]
-        slope = (value - y[1, source]) / behind
-        bend = (to_end - slope) / (h + behind)
-        return value, slope + bend * behind, 2 * bend
-    if n < 2:
-        return value, 0.0, 0.0
-    behind = t[0] - t[1]
-    slope = (value - y[1, source]) / behind
-    if order < 2 or n < 3:
-        return value, slope, 0.0
-    before = (y[1, source] - y[2, source]) / (t[1] - t[2])
-    bend = (slope - before) / (t[0] - t[2])
+    y, t = c.history, c.reals.shape[0]
+    value = y[Row.LAST, source]
+    to_end = (end - value) / h
+    if c.method.order < 2 or c.state.n_past < 2:
+        return value, to_end, 0.0
+    behind = y[Row.LAST, t] - y[Row.BEFORE, t]
+    slope = (value - y[Row.BEFORE, source]) / behind
+    bend = (to_end - slope) / (h + behind)
     return value, slope + bend * behind, 2 * bend
 
 
-@njit(**_options)
-def remember(plan: Plan, work: Work, t: float) -> None:
+@compiled_for_callers
+def polynomial(c: Coupling, source: int) -> tuple[float, float, float]:
+    """Value, first and second derivative at t of the polynomial through an output's past values.
+
+    It passes through as many as the order of the method asks for and the past since the last event has.
+    """
+    y, t, n = c.history, c.reals.shape[0], c.state.n_past
+    value = y[Row.LAST, source]
+    if n < 2:
+        return value, 0.0, 0.0
+    behind = y[Row.LAST, t] - y[Row.BEFORE, t]
+    slope = (value - y[Row.BEFORE, source]) / behind
+    if c.method.order < 2 or n < 3:
+        return value, slope, 0.0
+    before = (y[Row.BEFORE, source] - y[Row.OLDEST, source]) / (y[Row.BEFORE, t] - y[Row.OLDEST, t])
+    bend = (slope - before) / (y[Row.LAST, t] - y[Row.OLDEST, t])
+    return value, slope + bend * behind, 2 * bend
+
+
+@compiled_for_callers
+def row_address(c: Coupling, row: Row) -> int:
+    """The address of a row of the history."""
+    return c.method.history + SIZE_OF_REAL * row * c.history.shape[1]
+
+
+@compiled_for_callers
+def copy_past(c: Coupling, source: Row, target: Row) -> None:
+    """Copy three rows of the history that follow each other."""
+    copy_bytes(row_address(c, source), row_address(c, target), N_PAST * SIZE_OF_REAL * c.history.shape[1])
+
+
+@compiled_for_callers
+def store(c: Coupling, target: Row) -> None:
+    """Copy the present Real values into a row of the history."""
+    copy_bytes(c.method.reals, row_address(c, target), SIZE_OF_REAL * c.reals.shape[0])
+
+
+@compiled_for_callers
+def bring_back(c: Coupling, source: Row) -> None:
+    """Make a row of the history the present Real values."""
+    copy_bytes(row_address(c, source), c.method.reals, SIZE_OF_REAL * c.reals.shape[0])
+
+
+@compiled_for_callers
+def remember(c: Coupling, t: float) -> None:
     """Make the present values the youngest of the past."""
-    past, times = work.past, work.past_times
-    for age in range(N_PAST_KEPT - 1, 0, -1):
-        copy(past[age - 1], past[age])
-        times[age] = times[age - 1]
-    copy(plan.reals, past[0])
-    times[0] = t
-    work.integers[N_PAST] = min(work.integers[N_PAST] + 1, N_PAST_KEPT)
+    row = SIZE_OF_REAL * c.history.shape[1]
+    copy_bytes(c.method.history + row, c.method.history + 2 * row, row)
+    copy_bytes(c.method.history, c.method.history + row, row)
+    store(c, Row.LAST)
+    c.history[Row.LAST, c.reals.shape[0]] = t
+    if c.state.n_past < N_PAST:
+        c.state.n_past += 1
 
 
-@njit(**_options)
-def turn(plan: Plan, coupling: Coupling, work: Work, level: int, only: int, back: bool) -> Failure:
-    """Save, or go `back` to, the state of all units, of the continuous ones (`AGAIN`), or of one."""
-    table, units = plan.table, coupling.units
-    for i in range(table.shape[0]):
-        if only == ALL or only == i or (only == AGAIN and units[i, CONTINUOUS] == 1):
-            state = work.states[level, i] if back else units[i, SAVED + level]
-            status = call_state(units[i, SET_STATE if back else GET_STATE], table[i, COMPONENT], state)
+@compiled_for_callers
+def turn(c: Coupling, level: Level, scope: Scope, to: Turn) -> Failure:
+    """Save or restore the states of the components within the scope."""
+    n = c.table.shape[0]
+    back = to == Turn.RESTORE
+    call = Column.SET_STATE.value if back else Column.GET_STATE.value
+    for i in range(n):
+        if concerns(c, i, scope):
+            slot = c.method.saved_states + SIZE_OF_ADDRESS * (level * n + i)
+            state = c.states[level, i] if back else slot
+            status = call_state(c.table[i, call], c.table[i, Column.INSTANCE], state)
             if status > WORST_ACCEPTED:
-                return i, RESTORE if back else SAVE, status
+                return i, call, status
     return FINE
 
 
-@njit(**_options)
-def save(plan: Plan, coupling: Coupling, work: Work) -> Failure:
-    """Save everything at level `STEP`."""
-    copy(plan.reals, work.kept_reals)
-    copy(plan.discretes, work.kept_discretes)
-    copy(work.past_times, work.kept_times)
-    copy(work.integers, work.kept_integers)
-    for age in range(N_PAST_KEPT):
-        copy(work.past[age], work.kept_past[age])
-    return turn(plan, coupling, work, STEP, ALL, False)
+@compiled_for_callers
+def save(c: Coupling) -> Failure:
+    """Save everything that step control or the location of a crossing may have to go back to."""
+    store(c, Row.KEPT)
+    copy_bytes(c.method.discretes, c.method.kept_discretes, SIZE_OF_DISCRETE * c.discretes.shape[0])
+    copy_past(c, Row.LAST, Row.KEPT_LAST)
+    c.state.kept_n_past = c.state.n_past
+    return turn(c, Level.CONTROL, Scope.ALL, Turn.SAVE)
 
 
-@njit(**_options)
-def restore(plan: Plan, coupling: Coupling, work: Work) -> Failure:
+@compiled_for_callers
+def restore(c: Coupling) -> Failure:
     """Go back to what `save` saved."""
-    copy(work.kept_reals, plan.reals)
-    copy(work.kept_discretes, plan.discretes)
-    copy(work.kept_times, work.past_times)
-    for age in range(N_PAST_KEPT):
-        copy(work.kept_past[age], work.past[age])
-    work.integers[N_PAST] = work.kept_integers[N_PAST]
-    return turn(plan, coupling, work, STEP, ALL, True)
+    bring_back(c, Row.KEPT)
+    copy_bytes(c.method.kept_discretes, c.method.discretes, SIZE_OF_DISCRETE * c.discretes.shape[0])
+    copy_past(c, Row.KEPT_LAST, Row.LAST)
+    c.state.n_past = c.state.kept_n_past
+    return turn(c, Level.CONTROL, Scope.ALL, Turn.RESTORE)

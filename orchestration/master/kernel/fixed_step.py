@@ -9,35 +9,17 @@ Nothing here allocates, raises or sees a Python object. `run` is compiled; witho
 """
 
 import numpy as np
-from numba import njit
 
 from orchestration.fmi.codes import WORST_ACCEPTED
 from orchestration.fmi.native_calls import call_do_step, call_transfer
+from orchestration.master.kernel.codes import Kind
+from orchestration.master.kernel.compiled import compiled, compiled_for_callers
 from orchestration.master.kernel.flat_system import Plan, record
-from orchestration.master.kernel.step_program import (
-    COMPONENT,
-    COPY_REALS,
-    COUNT,
-    FIRST,
-    FUNCTION,
-    KIND,
-    STEP,
-    TRANSFER,
-    VALUES,
-)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def copy_values(operations: np.ndarray, j: int, values: np.ndarray) -> None:
-    """Copy a run of values to other places of their buffer."""
-    source, target = np.uint64(operations[j, FIRST]), np.uint64(operations[j, VALUES])
-    for i in range(np.uint64(operations[j, COUNT])):
-        values[target + i] = values[source + i]
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled
 def run(
-    operations: np.ndarray,
+    operations: np.recarray,
     plan: Plan,
     grid: tuple[np.ndarray, np.ndarray],
     span: tuple[int, int],
@@ -70,22 +52,22 @@ def run(
         t = times[k]
         h = steps[k] if steps.size > 1 else steps[0]
         for j in range(n):
-            kind = operations[j, KIND]
-            if kind == TRANSFER:
+            operation = operations[j]
+            if operation.kind == Kind.TRANSFER:
                 status = call_transfer(
-                    operations[j, FUNCTION],
-                    operations[j, COMPONENT],
-                    operations[j, FIRST],
-                    operations[j, COUNT],
-                    operations[j, VALUES],
+                    operation.function,
+                    operation.instance,
+                    operation.first,
+                    operation.count,
+                    operation.place,
                 )
-            elif kind == STEP:
-                status = call_do_step(operations[j, FUNCTION], operations[j, COMPONENT], t, h)
-            elif kind == COPY_REALS:
-                copy_values(operations, j, reals)
+            elif operation.kind == Kind.STEP:
+                status = call_do_step(operation.function, operation.instance, t, h)
+            elif operation.kind == Kind.COPY_REALS:
+                copy_values(operation, reals)
                 continue
             else:
-                copy_values(operations, j, discretes)
+                copy_values(operation, discretes)
                 continue
             if status > WORST_ACCEPTED:
                 return k, j, status
@@ -94,3 +76,11 @@ def run(
             record(plan, rows, row)
             until_record, row = every, row + np.uint64(1)
     return span[1], 0, 0
+
+
+@compiled_for_callers
+def copy_values(operation: np.record, values: np.ndarray) -> None:
+    """Copy a run of values to other places of their buffer."""
+    source, target = np.uint64(operation.first), np.uint64(operation.place)
+    for i in range(np.uint64(operation.count)):
+        values[target + i] = values[source + i]

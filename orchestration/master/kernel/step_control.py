@@ -9,173 +9,33 @@
             a chosen value has changed its sign: back, and bisect h until it changes within a tolerance
             record
 
-Steps end on the points exactly: ticks of sampled units are among them.
+Steps end on the points exactly: ticks of sampled components are among them.
 """
 
 from math import isfinite
 
 import numpy as np
-from numba import njit
 
-from orchestration.fmi.codes import WORST_ACCEPTED
+from orchestration.fmi.codes import WORST_ACCEPTED, Status
+from orchestration.master.kernel.codes import Failure, Reason, Row
+from orchestration.master.kernel.compiled import compiled, compiled_for_callers, compiled_in_place
 from orchestration.master.kernel.correction import corrected_step
-from orchestration.master.kernel.coupling import (
-    HAS_JACOBIAN,
-    INTERVAL,
-    LAST_ERROR,
-    N_PAST,
-    NEXT_STEP,
-    REJECTED,
-    STEPS_MADE,
-    TIME,
-    Coupling,
-    Method,
-    Work,
-)
-from orchestration.master.kernel.exchange import FINE, Failure, copy, remember, restore, save
+from orchestration.master.kernel.coupling import Coupling
+from orchestration.master.kernel.exchange import FINE, remember, restore, save, store
 from orchestration.master.kernel.flat_system import Plan, record
 
-TOO_SMALL = 102
-DISCARD = 2
-FULL, REACHED = -1, -2  # why a run returned, besides a failure
 SAFETY, SMALLEST_FACTOR, LARGEST_FACTOR = 0.9, 0.2, 5.0
 INTEGRAL, PROPORTIONAL = 0.7, 0.4  # exponents of the PI controller, over the error's order
-_options = {"cache": True, "nogil": True, "error_model": "numpy"}
+DISCARDED = 1e300  # the error of a step that a component discards
 
 
-@njit(inline="always", **_options)
-def advance(plan: Plan, coupling: Coupling, work: Work, method: Method, t: float, h: float) -> Failure:
-    """One step of h s from t s; with step control made whole, taken back, and made in two halves."""
-    failure = FINE
-    for part in range(3 if method.controlled else 1):
-        begin = t + 0.5 * h if part == 2 else t
-        length = h if part == 0 else 0.5 * h
-        if part == 1:
-            copy(plan.reals, work.whole)
-            failure = restore(plan, coupling, work)
-        if failure[2] <= WORST_ACCEPTED:
-            failure = corrected_step(plan, coupling, work, method, (begin, length))
-        if failure[2] > WORST_ACCEPTED:
-            return failure
-        remember(plan, work, begin + length)
-    return failure
-
-
-@njit(**_options)
-def estimate(plan: Plan, coupling: Coupling, work: Work, method: Method, h: float) -> tuple[float, int]:
-    """The error of a step over what it may be, and the watched value with the largest."""
-    share = h / coupling.limits[3]
-    divisor = 2.0**method.error_order - 1.0
-    largest, worst = 0.0, 0
-    for j in range(coupling.watched.shape[0]):
-        value = plan.reals[coupling.watched[j]]
-        error = abs(value - work.whole[coupling.watched[j]]) / divisor
-        accepted = coupling.watched_tolerances[j, 0] + coupling.watched_tolerances[j, 1] * abs(value)
-        over = error / (accepted * share if coupling.accumulates[j] else accepted)
-        if not over <= largest:  # NaN is the largest
-            largest, worst = over, j
-    return largest, worst
-
-
-@njit(**_options)
-def controlled_factor(error: float, last: float, order: int) -> float:
-    """By which factor the PI controller changes the step; errors are relative to the accepted."""
-    if not isfinite(error):
-        return SMALLEST_FACTOR
-    if error == 0.0:
-        return LARGEST_FACTOR
-    factor = SAFETY * error ** (-INTEGRAL / order)
-    if last > 0.0:
-        factor *= last ** (PROPORTIONAL / order)
-    return min(LARGEST_FACTOR, max(SMALLEST_FACTOR, factor))
-
-
-@njit(**_options)
-def has_crossed(plan: Plan, coupling: Coupling, work: Work) -> bool:
-    """Whether a value to watch has another sign than at the last save."""
-    for j in coupling.crossings:
-        if (plan.reals[j] > 0.0) != (work.kept_reals[j] > 0.0):
-            return True
-    return False
-
-
-@njit(inline="always", **_options)
-def attempt(plan: Plan, coupling: Coupling, work: Work, method: Method, t: float, h: float) -> tuple[float, Failure]:
-    """Step h; if a watched sign changes, bisect to just after that.
-
-    Returns
-    -------
-    tuple
-        The step made, s, or 0 if step control refuses it; and how that went.
-    """
-    below, above, trial = 0.0, h, h
-    tolerance = max(coupling.limits[4], 4e-16 * (abs(t) + h))
-    found = False
-    while True:
-        failure = advance(plan, coupling, work, method, t, trial)
-        if trial == h and not found and method.controlled:
-            error, worst = estimate(plan, coupling, work, method, h)
-            if failure[2] == DISCARD:
-                failure, error = FINE, 1e300
-            if failure[2] <= WORST_ACCEPTED and not adapt(work, method, h, error):
-                return 0.0, (worst, 0, TOO_SMALL if work.numbers[NEXT_STEP] < coupling.limits[1] else 0)
-        if failure[2] > WORST_ACCEPTED or found or coupling.crossings.shape[0] == 0:
-            return trial, failure
-        crossed = has_crossed(plan, coupling, work)
-        if trial == h and not crossed:
-            return h, failure
-        if crossed:
-            above = trial
-        else:
-            below = trial
-        found = above - below <= tolerance
-        if found and h - above < max(tolerance, 1e-6 * h):  # a rest so short would spoil the polynomials
-            above = h
-        if found and crossed and trial == above:
-            return trial, failure
-        trial = above if found else 0.5 * (below + above)
-        failure = restore(plan, coupling, work)
-        if failure[2] > WORST_ACCEPTED:
-            return trial, failure
-
-
-@njit(**_options)
-def next_step(coupling: Coupling, work: Work, method: Method, left: float) -> float:
-    """The step to try, s, when an interval has so much left."""
-    if not method.controlled:
-        return left
-    h = min(work.numbers[NEXT_STEP], coupling.limits[2])
-    if h >= left * (1.0 - 1e-12):
-        return left
-    return 0.5 * left if 2.0 * h > left else h
-
-
-@njit(**_options)
-def adapt(work: Work, method: Method, h: float, error: float) -> bool:
-    """Choose the next step from the error of this one; returns whether this one is accepted."""
-    accepted = error <= 1.0
-    last = work.numbers[LAST_ERROR] if accepted else 0.0
-    factor = controlled_factor(error, last, method.error_order)
-    if accepted:
-        work.numbers[LAST_ERROR] = max(error, 1e-4)
-        if h < 0.999 * work.numbers[NEXT_STEP]:  # the interval was short, not the step
-            factor = max(factor, min(LARGEST_FACTOR, work.numbers[NEXT_STEP] / h))
-    else:
-        factor = min(factor, SAFETY)
-        work.integers[REJECTED] += 1
-    work.numbers[NEXT_STEP] = h * factor
-    return accepted
-
-
-@njit(**_options)
+@compiled
 def run(
     plan: Plan,
-    coupling: Coupling,
-    work: Work,
-    method: Method,
-    grid: tuple,
+    c: Coupling,
+    grid: tuple[np.ndarray, np.ndarray],
     span: tuple[int, int, int],
-    rows: tuple,
+    rows: tuple[np.ndarray, np.ndarray],
 ) -> tuple[int, Failure]:
     """Go on until an interval is reached, the rows are full, or enough steps are made.
 
@@ -192,51 +52,176 @@ def run(
     Returns
     -------
     tuple
-        Number of rows filled, and (subject, call, status); the subject is `FULL` or `REACHED` if
-        nothing failed.
+        Number of rows filled, and what failed; the subject is negative if nothing did.
     """
     times, lengths = grid
     row_times, values = rows
     last, budget, every = span
-    guarded = method.controlled or coupling.crossings.shape[0] > 0
+    state, method, locates = c.state, c.method, c.crossings.shape[0] > 0
+    guarded = method.controlled == 1 or locates
     count = 0
-    while work.integers[INTERVAL] < last:
-        due = coupling.crossings.shape[0] > 0 or (work.integers[STEPS_MADE] + 1) % every == 0
+    while state.interval < last:
+        due = locates or (state.steps_made + 1) % every == 0
         if (due and count == row_times.shape[0]) or budget == 0:
-            return count, (FULL, 0, 0)
-        k = work.integers[INTERVAL]
-        t = work.numbers[TIME]
-        whole = t == times[k]
-        left = (lengths[k] if lengths.shape[0] > 1 else lengths[0]) if whole else times[k + 1] - t
-        h = next_step(coupling, work, method, left)
-        if guarded:
-            failure = save(plan, coupling, work)
-            if failure[2] > WORST_ACCEPTED:
-                return count, failure
-        budget -= 1
-        made, failure = attempt(plan, coupling, work, method, t, h)
+            break
+        k, t = state.interval, state.time
+        left = times[k + 1] - t
+        if t == times[k]:
+            left = lengths[k] if lengths.shape[0] > 1 else lengths[0]
+        h = next_step(c, left)
+        failure = save(c) if guarded else FINE
+        made = h
+        if failure[2] <= WORST_ACCEPTED:
+            budget -= 1
+            made, failure = attempt(c, t, h)
+        if made == 0.0 and failure[2] <= WORST_ACCEPTED:
+            failure = restore(c)
+            if method.restarts == 1:  # the error of the last value, over a small h, would be a large slope
+                state.n_past = 1
         if failure[2] > WORST_ACCEPTED:
             return count, failure
         if made == 0.0:
-            failure = restore(plan, coupling, work)
-            if failure[2] > WORST_ACCEPTED:
-                return count, failure
-            if method.restarts:  # the error of the last value, over a small h, would be a large slope
-                work.integers[N_PAST] = 1
             continue
-        event = guarded and has_crossed(plan, coupling, work)
+        event = guarded and has_crossed(c)
         if event:
-            work.integers[N_PAST] = 1
-            work.integers[HAS_JACOBIAN] = 0
+            state.n_past = 1
+            state.has_jacobian = 0
         if made == left:
-            work.integers[INTERVAL] = k + 1
-            work.numbers[TIME] = times[k + 1]
+            state.interval = k + 1
+            state.time = times[k + 1]
         else:
-            work.numbers[TIME] = t + made
-        work.past_times[0] = work.numbers[TIME]
-        work.integers[STEPS_MADE] += 1
-        if event or work.integers[STEPS_MADE] % every == 0:
-            row_times[count] = work.numbers[TIME]
+            state.time = t + made
+        c.history[Row.LAST, c.reals.shape[0]] = state.time
+        state.steps_made += 1
+        if event or state.steps_made % every == 0:
+            row_times[count] = state.time
             record(plan, values, np.uint64(count))
             count += 1
-    return count, (REACHED, 0, 0)
+    return count, FINE
+
+
+@compiled_for_callers
+def next_step(c: Coupling, left: float) -> float:
+    """The step to try, s, when an interval has so much left."""
+    if c.method.controlled == 0:
+        return left
+    h = min(c.state.next_step, c.method.largest_step)
+    if h >= left * (1.0 - 1e-12):
+        return left
+    return 0.5 * left if 2.0 * h > left else h
+
+
+@compiled_in_place
+def attempt(c: Coupling, t: float, h: float) -> tuple[float, Failure]:
+    """Step h; if a watched sign changes, bisect to just after that.
+
+    Returns
+    -------
+    tuple
+        The step made, s, or 0 if step control refuses it; and how that went.
+    """
+    below, above, trial = 0.0, h, h
+    tolerance = max(c.method.crossing_tolerance, 4e-16 * (abs(t) + h))
+    found = False
+    while True:
+        failure = advance(c, t, trial)
+        if trial == h and not found and c.method.controlled == 1:
+            error, worst = estimate(c, h)
+            if failure[2] == Status.DISCARD:
+                failure, error = FINE, DISCARDED
+            if failure[2] <= WORST_ACCEPTED and not adapt(c, h, error):
+                too_small = c.state.next_step < c.method.smallest_step
+                return 0.0, (worst, 0, Reason.TOO_SMALL.value if too_small else 0)
+        if failure[2] > WORST_ACCEPTED or found or c.crossings.shape[0] == 0:
+            return trial, failure
+        crossed = has_crossed(c)
+        if trial == h and not crossed:
+            return h, failure
+        if crossed:
+            above = trial
+        else:
+            below = trial
+        found = above - below <= tolerance
+        if found and h - above < max(tolerance, 1e-6 * h):  # a rest so short would spoil the polynomials
+            above = h
+        if found and crossed and trial == above:
+            return trial, failure
+        trial = above if found else 0.5 * (below + above)
+        failure = restore(c)
+        if failure[2] > WORST_ACCEPTED:
+            return trial, failure
+
+
+@compiled_in_place
+def advance(c: Coupling, t: float, h: float) -> Failure:
+    """One step of h s from t s; with step control made whole, taken back, and made in two halves."""
+    failure = FINE
+    for part in range(3 if c.method.controlled == 1 else 1):
+        begin = t + 0.5 * h if part == 2 else t
+        length = h if part == 0 else 0.5 * h
+        if part == 1:
+            store(c, Row.WHOLE)
+            failure = restore(c)
+        if failure[2] <= WORST_ACCEPTED:
+            failure = corrected_step(c, (begin, length))
+        if failure[2] > WORST_ACCEPTED:
+            return failure
+        remember(c, begin + length)
+    return failure
+
+
+@compiled_for_callers
+def estimate(c: Coupling, h: float) -> tuple[float, int]:
+    """The error of a step over what it may be, and the watched value with the largest."""
+    share = h / c.method.duration
+    divisor = 2.0**c.method.error_order - 1.0
+    largest, worst = 0.0, 0
+    for j in range(c.watched.shape[0]):
+        watched = c.watched[j]
+        value = c.reals[watched.index]
+        error = abs(value - c.history[Row.WHOLE, watched.index]) / divisor
+        accepted = watched.absolute + watched.relative * abs(value)
+        over = error / (accepted * share if watched.accumulates == 1 else accepted)
+        if not over <= largest:  # NaN is the largest
+            largest, worst = over, j
+    return largest, worst
+
+
+@compiled_for_callers
+def adapt(c: Coupling, h: float, error: float) -> bool:
+    """Choose the next step from the error of this one; returns whether this one is accepted."""
+    state = c.state
+    accepted = error <= 1.0
+    last = state.last_error if accepted else 0.0
+    factor = controlled_factor(error, last, c.method.error_order)
+    if accepted:
+        state.last_error = max(error, 1e-4)
+        if h < 0.999 * state.next_step:  # the interval was short, not the step
+            factor = max(factor, min(LARGEST_FACTOR, state.next_step / h))
+    else:
+        factor = min(factor, SAFETY)
+        state.rejected += 1
+    state.next_step = h * factor
+    return accepted
+
+
+@compiled_for_callers
+def controlled_factor(error: float, last: float, order: int) -> float:
+    """By which factor the PI controller changes the step; errors are relative to the accepted."""
+    if not isfinite(error):
+        return SMALLEST_FACTOR
+    if error == 0.0:
+        return LARGEST_FACTOR
+    factor = SAFETY * error ** (-INTEGRAL / order)
+    if last > 0.0:
+        factor *= last ** (PROPORTIONAL / order)
+    return min(LARGEST_FACTOR, max(SMALLEST_FACTOR, factor))
+
+
+@compiled_for_callers
+def has_crossed(c: Coupling) -> bool:
+    """Whether a value to watch has another sign than at the last save."""
+    for j in c.crossings:
+        if (c.reals[j] > 0.0) != (c.history[Row.KEPT, j] > 0.0):
+            return True
+    return False

@@ -12,28 +12,23 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from orchestration.master.kernel import flat_system
+from orchestration.master.kernel.codes import GROUP_SIZE, OPERATION, Column, Group, Kind
 from orchestration.master.kernel.flat_system import Plan
-
-# A row of the list. What FIRST, COUNT and VALUES are depends on the kind: value references, their
-# number and the address of the first value (TRANSFER), or the places of a run in a buffer (COPY_*).
-KIND, FUNCTION, COMPONENT, FIRST, COUNT, VALUES, SUBJECT, CALL = range(8)
-N_COLUMNS = 8
-TRANSFER, STEP, COPY_REALS, COPY_DISCRETES = range(4)
 
 # One more call costs as much as the copies of five numbers (tests.benchmarks.master, fig5: 3 ns
 # against 0.5 ns, and a call for the rest is needed in any case).
 COPIES_PER_CALL = 5
 
-_SETS = (flat_system.SET_REAL, flat_system.SET_INTEGER, flat_system.SET_BOOLEAN)
-_GETS = (flat_system.GET_REAL, flat_system.GET_INTEGER, flat_system.GET_BOOLEAN)
-_SIZES = {flat_system.SET_REAL: 8, flat_system.SET_INTEGER: 4, flat_system.SET_BOOLEAN: 4}  # bytes of a value
+_SETS = (Column.SET_REAL, Column.SET_INTEGER, Column.SET_BOOLEAN)
+_GETS = (Column.GET_REAL, Column.GET_INTEGER, Column.GET_BOOLEAN)
+_SIZES = {Column.SET_REAL: 8, Column.SET_INTEGER: 4, Column.SET_BOOLEAN: 4}  # bytes of a value
 _REFERENCE_SIZE = 4
 
 Run = tuple[int, int, int]  # first source, first target, number
+Operation = tuple[int, ...]  # the fields of OPERATION
 
 
-def operations_of_step(plan: Plan, *, sequential: bool) -> np.ndarray:
+def operations_of_step(plan: Plan, *, sequential: bool) -> np.recarray:
     """The operations of a step.
 
     Parameters
@@ -45,42 +40,37 @@ def operations_of_step(plan: Plan, *, sequential: bool) -> np.ndarray:
 
     Returns
     -------
-    ndarray
-        int64, shape (n_operations, `N_COLUMNS`); SUBJECT is the component's position and CALL one of
-        `orchestration.master.kernel.flat_system.CALL_NAMES`.
+    recarray
+        Records `orchestration.master.kernel.codes.OPERATION`, shape (n_operations,).
     """
     n = plan.table.shape[0]
     phases = [[_set(plan, i), _step(plan, i), _get(plan, i)] for i in range(n)]
     ordered = phases if sequential else [list(phase) for phase in zip(*phases, strict=True)]
-    rows = [row for phase in itertools.chain.from_iterable(ordered) for row in phase]
-    return np.array(rows, np.int64).reshape(-1, N_COLUMNS)
+    operations = [operation for phase in itertools.chain.from_iterable(ordered) for operation in phase]
+    return np.array(operations, OPERATION).view(np.recarray)
 
 
-def _set(plan: Plan, i: int) -> list[list[int]]:
+def _set(plan: Plan, i: int) -> list[Operation]:
     """The copies and calls that hand component i its inputs."""
-    rows = []
+    operations = []
     for call in _SETS:
-        kind, links, first, end = COPY_REALS, plan.real_links, flat_system.FIRST_REAL, flat_system.END_REAL
-        if call != flat_system.SET_REAL:
-            kind, links, first, end = (
-                COPY_DISCRETES,
-                plan.discrete_links,
-                flat_system.FIRST_DISCRETE,
-                flat_system.END_DISCRETE,
-            )
-        count = plan.table[i, call + flat_system.COUNT]
+        kind, links, first, end = Kind.COPY_REALS, plan.real_links, Column.FIRST_REAL, Column.END_REAL
+        if call != Column.SET_REAL:
+            kind, links = Kind.COPY_DISCRETES, plan.discrete_links
+            first, end = Column.FIRST_DISCRETE, Column.END_DISCRETE
+        count = plan.table[i, call + Group.COUNT]
         if count == 0:
             continue
-        buffer = plan.reals if kind == COPY_REALS else plan.discretes
-        place = (plan.table[i, call + flat_system.VALUES] - buffer.ctypes.data) // _SIZES[call]
+        buffer = plan.reals if kind == Kind.COPY_REALS else plan.discretes
+        place = (plan.table[i, call + Group.VALUES] - buffer.ctypes.data) // _SIZES[call]
         own = links[plan.table[i, first] : plan.table[i, end]].tolist()
         runs = list(_runs([pair for pair in own if place <= pair[1] < place + count]))
         if (len(runs) - 1) * COPIES_PER_CALL <= count:
-            rows += [_transfer(plan, i, call, target - place, source - place, n) for source, target, n in runs]
+            operations += [_transfer(plan, i, call, (target - place, source - place, n)) for source, target, n in runs]
         else:
-            rows += [[kind, 0, 0, source, n, target, i, call] for source, target, n in runs]
-            rows.append(_transfer(plan, i, call, 0, 0, count))
-    return rows
+            operations += [(kind, 0, 0, source, n, target, i, call) for source, target, n in runs]
+            operations.append(_transfer(plan, i, call, (0, 0, count)))
+    return operations
 
 
 def _runs(links: Sequence[Sequence[int]]) -> Iterator[Run]:
@@ -91,43 +81,31 @@ def _runs(links: Sequence[Sequence[int]]) -> Iterator[Run]:
         yield pairs[0][0], pairs[0][1], len(pairs)
 
 
-def _transfer(plan: Plan, i: int, call: int, skipped: int, offset: int, count: int) -> list[int]:
-    """A set call for `count` of a component's inputs after the `skipped` first, with values at an offset."""
-    group = plan.table[i, call : call + 4]
-    references = group[flat_system.REFERENCES] + _REFERENCE_SIZE * skipped
-    values = group[flat_system.VALUES] + _SIZES[call] * offset
-    return [
-        TRANSFER,
-        group[flat_system.FUNCTION],
-        plan.table[i, flat_system.COMPONENT],
-        references,
-        count,
-        values,
-        i,
-        call,
-    ]
+def _transfer(plan: Plan, i: int, call: Column, part: tuple[int, int, int]) -> Operation:
+    """A set call for a part of component i's inputs.
+
+    The part is the number of inputs before it, the offset of its values in the buffer, and its size.
+    """
+    skipped, offset, count = part
+    group = plan.table[i, call : call + GROUP_SIZE]
+    references = group[Group.REFERENCES] + _REFERENCE_SIZE * skipped
+    values = group[Group.VALUES] + _SIZES[call] * offset
+    instance = plan.table[i, Column.INSTANCE]
+    return (Kind.TRANSFER, group[Group.FUNCTION], instance, references, count, values, i, call)
 
 
-def _step(plan: Plan, i: int) -> list[list[int]]:
-    return [
-        [
-            STEP,
-            plan.table[i, flat_system.DO_STEP],
-            plan.table[i, flat_system.COMPONENT],
-            0,
-            0,
-            0,
-            i,
-            flat_system.DO_STEP,
-        ]
-    ]
+def _step(plan: Plan, i: int) -> list[Operation]:
+    """The step of component i."""
+    row = plan.table[i]
+    return [(Kind.STEP, row[Column.DO_STEP], row[Column.INSTANCE], 0, 0, 0, i, Column.DO_STEP)]
 
 
-def _get(plan: Plan, i: int) -> list[list[int]]:
+def _get(plan: Plan, i: int) -> list[Operation]:
     """The calls that fetch what component i shows."""
-    rows = []
+    operations = []
     for call in _GETS:
-        function, references, count, values = plan.table[i, call : call + 4]
+        function, references, count, values = plan.table[i, call : call + GROUP_SIZE]
         if count:
-            rows.append([TRANSFER, function, plan.table[i, flat_system.COMPONENT], references, count, values, i, call])
-    return rows
+            instance = plan.table[i, Column.INSTANCE]
+            operations.append((Kind.TRANSFER, function, instance, references, count, values, i, call))
+    return operations

@@ -1,1 +1,1 @@
-"""The claims of Lu & Meng (1991), measured."""
+"""Measures the claims of Lu & Meng (1991) against criteria that were fixed before."""

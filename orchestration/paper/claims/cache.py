@@ -1,7 +1,8 @@
-"""Claims of an earlier run with the same inputs: measuring them takes most of a minute.
+"""Keeps measured claims for a later run with the same inputs, for measuring takes most of a minute.
 
-The key is a hash of everything that decides them: the scenarios' SSP packages (FMUs and numbers), the
-source of all three packages, and the versions of the numerical libraries.
+The key is a hash of everything that decides the claims: the scenarios' SSP packages (FMUs and numbers), the
+source of all three packages, and the versions of the numerical libraries. Machine code lies in a folder named
+by its sources (`orchestration.fmi.machine_code`), so numbers under a hash come from the sources of that hash.
 """
 
 import hashlib
@@ -11,6 +12,7 @@ import json
 from collections.abc import Callable, Mapping
 from dataclasses import asdict
 from pathlib import Path
+from tempfile import NamedTemporaryFile
 
 from adaptimp_fmu import default_cache
 from orchestration.paper.claims.claim import Claim
@@ -22,7 +24,7 @@ LIBRARIES = ("casadi", "numba", "numpy", "fmpy")
 def claims_of(
     digests: Mapping[str, str], measure: Callable[[], list[Claim]], *, fresh: bool
 ) -> tuple[list[Claim], bool]:
-    """The kept claims, or new ones.
+    """The claims that an earlier run with the same inputs has measured, or new ones.
 
     Parameters
     ----------
@@ -34,7 +36,7 @@ def claims_of(
     Returns
     -------
     tuple
-        The claims, and whether they had been kept.
+        The claims, and whether an earlier run has measured them.
     """
     file = default_cache() / "claims" / f"{_key(digests)}.json"
     if file.exists() and not fresh:
@@ -42,9 +44,9 @@ def claims_of(
         return [Claim(**record) for record in records], True
     claims = measure()
     file.parent.mkdir(parents=True, exist_ok=True)
-    draft = file.with_suffix(".part")
-    draft.write_text(json.dumps([asdict(claim) for claim in claims]), encoding="utf-8")
-    draft.replace(file)
+    with NamedTemporaryFile("w", dir=file.parent, suffix=".part", delete=False, encoding="utf-8") as draft:
+        json.dump([asdict(claim) for claim in claims], draft)
+    Path(draft.name).replace(file)  # whole or not at all, also when two runs end at once
     return claims, False
 
 

@@ -1,8 +1,11 @@
-"""What a claim is, and how it is answered."""
+"""A claim of the paper: the question with its criteria, the measurement, and the answer."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
+from orchestration.paper.claims.criteria import Criterion
 from orchestration.paper.evidence import Evidence
 
 HOLDS, NOT_REPRODUCED, NOT_EVALUATED = "holds", "not reproduced", "not evaluated"
@@ -10,7 +13,7 @@ HOLDS, NOT_REPRODUCED, NOT_EVALUATED = "holds", "not reproduced", "not evaluated
 
 @dataclass(frozen=True)
 class Claim:
-    """A sentence of the paper and what came out.
+    """A sentence of the paper and what its measurement gave.
 
     Attributes
     ----------
@@ -29,9 +32,17 @@ class Claim:
 
 @dataclass(frozen=True)
 class Finding:
-    """What a measurement says: whether the criterion is met, and the numbers."""
+    """What a measurement says.
 
-    met: bool
+    Attributes
+    ----------
+    values
+        What was measured, by criterion, in SI units: a number, or one per run, joint or tick.
+    measured
+        The numbers in a sentence.
+    """
+
+    values: Mapping[Criterion, float | Sequence[float] | np.ndarray]
     measured: str
 
 
@@ -41,19 +52,34 @@ class Question:
 
     Attributes
     ----------
-    criterion
-        Fixed before the measurement.
+    criteria
+        Limits that were fixed before the measurement; the claim holds if all are met.
+    scope
+        What the criteria are asked of, such as all seeds.
     """
 
     id: str
     claim: str
     where: str
-    criterion: str
+    criteria: tuple[Criterion, ...]
     measurement: Callable[[Evidence], Finding]
     runs: str = "none: equations"
+    scope: str = ""
+
+    @property
+    def criterion(self) -> str:
+        """The criteria as prose."""
+        return "; ".join([*map(str, self.criteria), *([self.scope] if self.scope else [])])
 
     def answer(self, evidence: Evidence) -> Claim:
-        """Measure."""
+        """Measure the claim and judge it.
+
+        Raises
+        ------
+        KeyError
+            If the measurement leaves a criterion out.
+        """
         finding = self.measurement(evidence)
-        verdict = HOLDS if finding.met else NOT_REPRODUCED
+        met = all([criterion.met(finding.values[criterion]) for criterion in self.criteria])
+        verdict = HOLDS if met else NOT_REPRODUCED
         return Claim(self.id, self.claim, self.where, self.criterion, finding.measured, verdict, self.runs)

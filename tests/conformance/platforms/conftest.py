@@ -12,6 +12,7 @@ import pytest
 from adaptimp_fmu import host_platform
 from adaptimp_fmu.toolchain import PLATFORMS
 from tests.conformance.platforms.machines import Machine, MachineUnavailableError, machine
+from tests.sharing import made_once
 
 ROOT = Path(__file__).parents[3]
 FOREIGN = ("win64", "aarch64-linux")  # what Wine and qemu run
@@ -33,10 +34,12 @@ def build_all(folder: Path, environment: Mapping[str, str] | None = None) -> sub
 @pytest.fixture(scope="session")
 def portable(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Folder with every unit's FMU for all platforms; a minute when nothing is in the caches."""
-    folder = tmp_path_factory.mktemp("portable")
-    run = build_all(folder)
-    assert run.returncode == 0, run.stderr
-    return folder
+
+    def build(folder: Path) -> None:
+        run = build_all(folder)
+        assert run.returncode == 0, run.stderr
+
+    return made_once(tmp_path_factory, "portable", build)
 
 
 @pytest.fixture(scope="session")

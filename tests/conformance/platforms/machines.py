@@ -16,9 +16,9 @@ import numpy as np
 from adaptimp_fmu import host_platform
 from adaptimp_fmu.toolchain import PLATFORMS, Platform, fmi_headers
 from tests.conformance.platforms.plan import Plan
+from tests.untested import needs
 
 DRIVER = Path(__file__).with_name("driver.c")
-LIMIT = 120  # s, for one program
 # Where Debian's packages put them: wine64 (not on the search path), libc6-arm64-cross.
 WINE_FOLDER = Path("/usr/lib/wine")
 ARM_LIBRARIES = Path("/usr/aarch64-linux-gnu")
@@ -71,7 +71,6 @@ class Machine:
             env=os.environ | self.environment,
             capture_output=True,
             text=True,
-            timeout=LIMIT,
             check=False,
         )
         if run.returncode != 0 or run.stderr:
@@ -106,7 +105,9 @@ def machine(name: str) -> Iterator[Machine]:
     elif name == "aarch64-linux":
         qemu = shutil.which("qemu-aarch64")
         if qemu is None or not ARM_LIBRARIES.is_dir():
-            raise MachineUnavailableError("needs Debian's packages qemu-user and libc6-arm64-cross")
+            raise MachineUnavailableError(
+                needs("qemu and ARM libraries are not here", "qemu-user", "libc6-arm64-cross")
+            )
         yield Machine(platform, (qemu, "-L", str(ARM_LIBRARIES)))
     else:
         raise MachineUnavailableError(f"nothing runs programs of {name} here")
@@ -118,12 +119,12 @@ def _wine() -> Iterator[Machine]:
     search = os.pathsep.join([os.environ.get("PATH", ""), str(WINE_FOLDER)])
     wine, server = (shutil.which(f"{n}64", path=search) or shutil.which(n) for n in ("wine", "wineserver"))
     if not sys.platform.startswith("linux") or wine is None or server is None:
-        raise MachineUnavailableError("needs Wine for 64-bit programs: Debian's package wine64")
+        raise MachineUnavailableError(needs("Wine for 64-bit programs is not here", "wine64"))
     with tempfile.TemporaryDirectory(prefix="adaptimp-wine-") as folder:
         environment = {name: folder for name in ("WINEPREFIX", "TMPDIR", "HOME")} | _QUIET
         start = [wine, "wineboot", "--init"]
         try:
-            subprocess.run(start, env=os.environ | environment, check=True, capture_output=True, timeout=LIMIT)
+            subprocess.run(start, env=os.environ | environment, check=True, capture_output=True)
             yield Machine(PLATFORMS["win64"], (wine,), environment)
         finally:  # only the server of this folder
-            subprocess.run([server, "-k", "-w"], env=os.environ | environment, check=False, timeout=LIMIT)
+            subprocess.run([server, "-k", "-w"], env=os.environ | environment, check=False)

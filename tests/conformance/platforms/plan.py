@@ -8,7 +8,7 @@ import numpy as np
 
 from orchestration import Component, System
 from orchestration.fmi.codes import BOOLEAN, INTEGER, REAL
-from orchestration.fmi.instance import Variable
+from orchestration.fmi.description import Variable
 
 TYPES = {REAL: 0, INTEGER: 1, BOOLEAN: 2}  # as driver.c has them
 

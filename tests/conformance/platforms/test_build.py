@@ -8,7 +8,7 @@ import pytest
 
 from adaptimp_fmu import ToolchainError, build, host_platform
 from adaptimp_fmu.toolchain import PLATFORMS, compile_library
-from fmus.catalog import UNITS
+from fmus.catalog import MODELS
 from tests.conformance.platforms.conftest import build_all
 
 SIZE_LIMIT = 150_000  # bytes; Linux has 25 to 58 kB, Windows up to 124 kB with the C runtime of MinGW
@@ -17,8 +17,8 @@ COMPILED_AGAIN = ("VirtualTrajectory", "SpongOrtegaAdaptiveImpedance")
 
 
 def test_07_every_platform_is_in_every_fmu(portable: Path) -> None:
-    assert {path.name for path in portable.iterdir()} == {f"{unit}.fmu" for unit in UNITS}
-    for unit in UNITS:
+    assert {path.name for path in portable.iterdir()} == {f"{unit}.fmu" for unit in MODELS}
+    for unit in MODELS:
         with zipfile.ZipFile(portable / f"{unit}.fmu") as archive:
             binaries = {name for name in archive.namelist() if name.startswith("binaries/")}
         assert binaries == {f"binaries/{p.name}/{unit}{p.extension}" for p in PLATFORMS.values()}
@@ -53,7 +53,7 @@ def test_07_second_build_compiles_and_writes_nothing(
     for name, value in without_compiler.items():
         monkeypatch.setenv(name, value)
     with pytest.raises(ToolchainError):  # else the above shows nothing
-        build(UNITS["ForceSensor"](), tmp_path, cache=tmp_path / "cache")
+        build(MODELS["ForceSensor"](), tmp_path, cache=tmp_path / "cache")
 
 
 @pytest.mark.parametrize("platform", [name for name in PLATFORMS if name != host_platform().name])

@@ -23,9 +23,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fmus.catalog import UNITS
+from fmus.catalog import MODELS
 from orchestration import Component, System, simulate
-from orchestration.fmi.instance import read_description
+from orchestration.fmi.description import read_description
 from orchestration.paper.scenarios import SCENARIOS
 from tests.conformance.binary import OK, Binary, Instance
 from tests.conformance.platforms.condition import rounding_effects
@@ -44,7 +44,7 @@ ROUNDINGS = 16
 @pytest.fixture(scope="module")
 def binaries(portable: Path, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Binary]:
     """Each unit's binary for this machine, from the FMU for all."""
-    return {name: Binary(portable / f"{name}.fmu", tmp_path_factory.mktemp(name)) for name in UNITS}
+    return {name: Binary(portable / f"{name}.fmu", tmp_path_factory.mktemp(name)) for name in MODELS}
 
 
 @pytest.fixture(scope="module")
@@ -52,7 +52,7 @@ def fig2(portable: Path) -> Plan:
     """The five units of Fig. 2 for 2 s: free motion, contact from 0.92 s to 1.08 s, free motion."""
     scenario = SCENARIOS["fig2"]
     system = scenario.system({unit: portable / f"{unit}.fmu" for unit in scenario.units.values()})
-    steps = round(system.stop_time / system.step)
+    steps = round(system.run_stop_time() / system.run_step())
     return Plan(system, np.full(steps, system.step), passes=len(system.components))
 
 

@@ -11,6 +11,7 @@ import pytest
 
 from adaptimp_fmu.toolchain import WARNINGS, fmi_headers
 from tests.conformance.scenes import SCENES
+from tests.untested import needs
 
 DRIVERS = Path(__file__).parent
 # Without inlining into one flat function, and with the rounding of the shipped binary.
@@ -18,6 +19,7 @@ FLAGS = ("-std=c11", "-O1", "-g", "-ffp-contract=off", "-fno-math-errno", *WARNI
 # float-cast-overflow is not part of `undefined`: a double that no int can hold.
 SANITIZERS = "address,undefined,float-cast-overflow"
 STRICT = ("-fno-sanitize-recover=all",)
+UNLINKED = "clang's sanitizers do not link"
 
 
 @dataclass(frozen=True)
@@ -33,11 +35,11 @@ class Fault:
 def missing() -> str | None:
     """What keeps clang's sanitizers from linking here, or None."""
     if shutil.which("clang") is None:
-        return "clang is not installed (Debian: clang, libclang-rt-14-dev)"
+        return needs("clang is not installed", "clang", "libclang-rt-14-dev")
     command = ["clang", f"-fsanitize=fuzzer,{SANITIZERS}", "-x", "c", "-", "-o", "/dev/null"]
     source = "#include <stddef.h>\nint LLVMFuzzerTestOneInput(const unsigned char *d, size_t n) { return !d && n; }\n"
     run = subprocess.run(command, input=source, capture_output=True, text=True, check=False)
-    return None if run.returncode == 0 else f"clang's sanitizers do not link (Debian: libclang-rt-14-dev): {run.stderr}"
+    return None if run.returncode == 0 else f"{needs(UNLINKED, 'libclang-rt-14-dev')}: {run.stderr}"
 
 
 def require_clang() -> None:

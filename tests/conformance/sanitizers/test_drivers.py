@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from tests.conformance.sanitizers.compiling import SANITIZERS, STRICT, Fault, compile_driver, require_clang, unpack
+from tests.untested import needs
 
 VALGRIND = ("valgrind", "--quiet", "--leak-check=full", "--show-leak-kinds=all", "--error-exitcode=99")
 # What the tests below must notice.
@@ -28,7 +29,7 @@ def require_clean(*command: str) -> None:
 def require_valgrind() -> None:
     """Skip the test unless valgrind is there."""
     if shutil.which("valgrind") is None:
-        pytest.skip("valgrind is not installed (Debian: valgrind)")
+        pytest.skip(needs("valgrind is not installed", "valgrind"))
 
 
 def test_plain_run_is_clean_under_sanitizers(fmu: Path, tmp_path: Path) -> None:

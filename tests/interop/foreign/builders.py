@@ -11,6 +11,7 @@ from pathlib import Path
 
 from adaptimp_fmu.toolchain import fmi_headers, host_platform
 from orchestration import System
+from tests.untested import needs
 
 HERE = Path(__file__).parent
 HAND_WRITTEN, SLAVE = "CartesianImpedance", "ImpedanceSlave"
@@ -44,7 +45,7 @@ def compilers() -> list[str]:
 
 def without_compiler() -> str | None:
     """Why nothing can be compiled here, None if it can."""
-    return None if compilers() else "this machine has neither gcc nor clang"
+    return None if compilers() else needs("neither gcc nor clang is installed", "gcc")
 
 
 def without_pythonfmu() -> str | None:

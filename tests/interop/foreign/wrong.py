@@ -10,7 +10,8 @@ from enum import Enum
 
 from orchestration import InitializationError, SimulationError, SystemDescriptionError
 from orchestration.check import Severity
-from orchestration.check.findings import LOOP, ROLE
+from orchestration.check.findings import ROLE
+from orchestration.paper.closed_loop import LOOP
 from tests.interop.foreign.builders import Edit
 
 ERROR, WARNING = Severity.ERROR, Severity.WARNING

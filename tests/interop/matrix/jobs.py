@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from orchestration import Options, System, UnconnectedInputWarning, simulate
-from orchestration.fmi.instance import read_description
+from orchestration.fmi.description import read_description
 from orchestration.paper.scenarios import SCENARIOS
 from orchestration.system.system import Component
 from tests.conformance.replay import options, table
@@ -33,7 +33,7 @@ def unit_job(unit: str, fmus: Mapping[str, Path], folder: Path) -> Job:
 def figure_job(figure: str, fmus: Mapping[str, Path], folder: Path, n_steps: int | None = None) -> Job:
     """A figure of the paper, whole or its first steps."""
     system = figure_system(figure, fmus)
-    return _job(system, SYSTEM, n_steps or round(system.stop_time / system.step), folder)
+    return _job(system, SYSTEM, n_steps or round(system.run_stop_time() / system.run_step()), folder)
 
 
 def figure_system(figure: str, fmus: Mapping[str, Path]) -> System:
@@ -60,17 +60,16 @@ def our_rows(job: Job, tool: Tool, fmus: Mapping[str, Path]) -> np.ndarray:
 def _replayed(job: Job, times: np.ndarray, *, nanoseconds: bool) -> np.ndarray:
     """Rows of a unit driven by its stimulus, set before every step."""
     part = job.parts[0]
-    driver = Driver(Path(part.fmu), logging=False)
+    driver = Driver(Path(part.fmu))
     names = [name.partition(".")[2] for name in job.columns]
 
     def set_row(k: int) -> None:
         split = [(job.split(path)[1], values[k]) for path, values in job.stimulus.items()]
         driver.set({name: part.value(name, value) for name, value in split})
 
-    driver.slave.setupExperiment(startTime=0.0)
-    driver.slave.enterInitializationMode()
+    driver.enter()
     set_row(0)
-    driver.slave.exitInitializationMode()
+    driver.call("fmi2ExitInitializationMode")
     rows = [driver.get(*names)]
     for k in range(job.n_steps):
         set_row(k)

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from fmus.catalog import UNITS
+from fmus.catalog import MODELS
 from tests.interop.matrix.compare import Verdict, judge
 from tests.interop.matrix.jobs import FIGURES, figure_job, our_rows, unit_job
 from tests.interop.matrix.protocol import SYSTEM, UNIT, Job, Tool
@@ -37,7 +37,7 @@ class Outcomes:
 
     def write(self, file: Path = FILE) -> None:
         """Write it, in the order of the tools and jobs."""
-        jobs = (*UNITS, *FIGURES)
+        jobs = (*MODELS, *FIGURES)
         verdicts = {
             key: {job: asdict(row[job]) for job in jobs if job in row}
             for key, row in ((key, self.verdicts.get(key, {})) for key in KEYS)
@@ -76,7 +76,7 @@ def measure(
     versions: dict[str, str] = {}
     for name in jobs:
         rows: dict[tuple[str, str, int], np.ndarray] = {}
-        for tool in (t for t in chosen if (UNIT if name in UNITS else SYSTEM) in t.kinds):
+        for tool in (t for t in chosen if (UNIT if name in MODELS else SYSTEM) in t.kinds):
             job = _job(name, tool, fmus, folder, n_steps)
             ours = (tool.algorithm, tool.clock, job.n_steps)
             if ours not in rows:
@@ -90,7 +90,7 @@ def measure(
 
 
 def _job(name: str, tool: Tool, fmus: dict[str, Path], folder: Path, n_steps: int | None) -> Job:
-    if name in UNITS:
+    if name in MODELS:
         return unit_job(name, fmus, folder)
     job = figure_job(name, fmus, folder)
     return replace(job, n_steps=min(n_steps or job.n_steps, tool.longest))

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from jinja2 import Environment, StrictUndefined
 
-from fmus.catalog import UNITS
+from fmus.catalog import MODELS
 from tests.interop.matrix.compare import (
     AGREEMENT,
     BITWISE,
@@ -35,7 +35,7 @@ def render(outcomes: Outcomes) -> str:
     )
     template = environment.from_string(TEMPLATE.read_text(encoding="utf-8"))
     return template.render(
-        units=_table("unit", [t for t in tools if UNIT in t.kinds], tuple(UNITS), outcomes),
+        units=_table("unit", [t for t in tools if UNIT in t.kinds], tuple(MODELS), outcomes),
         systems=_table("package", [t for t in tools if SYSTEM in t.kinds], FIGURES, outcomes),
         findings=[line for tool in tools for line in _findings(tool, outcomes)],
         partial=_partial(tools, outcomes),
@@ -102,12 +102,12 @@ def _task(tool: Tool) -> str:
 def _unit_steps(outcomes: Outcomes) -> str:
     """How many steps the units take."""
     steps = sorted(
-        {verdict.steps for row in outcomes.verdicts.values() for job, verdict in row.items() if job in UNITS}
+        {verdict.steps for row in outcomes.verdicts.values() for job, verdict in row.items() if job in MODELS}
     )
     return f"{min(filter(None, steps), default=0)} to {max(steps, default=0)} steps"
 
 
 def _listed(jobs: Sequence[str]) -> str:
     """Names of jobs, or what they are together."""
-    groups = {"all units": tuple(UNITS), "all figures": FIGURES}
+    groups = {"all units": tuple(MODELS), "all figures": FIGURES}
     return next((name for name, group in groups.items() if tuple(jobs) == group), ", ".join(jobs))

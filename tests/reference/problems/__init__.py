@@ -1,10 +1,10 @@
-"""Known co-simulation problems: small FMUs, and the exact solution of what they are coupled to.
+"""Co-simulation problems with an exact solution: small FMUs, their connections, and the motion of the coupled system.
 
     problem = PROBLEMS["quarter car"]
     result = simulate(problem.system(1e-3, 1.0), algorithm="jacobi")
     error = result["body.z"] - problem.exact(result.time)["body.z"]
 
-Every number of a problem is a keyword of `system`, `exact` and `energy` alike. All units are continuous.
+Every number of a problem is a keyword of `system`, `exact` and `energy` alike. All components are continuous.
 """
 
 from tests.reference.problems import (

@@ -1,12 +1,12 @@
-"""A linear feedback loop whose units both feed their input through: an algebraic loop where d g != 0.
+"""A linear feedback loop of two components with direct feedthrough: an algebraic loop where d g != 0.
 
     plant:  x' = a x + b u,  y = c x + d u           gain:  y = g u + r
 
 Closed, u = (g c x + r) / (1 - d g) and x' = A x + B with A = a + b g c / (1 - d g), B = b r / (1 - d g).
-Resolving the loop by repetition multiplies its error by d g each time: it settles for |d g| < 1 (`CONTRACTING`)
-and diverges for |d g| > 1 (`EXPANDING`), where Newton's method needs one step, the loop being linear. With
-d = 0, the default, there is no loop. Both units show the left limit at a communication point: y from the
-input held over the step. Order: plant, gain.
+Each repetition of the loop multiplies the error by d g. So repetition settles for |d g| < 1 (`CONTRACTING`) and
+diverges for |d g| > 1 (`EXPANDING`). The loop is linear, so Newton's method needs one step. With d = 0, the default,
+there is no algebraic loop. Both components show the left limit at a communication point: y from the input that was held
+over the step. The order is plant, gain.
 """
 
 from dataclasses import dataclass
@@ -20,13 +20,13 @@ from tests.reference.problems.problem import Part, Problem, assemble
 DT_MAX = 1e-3  # s; a = -1/s with u held: Runge-Kutta 4 errs by 1e-15 / 120 of x in a step
 CONTRACTING = {"d": 0.25, "g": -2.0}  # d g = -1/2
 EXPANDING = {"d": 1.5, "g": -2.0}  # d g = -3
-SPAN = (2.0, 1e-2)  # s, see `Problem`: a real mode of 3/s, e = b g c = 2/s, y = 6 tau T / s^2, 1.1e-2 s
+SPAN = (2.0, 1e-2)  # s, see `Problem`: a real mode of 3/s with e = b g c = 2/s, so y = 6 tau T / s^2 asks for 1.1e-2 s
 WIRES = [("gain", "y", "plant", "u"), ("plant", "y", "gain", "u")]
 
 
 @dataclass(frozen=True)
 class Numbers:
-    """Coefficients a in 1/s, b in 1/s, the others without unit, and the start of x."""
+    """Coefficients of the loop: a and b in 1/s, the others dimensionless; x is the state at the start."""
 
     a: float = -1.0
     b: float = 1.0
@@ -38,7 +38,7 @@ class Numbers:
 
 
 def plant() -> ContinuousModel:
-    """First-order linear system with direct feedthrough."""
+    """Declare a first-order linear system with direct feedthrough."""
     model = ContinuousModel("FirstOrder", "First-order linear system with feedthrough", dt_max=DT_MAX)
     a = model.parameter("a", -1.0, unit="1/s", description="Rate of the state")
     b = model.parameter("b", 1.0, unit="1/s", description="Gain from the input to the state's rate")
@@ -53,7 +53,7 @@ def plant() -> ContinuousModel:
 
 
 def gain() -> ContinuousModel:
-    """Static gain and offset; no state."""
+    """Declare a static gain with an offset, without a state."""
     model = ContinuousModel("StaticGain", "Static gain with an offset", dt_max=DT_MAX)
     g = model.parameter("g", 1.0, description="Gain")
     r = model.parameter("r", 0.0, description="Offset")
@@ -63,7 +63,7 @@ def gain() -> ContinuousModel:
 
 
 def system(step: float, stop_time: float, **numbers: float) -> System:
-    """The two units; `Numbers` by name, step and stop time in s."""
+    """Return the coupled system; step and stop time in s, `Numbers` by name."""
     n = Numbers(**numbers)
     parts = {
         "plant": Part(plant, {"a": n.a, "b": n.b, "c": n.c, "d": n.d, "x_start": n.x}),
@@ -73,12 +73,12 @@ def system(step: float, stop_time: float, **numbers: float) -> System:
 
 
 def exact(t: np.ndarray, **numbers: float) -> dict[str, np.ndarray]:
-    """All outputs of the closed loop at the times t, s.
+    """Return all outputs of the closed loop at the times t, s.
 
     Raises
     ------
     ValueError
-        If d g = 1: the loop has no solution.
+        If d g = 1, where the algebraic loop has no solution.
     """
     n = Numbers(**numbers)
     if n.d * n.g == 1:

@@ -1,15 +1,15 @@
-"""Two masses, force-displacement: mass 1 receives the force, mass 2 with the coupling spring the motion.
+"""Two masses, coupled by force and displacement: mass 1 receives the force; mass 2, with the spring, the motion.
 
     left:   m1 x1'' = -k1 x1 - d1 x1' + F                            in: F             out: x, v
     right:  m2 x2'' = -k2 x2 - d2 x2' - F                            in: x_left, v_left  out: x, v, F
             F = k_c (x2 - x_left) + d_c (x2' - v_left)
 
-right.F feeds its inputs through; left's outputs do not, so there is no algebraic loop. Order: left, right.
+right.F has direct feedthrough. The outputs of left do not, so there is no algebraic loop. The order is left, right.
 
-With right's inputs held, a step is linear in (x1, v1, x2, v2, F), F being what right shows: `step_map`.
-For small h and d_c = 0 the held force on mass 1 belongs, on average, to an x1 that is older by g h and an
-x2 older by h/2; the held position in right is older by e h. Gauss-Seidel: right starts from x1 at the
-step's end, so e = -1/2 and g = 1/2. Jacobi: e = 1/2 and g = 3/2. The energy of `two_masses` then grows by
+With the inputs of right held, a step is linear in (x1, v1, x2, v2, F), where F is the output of right: `step_map`. For
+small h and d_c = 0 the held force on mass 1 belongs, on average, to an x1 that is older by g h and to an x2 that is
+older by h/2. The held position in right is older by e h. With Gauss-Seidel, right starts from x1 at the end of the
+step, so e = -1/2 and g = 1/2. With Jacobi, e = 1/2 and g = 3/2. The energy of `two_masses` then grows by
 
     dE/dt = h k_c (g v1^2 - v1 v2 / 2) - h k_c e v1 v2
 
@@ -38,7 +38,7 @@ WIRES = [("right", "F", "left", "F"), ("left", "x", "right", "x_left"), ("left",
 
 
 def pushed_mass() -> ContinuousModel:
-    """A mass on its own spring, pushed by a force."""
+    """Declare a mass on its own spring, pushed by a force."""
     model = ContinuousModel("PushedMass", "Mass on a spring, pushed by a force", dt_max=DT_MAX)
     F = model.input("F", 0.0, unit="N", description="Force on the mass")
     mass_on_spring(model, lambda _x, _v: F)
@@ -46,7 +46,7 @@ def pushed_mass() -> ContinuousModel:
 
 
 def pulling_mass() -> ContinuousModel:
-    """A mass on its own spring, with the coupling spring to another mass."""
+    """Declare a mass on its own spring, with the coupling spring to another mass."""
     model = ContinuousModel("PullingMass", "Mass with a coupling spring to a moving end", dt_max=DT_MAX)
     pull: ca.SX = mass_on_spring(model, coupling(model, "left"))
     model.output("F", -pull, unit="N", description="Force on the other mass", scalar=True)
@@ -54,7 +54,7 @@ def pulling_mass() -> ContinuousModel:
 
 
 def system(step: float, stop_time: float, **numbers: float) -> System:
-    """The two units; `Numbers` by name, step and stop time in s."""
+    """Return the coupled system; step and stop time in s, `Numbers` by name."""
     n = Numbers(**numbers)
     parts = {
         "left": Part(pushed_mass, left_start(n)),
@@ -64,12 +64,12 @@ def system(step: float, stop_time: float, **numbers: float) -> System:
 
 
 def exact(t: np.ndarray, **numbers: float) -> dict[str, np.ndarray]:
-    """All outputs of the monolithic system at the times t, s."""
+    """Return all outputs of the monolithic system at the times t, s."""
     return motion(t, Numbers(**numbers))
 
 
 def step_map(algorithm: str, h: float, **numbers: float) -> np.ndarray:
-    """One step of h, s, of (x1, v1, x2, v2, right.F), shape (5, 5), the units integrated exactly.
+    """Return the map of (x1, v1, x2, v2, right.F) over a step h, s, shape (5, 5), with exactly integrated components.
 
     `algorithm` is "gauss-seidel", in the order left, right, or "jacobi".
     """
@@ -87,7 +87,7 @@ def step_map(algorithm: str, h: float, **numbers: float) -> np.ndarray:
 
 
 def energy_drift(algorithm: str, h: float, t: np.ndarray, **numbers: float) -> float:
-    """Energy, J, gained over the equidistant times t, s, shape (n,), to first order in h, undamped."""
+    """Return the energy, J, that the undamped system gains over equidistant times t, s, to first order in h."""
     n, z = Numbers(**numbers), exact(t, **numbers)
     v1, v2 = z["left.v"], z["right.v"]
     power = {"gauss-seidel": v1**2 / 2, "jacobi": 1.5 * v1**2 - v1 * v2}[algorithm]

@@ -1,7 +1,7 @@
-"""What a known problem is, and the little algebra that all of them share.
+"""A co-simulation problem with an exact solution, and the linear algebra that all such problems share.
 
-A linear problem is z' = A z monolithically, so z(t) = exp(A t) z(0). A unit of it, with inputs u, is
-z' = A z + B u; with u held over h it moves by z+ = Phi z + Gamma u,
+A linear problem is z' = A z as one monolithic system, so z(t) = exp(A t) z(0). A component with inputs u is
+z' = A z + B u. With u held over h the component moves by z+ = Phi z + Gamma u, where
 
     exp([A B; 0 0] h) = [Phi Gamma; 0 1]
 
@@ -17,15 +17,15 @@ import numpy as np
 from scipy.linalg import expm
 
 from adaptimp_fmu import Model, build
-from orchestration.fmi.instance import Description, read_description
+from orchestration.fmi.description import Description, read_description
 from orchestration.system.system import Component, Connection, System
 
 
 class Columns(Protocol):
-    """Outputs by ``component.variable``: a `Result`, or what `exact` returns."""
+    """Outputs by ``component.variable``, such as a `Result` or the dictionary that `exact` returns."""
 
     def __getitem__(self, name: str, /) -> np.ndarray:
-        """One output over time."""
+        """Return one output over time."""
         ...
 
 
@@ -35,22 +35,28 @@ class Problem:
 
     Attributes
     ----------
+    name
+        Name of the problem.
     system
-        ``system(step, stop_time, **numbers)``, s: the FMUs with their connections and start values,
-        components in the problem's default order.
+        Function ``system(step, stop_time, **numbers)``, times in s, which returns the FMUs with their
+        connections and start values. The components are in the default order of the problem.
     exact
-        ``exact(t, **numbers)``: every output by ``component.variable`` at the times t, s, any shape.
+        Function ``exact(t, **numbers)``, which returns every output by ``component.variable`` at the times
+        t, s, of any shape.
     span
-        (stop time, step), s: up to this step, the next term of the error at the stop time of a coupling that
-        holds its inputs is at most a tenth of the first. A delay tau = 3 h / 2 (Jacobi's, the larger)
-        of a coupling force that moves an eigenvalue by e moves it by e |lambda| tau more, so a mode
-        of frequency w, e = w / 2, is wrong by exp(y) - 1 = y + y^2 / 2 + ..., y = w^2 tau T / 2; the demand
-        is y / 2 <= 0.1, or step <= 0.27 / (w^2 T).
+        Stop time and step, s. Up to this step, for a coupling that holds its inputs, the second term of the
+        error at the stop time is at most a tenth of the first. Let a coupling force move an eigenvalue lambda
+        by e. A delay tau of this force moves the eigenvalue by e |lambda| tau more. tau = 3 h / 2 with Jacobi,
+        less with Gauss-Seidel. So a mode of frequency w, with e = w / 2, is wrong by
+        exp(y) - 1 = y + y^2 / 2 + ..., where y = w^2 tau T / 2. The demand is y / 2 <= 0.1, or
+        step <= 0.27 / (w^2 T).
     bonds
-        Power bonds as (force output, velocity output), both ``component.variable``: each is an input
-        of the other's component, and their product is the power, W, through the coupling.
+        Power bonds as pairs (force output, velocity output), both ``component.variable``. Each output of a
+        pair is an input of the component of the other. The product of the two is the power through the
+        coupling, W.
     energy
-        ``energy(columns, **numbers)``: total energy, J, from the outputs; None where there is none.
+        Function ``energy(columns, **numbers)``, which returns the total energy, J, from the outputs. None if
+        the problem has no energy.
     """
 
     name: str
@@ -63,7 +69,7 @@ class Problem:
 
 @dataclass(frozen=True)
 class Part:
-    """A component to be: what declares its model, and its start values."""
+    """Definition of a component: a function that declares the model of its FMU, and start values by name."""
 
     declare: Callable[[], Model]
     start: Mapping[str, float]
@@ -76,30 +82,32 @@ def assemble(
     step: float,
     stop_time: float,
 ) -> System:
-    """Build the FMUs and connect them.
+    """Build the FMUs of a problem and connect them to a system.
 
     Parameters
     ----------
+    name
+        Name of the system.
     parts
-        By component name, in the default order.
+        Definitions by component name, in the default order.
     wires
-        (source, output, target, input) of each connection.
+        Source, output, target and input of each connection.
     step, stop_time
-        s.
+        Communication step and stop time, s.
     """
     components = tuple(Component(n, _described(part.declare), dict(part.start)) for n, part in parts.items())
     return System(name, components, tuple(Connection(*wire) for wire in wires), step, stop_time)
 
 
 def free_motion(A: np.ndarray, start: Sequence[float], t: np.ndarray) -> np.ndarray:
-    """exp(A t) z(0): shape (n, n), (n,) and any shape s of times, s; returns shape (n, *s)."""
+    """Return exp(A t) z(0), shape (n, *shape of t), for A of shape (n, n), z(0) of shape (n,) and times t, s."""
     t = np.asarray(t, dtype=float)
     motion = expm(A * t[..., None, None]) @ np.asarray(start, dtype=float)
     return np.moveaxis(motion, -1, 0)
 
 
 def held(A: np.ndarray, B: np.ndarray, h: float) -> tuple[np.ndarray, np.ndarray]:
-    """Phi, shape (n, n), and Gamma, shape (n, m), of a step of h, s, with the inputs held."""
+    """Return Phi, shape (n, n), and Gamma, shape (n, m), of a step h, s, with the inputs held."""
     n, m = B.shape
     augmented = np.zeros((n + m, n + m))
     augmented[:n, :n], augmented[:n, n:] = A, B
@@ -109,5 +117,5 @@ def held(A: np.ndarray, B: np.ndarray, h: float) -> tuple[np.ndarray, np.ndarray
 
 @cache
 def _described(declare: Callable[[], Model]) -> Description:
-    """The FMU of a model, built once per session."""
+    """Build the FMU of a model, once in each process, and return its description."""
     return read_description(build(declare()))

@@ -1,13 +1,14 @@
-"""Quarter car over a harmonic road: body and wheel in a unit each; lengths from static equilibrium.
+"""A quarter car on a harmonic road, with an FMU for the body and another for the wheel.
 
     body:   m_s z_s'' = -F,  F = k_s (z_s - z_wheel) + c_s (z_s' - v_wheel)   in: z_wheel, v_wheel   out: z, v, F
     wheel:  m_u z_u'' = F - k_t (z_u - r(t))                                  in: F                  out: z, v, r
             r(t) = (R / 2) (1 - cos(w t))
 
-F acts on the wheel, -F on the body; upwards is positive. The road starts flat, r(0) = r'(0) = 0. The wheel
-knows it as a function of time, so its inner integration sees it exactly. body.F feeds its inputs
-through, the wheel's outputs do not. Order: wheel, body. Numbers: D. Hrovat, "Survey of advanced suspension
-developments and related optimal control applications", Automatica 33(10), 1997, of this size.
+F acts on the wheel, -F on the body. Upwards is positive, and lengths are counted from static equilibrium. The road
+starts flat, r(0) = r'(0) = 0. The FMU of the wheel holds the road as a function of time, so the integration of the
+wheel sees the road exactly. body.F has direct feedthrough, the outputs of the wheel do not. The order is wheel, body.
+The numbers have the size of those in D. Hrovat, "Survey of advanced suspension developments and related optimal control
+applications", Automatica 33(10), 1997.
 
 The exact solution is exp(A t) of (z_s, v_s, z_u, v_u, cos(w t), sin(w t), 1).
 """
@@ -21,17 +22,18 @@ from adaptimp_fmu import NOT_NEGATIVE, POSITIVE, ContinuousModel
 from orchestration.system.system import System
 from tests.reference.problems.problem import Part, Problem, assemble, free_motion
 
-# Wheel hop is sqrt((k_s + k_t) / m_u) = 69 rad/s: Runge-Kutta 4 misses (w dt)^4 / 120 = 2e-11 of its phase at
-# 1e-4 s.
+# The wheel hops at sqrt((k_s + k_t) / m_u) = 69 rad/s. At 1e-4 s Runge-Kutta 4 misses (w dt)^4 / 120 = 2e-11 of the
+# phase.
 DT_MAX = 1e-4  # s
-# See `Problem`: the suspension's damper moves the hop, 70 rad/s, by c_s / (2 m_u) = 14/s; y = 14 70 tau T, 2.7e-4 s.
+# See `Problem`. The damper of the suspension moves the hop, 70 rad/s, by c_s / (2 m_u) = 14/s. So y = 14 70 tau T,
+# which asks for 2.7e-4 s.
 SPAN = (0.5, 2.5e-4)  # s
 WIRES = [("body", "F", "wheel", "F"), ("wheel", "z", "body", "z_wheel"), ("wheel", "v", "body", "v_wheel")]
 
 
 @dataclass(frozen=True)
 class Numbers:
-    """Masses kg, stiffnesses N/m, damping N.s/m, road m and rad/s, starts m and m/s."""
+    """Numbers of the quarter car: masses kg, stiffnesses N/m, damping N.s/m, road m and rad/s, starts m and m/s."""
 
     m_s: float = 300.0
     m_u: float = 35.0
@@ -58,7 +60,7 @@ class Numbers:
 
 
 def body() -> ContinuousModel:
-    """Sprung mass with the suspension."""
+    """Declare the body: the sprung mass with its suspension."""
     model = ContinuousModel("CarBody", "Sprung mass with its suspension", dt_max=DT_MAX)
     m = model.parameter("m", 300.0, unit="kg", limits=POSITIVE, description="Sprung mass")
     k = model.parameter("k", 16e3, unit="N/m", limits=NOT_NEGATIVE, description="Stiffness of the suspension")
@@ -73,7 +75,7 @@ def body() -> ContinuousModel:
 
 
 def wheel() -> ContinuousModel:
-    """Unsprung mass with its tyre on the road."""
+    """Declare the wheel: the unsprung mass with its tyre on the road."""
     model = ContinuousModel("CarWheel", "Unsprung mass with its tyre on a harmonic road", dt_max=DT_MAX)
     m = model.parameter("m", 35.0, unit="kg", limits=POSITIVE, description="Unsprung mass")
     k = model.parameter("k", 160e3, unit="N/m", limits=NOT_NEGATIVE, description="Stiffness of the tyre")
@@ -88,7 +90,7 @@ def wheel() -> ContinuousModel:
 
 
 def system(step: float, stop_time: float, **numbers: float) -> System:
-    """The two units; `Numbers` by name, step and stop time in s."""
+    """Return the coupled system; step and stop time in s, `Numbers` by name."""
     n = Numbers(**numbers)
     on_road = {"m": n.m_u, "k": n.k_t, "R": n.R, "w": n.w, "z_start": n.z_u, "v_start": n.v_u}
     on_spring = {"m": n.m_s, "k": n.k_s, "c": n.c_s, "z_start": n.z_s, "v_start": n.v_s}
@@ -97,7 +99,7 @@ def system(step: float, stop_time: float, **numbers: float) -> System:
 
 
 def exact(t: np.ndarray, **numbers: float) -> dict[str, np.ndarray]:
-    """All outputs of the monolithic system at the times t, s."""
+    """Return all outputs of the monolithic system at the times t, s."""
     n = Numbers(**numbers)
     start = [n.z_s, n.v_s, n.z_u, n.v_u, 1, 0, 1]
     z_s, v_s, z_u, v_u, cosine, _, _ = free_motion(n.matrix, start, t)
@@ -107,7 +109,7 @@ def exact(t: np.ndarray, **numbers: float) -> dict[str, np.ndarray]:
 
 
 def _moving(model: ContinuousModel) -> tuple[ca.SX, ca.SX]:
-    """Declare the states z and v, z' = v, and the outputs of the same names."""
+    """Declare the states z and v with z' = v, and outputs of the same names."""
     z = model.state("z", model.parameter("z_start", 0.0, unit="m", description="Height at the start"))
     v = model.state("v", model.parameter("v_start", 0.0, unit="m/s", description="Velocity at the start"))
     model.derivative(z, v)

@@ -1,10 +1,10 @@
-"""Two masses between walls: the mechanics that several couplings cut in different ways.
+"""Two masses on springs between two walls: the mechanics that several problems cut into FMUs in different ways.
 
     m1 x1'' = -k1 x1 - d1 x1' + F            F = k_c (x2 - x1) + d_c (x2' - x1')
     m2 x2'' = -k2 x2 - d2 x2' - F
 
-F acts on mass 1, -F on mass 2. It is the test model of co-simulation since M. Busch, "Zur effizienten
-Kopplung von Simulationsprogrammen" (Kassel, 2012); undamped by default, energy
+F acts on mass 1, -F on mass 2. This has been the test model of co-simulation since M. Busch, "Zur effizienten Kopplung
+von Simulationsprogrammen" (Kassel, 2012). The default is undamped, with the energy
 
     E = (m1 x1'^2 + m2 x2'^2 + k1 x1^2 + k2 x2^2 + k_c (x2 - x1)^2) / 2
 """
@@ -18,8 +18,8 @@ import numpy as np
 from adaptimp_fmu import NOT_NEGATIVE, POSITIVE, ContinuousModel
 from tests.reference.problems.problem import Columns, free_motion
 
-# s; Runge-Kutta 4 misses a mode of w rad/s by (w dt)^4 / 120 of a radian per radian: 1e-10 at 10 rad/s.
-DT_MAX = 1e-3
+# Runge-Kutta 4 misses a mode of w rad/s by (w dt)^4 / 120 of a radian per radian: 1e-10 at 10 rad/s.
+DT_MAX = 1e-3  # s
 SPAN = (1.0, 5e-3)  # s, see `Problem`: the faster mode has w^2 = 36.6/s^2, so 7e-3 s would do
 
 Force = Callable[[ca.SX, ca.SX], ca.SX]  # N, of the own mass's position and velocity
@@ -27,7 +27,7 @@ Force = Callable[[ca.SX, ca.SX], ca.SX]  # N, of the own mass's position and vel
 
 @dataclass(frozen=True)
 class Numbers:
-    """Masses kg, stiffnesses N/m, dampings N.s/m, starts m and m/s."""
+    """Numbers of the two masses: masses kg, stiffnesses N/m, dampings N.s/m, starts m and m/s."""
 
     m1: float = 1.0
     m2: float = 2.0
@@ -57,14 +57,14 @@ class Numbers:
 
 
 def motion(t: np.ndarray, n: Numbers) -> dict[str, np.ndarray]:
-    """``left`` is mass 1, ``right`` mass 2, and ``right.F`` the force F on mass 1."""
+    """Return the exact motion at times t, s: ``left`` is mass 1, ``right`` mass 2, ``right.F`` the force on mass 1."""
     x1, v1, x2, v2 = free_motion(n.matrix, n.start, t)
     F = n.k_c * (x2 - x1) + n.d_c * (v2 - v1)
     return {"left.x": x1, "left.v": v1, "right.x": x2, "right.v": v2, "right.F": F}
 
 
 def energy(columns: Columns, **numbers: float) -> np.ndarray:
-    """Kinetic energy and that of the three springs, J."""
+    """Return the kinetic energy plus the energy of the three springs, J."""
     n = Numbers(**numbers)
     x1, v1 = columns["left.x"], columns["left.v"]
     x2, v2 = columns["right.x"], columns["right.v"]
@@ -73,7 +73,7 @@ def energy(columns: Columns, **numbers: float) -> np.ndarray:
 
 
 def mass_on_spring(model: ContinuousModel, force: Force) -> ca.SX:
-    """Declare m x'' = -k x - d x' + force(x, v), its parameters and the outputs x, v; returns the force."""
+    """Declare m x'' = -k x - d x' + force(x, v) with its parameters and the outputs x and v; return the force, N."""
     m = model.parameter("m", 1.0, unit="kg", limits=POSITIVE, description="Mass")
     k = model.parameter("k", 0.0, unit="N/m", limits=NOT_NEGATIVE, description="Stiffness of its own spring")
     d = model.parameter("d", 0.0, unit="N.s/m", limits=NOT_NEGATIVE, description="Damping of its own damper")
@@ -88,7 +88,7 @@ def mass_on_spring(model: ContinuousModel, force: Force) -> ca.SX:
 
 
 def coupling(model: ContinuousModel, other: str) -> Force:
-    """Declare the coupling spring and the inputs it needs; returns its force on the own mass, of (x, v)."""
+    """Declare the coupling spring with its inputs; return its force on the own mass as a function of (x, v)."""
     k_c = model.parameter("k_c", 0.0, unit="N/m", limits=NOT_NEGATIVE, description="Stiffness of the coupling")
     d_c = model.parameter("d_c", 0.0, unit="N.s/m", limits=NOT_NEGATIVE, description="Damping of the coupling")
     x = model.input(f"x_{other}", 0.0, unit="m", description="Position of the other mass")
@@ -97,10 +97,10 @@ def coupling(model: ContinuousModel, other: str) -> Force:
 
 
 def left_start(n: Numbers) -> dict[str, float]:
-    """Start values of mass 1."""
+    """Return the start values of mass 1."""
     return {"m": n.m1, "k": n.k1, "d": n.d1, "x_start": n.x1, "v_start": n.v1}
 
 
 def right_start(n: Numbers) -> dict[str, float]:
-    """Start values of mass 2."""
+    """Return the start values of mass 2."""
     return {"m": n.m2, "k": n.k2, "d": n.d2, "x_start": n.x2, "v_start": n.v2}

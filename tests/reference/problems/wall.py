@@ -1,11 +1,11 @@
-"""A free mass and a wall in its own FMU; positive x is into the wall.
+"""A free mass in one FMU and a compliant wall in another; positive x is into the wall.
 
     wall:   F = -k x - d v   where x > 0, or everywhere if `bilateral`; else 0     in: x, v   out: F, gap = -x
     mass:   m x'' = F                                                              in: F      out: x, v
 
-With F held, x is a parabola: Runge-Kutta 4 integrates the mass exactly, whatever dt_max, and the only error is the
-coupling's. The wall feeds its inputs through, the mass does not. Order: wall, mass; the order mass, wall
-gives the same motion, as the wall has no memory. Bilateral and undamped, with q = k h^2 / m, a step is
+With F held, x is a parabola. Runge-Kutta 4 integrates the mass exactly, whatever dt_max is, so the only error is that
+of the coupling. The wall has direct feedthrough, the mass does not. The order is wall, mass. The order mass, wall gives
+the same motion, because the wall has no memory. With q = k h^2 / m, a step of the bilateral, undamped system is
 
     Gauss-Seidel   F = -k x(t):       x+ = x + h v - q x / 2       v+ = v - (q / h) x
     Jacobi         F = -k x(t - h):   x+ = x + h v - q x_p / 2     v+ = v - (q / h) x_p     x_p+ = x
@@ -15,11 +15,12 @@ gives the same motion, as the wall has no memory. Bilateral and undamped, with q
     Gauss-Seidel   (z - 1)^2 + q (z + 1) / 2            |z|^2 = 1 + q / 2
     Jacobi         z (z - 1)^2 + q (z + 1) / 2
 
-With z = exp(s) they read 4 sinh(s/2)^2 = -q cosh(s/2) exp(-j s/2), j = 1 and 3, so s = +-i sqrt(q) + j q / 4 to first
-orders: the amplitude grows by k h^2 / (4 m) and by 3 k h^2 / (4 m) a step, as under a delay of h/2 and of 3h/2.
+With z = exp(s) the polynomials read 4 sinh(s/2)^2 = -q cosh(s/2) exp(-j s/2), where j is 1 and 3. So, to first orders,
+s = +-i sqrt(q) + j q / 4. The amplitude grows in a step by k h^2 / (4 m) and by 3 k h^2 / (4 m), as under a delay of
+h/2 and of 3h/2.
 
-One-sided, a mass from the gap with speed v0 bounces: for one half period pi / w of the damped spring, w =
-sqrt(k/m - (d / 2 m)^2), then leaves with v0 exp(-d pi / (2 m w)).
+At a one-sided wall, a mass that comes from the gap with speed v0 bounces. Contact lasts half a period pi / w of the
+damped spring, where w = sqrt(k/m - (d / 2 m)^2). The mass leaves with the speed v0 exp(-d pi / (2 m w)).
 """
 
 from dataclasses import dataclass
@@ -39,14 +40,14 @@ WIRES = [("mass", "x", "wall", "x"), ("mass", "v", "wall", "v"), ("wall", "F", "
 
 @dataclass(frozen=True)
 class Numbers:
-    """Mass kg, stiffness N/m, damping N.s/m, starts m and m/s, and whether the wall also pulls."""
+    """Numbers of mass and wall: mass kg, stiffness N/m, damping N.s/m, starts m, m/s; a bilateral wall also pulls."""
 
     m: float = 1.0
     k: float = 100.0
     d: float = 0.0
     x: float = 0.1
     v: float = 0.0
-    bilateral: bool = True
+    bilateral: float = True  # a truth value; numbers are handed on as floats
 
     @property
     def matrix(self) -> np.ndarray:
@@ -55,7 +56,7 @@ class Numbers:
 
 
 def wall() -> ContinuousModel:
-    """Spring and damper against the wall; no state."""
+    """Declare the wall: a spring and a damper, without a state."""
     model = ContinuousModel("CompliantWall", "Spring and damper against a wall")
     k = model.parameter("k", 100.0, unit="N/m", limits=NOT_NEGATIVE, description="Stiffness of the wall")
     d = model.parameter("d", 0.0, unit="N.s/m", limits=NOT_NEGATIVE, description="Damping of the wall")
@@ -69,7 +70,7 @@ def wall() -> ContinuousModel:
 
 
 def system(step: float, stop_time: float, **numbers: float) -> System:
-    """The two units; `Numbers` by name, step and stop time in s."""
+    """Return the coupled system; step and stop time in s, `Numbers` by name."""
     n = Numbers(**numbers)
     parts = {
         "wall": Part(wall, {"k": n.k, "d": n.d, "bilateral": float(n.bilateral)}),
@@ -79,7 +80,7 @@ def system(step: float, stop_time: float, **numbers: float) -> System:
 
 
 def exact(t: np.ndarray, **numbers: float) -> dict[str, np.ndarray]:
-    """All outputs at the times t, s; of the one-sided wall, through the bounce.
+    """Return all outputs at the times t, s; with a one-sided wall, through the bounce.
 
     Raises
     ------
@@ -96,7 +97,7 @@ def exact(t: np.ndarray, **numbers: float) -> dict[str, np.ndarray]:
 
 
 def energy(columns: Columns, **numbers: float) -> np.ndarray:
-    """Kinetic energy and that of the wall's spring, J."""
+    """Return the kinetic energy plus the energy of the spring of the wall, J."""
     n = Numbers(**numbers)
     x, v = columns["mass.x"], columns["mass.v"]
     depth = x if n.bilateral else np.maximum(x, 0)
@@ -104,12 +105,26 @@ def energy(columns: Columns, **numbers: float) -> np.ndarray:
 
 
 def step_map(algorithm: str, h: float, m: float, k: float) -> np.ndarray:
-    """One step of h, s, by hand, bilateral and undamped.
+    """Return the map over a step h, s, of the bilateral, undamped system, derived by hand.
+
+    Parameters
+    ----------
+    algorithm
+        "gauss-seidel" or "jacobi".
+    h
+        Communication step, s.
+    m, k
+        Mass, kg, and stiffness, N/m.
 
     Returns
     -------
     ndarray
-        Of (x, v) for "gauss-seidel", shape (2, 2); of (x, v, x_p) for "jacobi", shape (3, 3).
+        Map of (x, v) for "gauss-seidel", shape (2, 2); map of (x, v, x_p) for "jacobi", shape (3, 3).
+
+    Raises
+    ------
+    ValueError
+        If the algorithm is another.
     """
     q = k * h**2 / m
     if algorithm == "gauss-seidel":
@@ -121,12 +136,12 @@ def step_map(algorithm: str, h: float, m: float, k: float) -> np.ndarray:
 
 
 def growth(algorithm: str, h: float, m: float, k: float) -> float:
-    """Factor by which the amplitude grows in a step of h, s: the spectral radius of `step_map`."""
+    """Return the factor by which the amplitude grows in a step h, s: the spectral radius of `step_map`."""
     return float(np.abs(np.linalg.eigvals(step_map(algorithm, h, m, k))).max())
 
 
 def _bounce(n: Numbers, t: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """x, v and F of free flight, half a period of contact, and free flight."""
+    """Return x, v and F of free flight, half a period of contact, and free flight again."""
     decay = n.d / (2 * n.m)
     squared = n.k / n.m - decay**2
     if n.x > 0 or n.v <= 0 or squared <= 0:

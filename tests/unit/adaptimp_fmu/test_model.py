@@ -1,12 +1,13 @@
 """What a model's declaration refuses, and what follows from it."""
 
 import math
+from typing import Any
 
 import casadi as ca
 import pytest
 from lxml import etree
 
-from adaptimp_fmu import ContinuousModel, DefinitionError, Model, Role, SampledModel, Type
+from adaptimp_fmu import NOT_NEGATIVE, ContinuousModel, DefinitionError, Limits, Model, Role, SampledModel, Type
 from adaptimp_fmu.lowering import lower
 from adaptimp_fmu.package import definition
 from adaptimp_fmu.structure import dependencies
@@ -55,7 +56,7 @@ def test_model_identifier_is_a_c_identifier(name: str) -> None:
     """It names a file and, in static libraries, C functions (checklist 6)."""
     model = sampled(name)
     model.output("y", model.input("u", 0.0, description="Input"), description="Output")
-    with pytest.raises(DefinitionError, match="no C identifier"):
+    with pytest.raises(DefinitionError, match="not a C identifier"):
         definition(model)
 
 
@@ -69,8 +70,9 @@ def test_a_model_without_outputs_is_refused() -> None:
 @pytest.mark.parametrize("what", ["units", "descriptions"])
 def test_one_text_per_element(what: str) -> None:
     texts = {"units": {"unit": ["m"]}, "descriptions": {"description": ["Only one"]}}[what]
+    declaration: dict[str, Any] = {"description": "Both"} | texts
     with pytest.raises(DefinitionError, match=rf"x\[1\]: 2 elements but 1 {what}"):
-        sampled().input("x", [0.0, 0.0], **({"description": "Both"} | texts))
+        sampled().input("x", [0.0, 0.0], **declaration)
 
 
 def test_evolution_has_the_shape_of_its_state() -> None:
@@ -83,7 +85,7 @@ def test_evolution_has_the_shape_of_its_state() -> None:
 def test_only_states_evolve() -> None:
     model = sampled()
     u = model.input("u", 0.0, description="Input")
-    with pytest.raises(DefinitionError, match="u is no state of this model"):
+    with pytest.raises(DefinitionError, match="u is not a state of this model"):
         model.update(u, u)
 
 
@@ -160,6 +162,93 @@ def test_noise_is_declared_once_with_a_seed_that_exists() -> None:
         model.random(lambda u: u[0], active=ca.SX(1), seed="seed")
     with pytest.raises(DefinitionError, match="Unit has no variable sed; it has sample_time, y"):
         definition(model)
+
+
+# What the runtime divides by, and what keys its noise
+
+
+def slow(*, late: bool, **declaration: Any) -> SampledModel:
+    """A model with a slow state whose divisor is declared before or after the state's update."""
+    model = sampled()
+    x = model.state("x", ca.SX(0.0))
+    model.output("y", x, description="Output")
+    if not late:
+        model.parameter("n", **declaration)
+    model.update_slowly(x, x + 1, divisor="n")
+    if late:
+        model.parameter("n", **declaration)
+    return model
+
+
+DIVISORS = [
+    ({"start": 1.0}, "n is a Real"),
+    ({"start": True, "type": Type.BOOLEAN}, "n is a Boolean"),
+    ({"start": 1, "type": Type.INTEGER}, "its minimum is -2147483647"),
+    ({"start": 1, "type": Type.INTEGER, "limits": NOT_NEGATIVE}, "its minimum is 0"),
+]
+
+
+@pytest.mark.parametrize(("declaration", "reason"), DIVISORS)
+def test_a_divisor_that_could_be_zero_is_refused(declaration: dict[str, Any], reason: str) -> None:
+    """A divisor of zero would be a division by zero in C, which ends the host."""
+    with pytest.raises(DefinitionError, match=f"divisor n .*Integer parameter .* at least 1; {reason}"):
+        slow(late=False, description="Ticks", **declaration)
+    model = slow(late=True, description="Ticks", **declaration)
+    with pytest.raises(DefinitionError, match=f"divisor n .*Integer parameter .* at least 1; {reason}"):
+        definition(model)
+
+
+@pytest.mark.parametrize("late", [False, True])
+def test_a_divisor_of_at_least_one_is_accepted(late: bool) -> None:
+    model = slow(late=late, start=2, type=Type.INTEGER, limits=Limits(1), description="Ticks")
+    assert "#define MODEL_DIVISOR 1 " in definition(model)[0]["model.c"]
+
+
+@pytest.mark.parametrize("kind", ["input", "output"])
+def test_divisor_and_seed_are_parameters(kind: str) -> None:
+    def declare(model: SampledModel) -> None:
+        if kind == "input":
+            model.input("n", 1, type=Type.INTEGER, description="Not a parameter")
+        else:
+            model.output("n", ca.SX(1), type=Type.INTEGER, scalar=True, description="Not a parameter")
+
+    model = sampled()
+    x = model.state("x", ca.SX(0.0))
+    declare(model)
+    with pytest.raises(DefinitionError, match=f"n is an {kind}"):
+        model.update_slowly(x, x + 1, divisor="n")
+    with pytest.raises(DefinitionError, match=f"seed n .*Integer parameter; n is an {kind}"):
+        model.random(lambda u: u[0], active=ca.SX(1), seed="n")
+
+
+def test_an_undeclared_divisor_is_refused_when_the_model_is_built() -> None:
+    model = sampled()
+    x = model.state("x", ca.SX(0.0))
+    model.output("y", x, description="Output")
+    model.update_slowly(x, x + 1, divisor="m")
+    with pytest.raises(DefinitionError, match="Unit has no variable m; it has sample_time"):
+        definition(model)
+
+
+@pytest.mark.parametrize(
+    ("declaration", "reason"),
+    [({"start": 0.5}, "key is a Real"), ({"start": True, "type": Type.BOOLEAN}, "key is a Boolean")],
+)
+@pytest.mark.parametrize("late", [False, True])
+def test_a_seed_that_is_no_integer_is_refused(declaration: dict[str, Any], reason: str, late: bool) -> None:
+    """C would cut it to an integer, and a Real beyond 2^63 has none."""
+
+    def complete() -> None:
+        model = sampled()
+        if not late:
+            model.parameter("key", description="Key", **declaration)
+        model.output("y", model.random(lambda u: u[0], active=ca.SX(1), seed="key"), description="Output")
+        if late:
+            model.parameter("key", description="Key", **declaration)
+        definition(model)
+
+    with pytest.raises(DefinitionError, match=f"seed key .*Integer parameter; {reason}"):
+        complete()
 
 
 def test_references_are_parameters_then_inputs_then_outputs() -> None:
@@ -275,7 +364,7 @@ def test_special_characters_survive() -> None:
     model.output("y", model.input("u", 0.0, description="a < b > c & 'd'"), description="Output")
     root = etree.fromstring(definition(model)[1])
     assert root.get("description") == 'Angle < 90° & "more"'
-    assert root.find("ModelVariables")[1].get("description") == "a < b > c & 'd'"
+    assert [v.get("description") for v in root.iterfind("ModelVariables/*")][1] == "a < b > c & 'd'"
 
 
 @pytest.mark.parametrize("value", [0.1, 1e-300, 1e300, -2.5e-8, 2.0943951024, math.pi, 1e22, 123456789012345680.0])

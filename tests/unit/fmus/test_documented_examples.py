@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from adaptimp_fmu.testing import OpenedFmu, open_fmu
+from orchestration import Fmu
 
 PAGE = Path(__file__).parents[3] / "docs" / "components.md"
 BLOCK = re.compile(r"^```python\n(.*?)^```$", re.MULTILINE | re.DOTALL)
@@ -31,10 +31,10 @@ def test_examples_run(namespace: dict[str, Any]) -> None:
 
 
 def test_the_documented_test_passes(namespace: dict[str, Any], fmu_folder: Path) -> None:
-    opened: list[OpenedFmu] = []
+    opened: list[Fmu] = []
 
-    def fmu(path: str, **start: Any) -> OpenedFmu:
-        opened.append(open_fmu(fmu_folder / Path(path).name, **start))
+    def fmu(path: str, **start: Any) -> Fmu:
+        opened.append(Fmu(fmu_folder / Path(path).name, **start))
         return opened[-1]
 
     test: Callable[[Any], None] = namespace["test_torque_of_an_arm_at_rest_is_none"]

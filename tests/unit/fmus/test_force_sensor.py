@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from fmus.force_sensor import truncated_normal
+from orchestration.fmi.codes import Status
 from tests.driver import Driver
 from tests.property.samples import EPS, evaluate
 
@@ -99,11 +100,10 @@ def test_a_rolled_back_sensor_repeats_its_noise(open_fmu: Open) -> None:
     sensor = open_fmu("ForceSensor")
     sensor.initialize(NOISY)
     errors(sensor, 10, TS)
-    saved = sensor.slave.getFMUstate()
+    saved = sensor.instance.save()
     first = errors(sensor, 20, TS, first=10)
-    sensor.slave.setFMUstate(saved)
+    sensor.instance.restore(saved)
     np.testing.assert_array_equal(errors(sensor, 20, TS, first=10), first)
-    sensor.slave.freeFMUstate(saved)
     assert len(np.unique(first, axis=0)) == 20
 
 
@@ -130,8 +130,6 @@ def test_without_noise_it_shows_the_force(open_fmu: Open, bound: float) -> None:
 def test_noise_without_a_bound_is_an_error(open_fmu: Open) -> None:
     sensor = open_fmu("ForceSensor")
     sensor.set({"noise_std": 1.0})
-    sensor.slave.setupExperiment(startTime=0.0)
-    sensor.slave.enterInitializationMode()
-    fmi2_error = 3
-    assert sensor.status("fmi2ExitInitializationMode") == fmi2_error
-    assert any("noise_bound must be positive" in text for _, _, text in sensor.messages)
+    sensor.enter()
+    assert sensor.instance.status("fmi2ExitInitializationMode") == Status.ERROR
+    assert any("noise_bound must be positive" in text for text in sensor.messages)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from fmus import start
-from fmus.catalog import UNITS
+from fmus.catalog import MODELS
 from fmus.mechanics.planar_arm import PlanarArm
 from tests.driver import Driver
 
@@ -33,7 +33,7 @@ def defaults(open_fmu: Open, name: str, t0: float = 0.0) -> Driver:
     return unit
 
 
-@pytest.mark.parametrize("name", UNITS)
+@pytest.mark.parametrize("name", MODELS)
 def test_every_unit_initialized_with_its_defaults_shows_finite_outputs(open_fmu: Open, name: str) -> None:
     unit = defaults(open_fmu, name)
     assert all(np.isfinite(value) for value in unit.outputs().values())
@@ -68,7 +68,7 @@ def test_plant_and_trajectory_meet_at_the_start(open_fmu: Open, name: str) -> No
     assert plant["gap"] < 0
 
 
-@pytest.mark.parametrize("name", [n for n in UNITS if n.endswith("Impedance")])
+@pytest.mark.parametrize("name", [n for n in MODELS if n.endswith("Impedance")])
 def test_inputs_of_controllers_start_where_plant_and_trajectory_are(open_fmu: Open, name: str) -> None:
     inputs = starts(open_fmu(name))
     plant, trajectory = (
@@ -87,7 +87,7 @@ def test_inputs_of_controllers_start_where_plant_and_trajectory_are(open_fmu: Op
     np.testing.assert_array_equal(vector(inputs, "F_hat"), vector(plant, "F_ext"))
 
 
-@pytest.mark.parametrize("name", [n for n in UNITS if n.endswith("Impedance")])
+@pytest.mark.parametrize("name", [n for n in MODELS if n.endswith("Impedance")])
 def test_the_arm_s_parameters_start_equal_everywhere(open_fmu: Open, name: str) -> None:
     controller, plant = starts(open_fmu(name)), starts(open_fmu("Plant"))
     np.testing.assert_array_equal(vector(controller, "l"), vector(plant, "l"))
@@ -103,5 +103,5 @@ def test_wall_and_segment_start_equal(open_fmu: Open) -> None:
 
 
 def test_sampled_units_share_one_sample_time(open_fmu: Open) -> None:
-    periods = {name: starts(open_fmu(name)).get("sample_time") for name in UNITS if not name.startswith("Plant")}
+    periods = {name: starts(open_fmu(name)).get("sample_time") for name in MODELS if not name.startswith("Plant")}
     assert set(periods.values()) == {1e-4}

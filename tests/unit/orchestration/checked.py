@@ -1,16 +1,23 @@
 """FMUs that are wrong in one way each: descriptions of ours edited, and small binaries that misbehave."""
 
+import functools
 import re
 import subprocess
 import sys
+import time
 import warnings
 import zipfile
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from adaptimp_fmu.toolchain import fmi_headers, host_platform
+from orchestration import check as general
 from orchestration.check import Report, Severity
+from orchestration.check.dynamic.supervision import TIMEOUT
+from orchestration.paper.closed_loop import Loop, in_loop
+from orchestration.paper.roles import ROLES, role_named
 
+PATIENT = 600.0  # s that `check` waits for units that do not hang; they need a fraction of a second
 DESCRIPTION = "modelDescription.xml"
 SOURCE = Path(__file__).with_name("misbehaving.c")
 Edit = Callable[[str], str]
@@ -32,6 +39,28 @@ MISBEHAVING = f"""<?xml version="1.0" encoding="UTF-8"?>
   </ModelStructure>
 </fmiModelDescription>
 """
+
+
+@functools.cache
+def hasty() -> float:
+    """Time that `check` may wait for a unit that hangs, s: ten times what a worker needs to start here and now."""
+    started = time.monotonic()
+    subprocess.run([sys.executable, "-c", "import orchestration.check.dynamic.experiments"], check=True)
+    return round(max(1.5, 10 * (time.monotonic() - started)), 1)
+
+
+def check(
+    path: Path,
+    role: str | None = None,
+    *,
+    mapping: Mapping[str, str] | None = None,
+    loop: Callable[[int], Loop | None] | None = None,
+    timeout: float = TIMEOUT,
+) -> Report:
+    """A check with the paper's roles and, if it is given, a loop, as the command line makes it."""
+    wanted = ROLES.values() if role is None else role_named(role)
+    trial = None if loop is None else in_loop(loop)
+    return general.check(path, wanted, mapping=mapping, trial=trial, timeout=timeout)
 
 
 def compiled(folder: Path, name: str, *flags: str) -> Path:

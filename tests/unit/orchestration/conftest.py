@@ -8,6 +8,7 @@ import pytest
 from orchestration import System
 from orchestration.paper.scenarios import SCENARIOS
 from orchestration.results import arrow_table
+from tests.sharing import made_once
 from tests.unit.orchestration.foreign import build_foreign
 from tests.unit.orchestration.stored import NAMES
 from tests.unit.orchestration.units import H, build_units, mixed
@@ -16,13 +17,13 @@ from tests.unit.orchestration.units import H, build_units, mixed
 @pytest.fixture(scope="session")
 def small(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     """FMU files of the small units, by model identifier."""
-    return build_units(tmp_path_factory.mktemp("small"))
+    return {path.stem: path for path in made_once(tmp_path_factory, "small", build_units).glob("*.fmu")}
 
 
 @pytest.fixture(scope="session")
 def strange(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     """FMU files of foreign units, by model identifier."""
-    return build_foreign(tmp_path_factory.mktemp("strange"))
+    return {path.stem: path for path in made_once(tmp_path_factory, "strange", build_foreign).glob("*.fmu")}
 
 
 @pytest.fixture(scope="session")

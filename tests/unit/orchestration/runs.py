@@ -11,7 +11,7 @@ from orchestration.master.algorithm import (
     StepControl,
     Tolerance,
 )
-from orchestration.master.step_arrays import Crossings
+from orchestration.master.options import Crossings
 from orchestration.paper.scenarios import SCENARIOS
 from tests.unit.orchestration.units import H, mixed
 

@@ -9,7 +9,7 @@ import casadi as ca
 
 from adaptimp_fmu import ContinuousModel, SampledModel, Type, build
 from orchestration import Component, Connection, System
-from orchestration.fmi.instance import read_description
+from orchestration.fmi.description import read_description
 
 H = 0.125  # s, step and sampling period: k * H is exact
 FIRST = 3.0  # value of a source at tick 0

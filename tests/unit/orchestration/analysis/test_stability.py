@@ -1,7 +1,7 @@
-"""Verdicts against maps made by hand.
+"""Tests of predicted stability, against maps that are derived by hand.
 
-Unless it says otherwise, a radius is compared within 1e-9: identified maps of these linear units are good to
-1e-12, and their eigenvalues are simple, with condition numbers below 1e2 for q >= 1e-4.
+A radius is compared within 1e-9 unless a comment gives another tolerance. The models of these linear components have
+errors of 1e-12. Their eigenvalues are simple, with condition numbers below 1e2 for q >= 1e-4.
 """
 
 from pathlib import Path
@@ -57,7 +57,8 @@ def test_the_verdict_is_what_a_run_shows(algorithm: Algorithm) -> None:
     verdict = stability(at_wall(h), algorithm=algorithm)
     run = simulate(at_wall(h), stop_time=n * h, algorithm=algorithm)
     energy = wall.energy(run, m=M_WALL, k=K_WALL)
-    # Energy swings within a period; the largest in ten periods catches its peak within 1 %, over log E of 0.1 at least.
+    # The energy oscillates within a period. The largest value of ten periods is the peak within 1 %, and log E changes
+    # by at least 0.1.
     window = round(10 * 2 * np.pi / 10 / h)
     measured = np.log(energy[-window:].max() / energy[:window].max()) / (2 * (n + 1 - window))
     assert measured == pytest.approx(np.log(verdict.radius), rel=0.02)
@@ -81,7 +82,9 @@ def test_a_stiff_damper_limits_the_step(algorithm: str) -> None:
         M = np.array([[(1 - q) * E]]) if algorithm == "gauss-seidel" else np.array([[E, -q], [E, 0]])
         return radius(M) - 1
 
-    limit = float(brentq(excess, 0.5, 5.0, full_output=False)) * m1 / d_c  # type: ignore[arg-type]
+    root = brentq(excess, 0.5, 5.0)
+    assert isinstance(root, float)
+    limit = root * m1 / d_c
     made = damper_pair.system(1e-3, 1.0, k1=0.0)
     for step in (0.3e-3, 5e-3):
         verdict = stability(made, step, algorithm)
@@ -89,16 +92,16 @@ def test_a_stiff_damper_limits_the_step(algorithm: str) -> None:
         assert verdict.largest_stable_step == pytest.approx(limit, rel=0.011)  # found within 1 %
 
 
-def test_a_step_too_long_to_see_the_instability_is_told() -> None:
+def test_a_stable_step_above_an_unstable_step_is_reported() -> None:
     verdict = stability(damper_pair.system(4e-2, 1.0))
-    assert verdict.stable  # q = 40 > 35.6: stable and wrong, says the problem
+    assert verdict.stable  # q = 40 > 35.6: the docstring of the problem calls this stable and wrong
     assert verdict.largest_stable_step == pytest.approx(2.25e-3, rel=0.02)
     assert "too long to see" in verdict.advice[0]
 
 
 @pytest.mark.parametrize(("algorithm", "power"), [("gauss-seidel", 1.0), ("jacobi", 0.5)])
 def test_an_algebraic_loop_is_repeated_step_by_step(algorithm: str, power: float) -> None:
-    # b = 0 takes the state out of the loop; all zero, so that initialization finds its solution at once
+    # b = 0 removes the state from the loop. All values are zero, so that initialization is already a solution.
     made = PROBLEMS["feedthrough"].system(1e-2, 1.0, d=1.5, g=-2.0, b=0.0, r=0.0, x=0.0)
     verdict = stability(made, algorithm=algorithm)
     assert verdict.radius == pytest.approx(3.0**power, abs=ACCURACY)
@@ -107,7 +110,7 @@ def test_an_algebraic_loop_is_repeated_step_by_step(algorithm: str, power: float
 
 
 def implicit(order: int, h: float) -> np.ndarray:
-    """(x, v) over a step with the force of its end, or on the line from that of its start."""
+    """Map of (x, v) over a step; the force is that of the end, or a line from the start to the end."""
     w = K_WALL / M_WALL
     start, end = ((0.0, 0.5), (0.0, 1.0)) if order == 0 else ((1 / 3, 1 / 6), (1 / 2, 1 / 2))
     left = np.array([[1 + w * h**2 * start[1], 0], [w * h * end[1], 1]])
@@ -130,7 +133,7 @@ def test_corrected_inputs_are_those_of_the_end(order: int, correction: Correctio
 
 
 def lagrange(nodes: list[float], h: float) -> np.ndarray:
-    """Powers of time, coefficients in rows, of the polynomial through values at `nodes` h, s."""
+    """Coefficients of the polynomial through values at the times `nodes` * h, s; one row per power of time."""
     return np.linalg.inv(np.vander(np.array(nodes) * h, increasing=True))
 
 
@@ -138,7 +141,7 @@ def lagrange(nodes: list[float], h: float) -> np.ndarray:
 def test_extrapolated_inputs_continue_the_past(order: int) -> None:
     h, n = 1e-2, order + 1
     verdict = stability(at_wall(h), algorithm=Algorithm("own", order=order))
-    # z = (v, x_0, ..., x_-p, F_0, ..., F_-(p-1)): the wall sees x through the past, the mass F through F_1 as well
+    # z = (v, x_0, ..., x_-p, F_0, ..., F_-(p-1)). The wall extrapolates x from past values; the mass also uses F_1.
     unit = np.eye(1 + n + order)
     v, x, F = unit[0], unit[1 : 1 + n], unit[1 + n :]
     powers = h ** np.arange(n)
@@ -163,12 +166,12 @@ def test_ticks_every_second_step(small: dict[str, Path], order: str, first: bool
     assert verdict.radius == pytest.approx(np.sqrt(radius(plant @ tick)), abs=ACCURACY)
 
 
-def test_what_weighs_and_what_helps() -> None:
+def test_blame_and_advice() -> None:
     verdict = stability(at_wall(1e-2))
     assert {str(connection) for connection, _ in verdict.blame[:2]} == {"mass.x -> wall.x", "wall.F -> mass.F"}
     h, q = 1e-2, 1e-2
     assert verdict.blame[0][1] == pytest.approx(q / 4, rel=0.02)  # rho - 1 = k h^2 / (4 m) is linear in the gain
-    assert verdict.blame[2][1] == pytest.approx(0, abs=1e-6)  # v moves nothing: there is no damper
+    assert verdict.blame[2][1] == pytest.approx(0, abs=1e-6)  # v has no influence, because there is no damper
     assert any("newton or iterative with order 0 is stable" in sentence for sentence in verdict.advice)
     text = str(verdict)
     assert f"gauss-seidel with a step of {h:g} s is UNSTABLE" in text
@@ -181,15 +184,15 @@ def test_a_verdict_at_a_later_time() -> None:
     assert later.radius == pytest.approx(now.radius, abs=ACCURACY)
 
 
-def test_free_masses_are_no_instability() -> None:
+def test_free_masses_are_stable() -> None:
     made = force_displacement.system(1e-2, 1.0, k1=0.0, k2=0.0, d_c=2.0)
     verdict = stability(made, algorithm=Algorithm("own", PARALLEL, 1, Correction(NEWTON)))
-    # Lines through both ends of a step carry a common motion exactly: a double eigenvalue 1, which the noise,
-    # 1e-13, splits by its root.
+    # Lines through both ends of a step reproduce a common motion exactly. The map has a double eigenvalue 1, which
+    # noise of 1e-13 splits by the square root of its size.
     assert verdict.stable
     assert verdict.radius == pytest.approx(1, abs=1e-5)
     assert verdict.threshold < 1e-4
-    # Held positions lag by h v: a force on what moves along, and unstable by the exact map as well.
+    # Held positions are late by h v. So a force acts on a common motion, and the exact map is unstable as well.
     held = stability(made)
     expected = radius(force_displacement.step_map("gauss-seidel", 1e-2, k1=0.0, k2=0.0, d_c=2.0))
     assert expected > 1 + 1e-4
@@ -197,7 +200,7 @@ def test_free_masses_are_no_instability() -> None:
     assert not held.stable
 
 
-def test_what_is_not_coupled_back_cannot_grow(small: dict[str, Path]) -> None:
+def test_a_system_without_feedback_is_stable(small: dict[str, Path]) -> None:
     verdict = stability(system(small, {"a": "Integrator", "b": "Integrator"}, "a.x -> b.u"), H)
     assert verdict.radius == 0
     assert verdict.largest_stable_step == np.inf
@@ -206,14 +209,14 @@ def test_what_is_not_coupled_back_cannot_grow(small: dict[str, Path]) -> None:
 def test_fig2_settles_as_its_target_impedance(fig2: System) -> None:
     verdict = stability(fig2)
     assert verdict.stable
-    # Target: 2 kg, 4000 N/m, critically damped: a double pole at 44.7/s. The arm moves while it is probed, by
-    # 2 rad/s * 13 * 0.1 ms = 0.3 %, which splits a double pole by sqrt(0.003) = 6 % of it.
+    # The target impedance of 2 kg and 4000 N/m is critically damped, with a double pole at 44.7/s. During the
+    # experiment the arm moves by 2 rad/s * 13 * 0.1 ms = 0.3 %, which splits a double pole by sqrt(0.003) = 6 %.
     assert -verdict.growth_rate == pytest.approx(np.sqrt(4000 / 2), rel=0.1)
     assert verdict.largest_stable_step is not None
     assert verdict.largest_stable_step > 1e-3
 
 
-def test_nonsense_is_refused() -> None:
+def test_invalid_arguments_are_refused() -> None:
     for step in (0.0, -1.0, np.nan):
         with pytest.raises(SystemDescriptionError, match="must be positive"):
             stability(at_wall(1e-2), step)

@@ -6,12 +6,13 @@ from pathlib import Path
 
 import pytest
 
-from orchestration.check import Report, Severity, check
-from orchestration.check.closed_loop import Loop, Ride, judge
-from orchestration.check.findings import LOOP, ROLE
-from orchestration.check.roles import ROLES, UNITS
+from orchestration.check import Report, Severity
+from orchestration.check.findings import ROLE
+from orchestration.check.interface import UNITS
+from orchestration.paper.closed_loop import LOOP, Loop, Ride, judge
+from orchestration.paper.roles import ROLES
 from orchestration.system.system import System
-from tests.unit.orchestration.checked import Edit, assert_found, edited, swap
+from tests.unit.orchestration.checked import Edit, assert_found, check, edited, swap
 
 ERROR, WARNING, NOTE = Severity.ERROR, Severity.WARNING, Severity.NOTE
 TORQUE = r'<Unit name="N.m">\s*<BaseUnit kg="1" m="2" s="-2"/>'

@@ -9,11 +9,11 @@ from pathlib import Path
 import pytest
 
 from adaptimp_fmu.toolchain import host_platform
-from fmus.catalog import UNITS
+from fmus.catalog import MODELS
 from orchestration import ArchiveError, SystemDescriptionError
-from orchestration.check import Report, Severity, check
+from orchestration.check import Report, Severity
 from orchestration.check.static import elf
-from tests.unit.orchestration.checked import DESCRIPTION, Edit, assert_found, edited, repacked, swap
+from tests.unit.orchestration.checked import DESCRIPTION, Edit, assert_found, check, edited, repacked, swap
 
 ERROR, WARNING, NOTE = Severity.ERROR, Severity.WARNING, Severity.NOTE
 LIBRARY = f"binaries/{host_platform().name}/HoganImpedance{host_platform().extension}"
@@ -27,7 +27,7 @@ def hogan(fmu_folder: Path) -> Path:
     return fmu_folder / "HoganImpedance.fmu"
 
 
-@pytest.mark.parametrize("unit", list(UNITS))
+@pytest.mark.parametrize("unit", list(MODELS))
 def test_ours_have_no_findings(fmu_folder: Path, unit: str) -> None:
     report = check(fmu_folder / f"{unit}.fmu")
     assert report.findings == ()

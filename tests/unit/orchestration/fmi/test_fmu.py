@@ -1,120 +1,374 @@
-"""Evidence for opening FMUs: other kinds, foreign identifiers and missing parts are refused by name."""
+"""One FMU driven with arrays: arrays in, arrays out, sentences for what goes wrong."""
 
-import io
+import ctypes
 import re
+import subprocess
+import sys
+import tempfile
 import zipfile
 from collections.abc import Callable
 from pathlib import Path
 
+import casadi as ca
+import numpy as np
 import pytest
+from fmpy.fmi2 import fmi2CallbackFunctions, fmi2CallbackLoggerTYPE
+from fmpy.logging import addLoggerProxy
 
-from orchestration import ArchiveError, simulate
-from orchestration.fmi.instance import read_description
-from tests.unit.orchestration.units import system
+from adaptimp_fmu import SampledModel, Type, build
+from fmus.mechanics.planar_arm import PlanarArm
+from orchestration import ArchiveError, Fmu, InitializationError, SignalError, SimulationError, SystemDescriptionError
+from orchestration.fmi import logging
+from orchestration.fmi.testing import fmu
+from tests.driver import Driver
 
-DESCRIPTION = "modelDescription.xml"
+Open = Callable[..., Fmu]
+H = 1e-3  # s
+Q, DQ = np.array([0.3, 1.0]), np.array([0.5, -1.0])  # rad, rad/s
+REST = {"q_start": Q, "dq_start": [0.0, 0.0]}
+
+_ = fmu  # the fixture: imported, so that it is this module's
 
 
-def rewritten(fmu: Path, path: Path, edit: Callable[[str], str], drop: str = "^$") -> Path:
-    """A copy of an FMU with another description, without the entries that match `drop`."""
-    with zipfile.ZipFile(fmu) as old, zipfile.ZipFile(path, "w") as new:
-        for name in old.namelist():
-            if re.match(drop, name):
-                continue
-            content = old.read(name)
-            if name == DESCRIPTION:
-                content = edit(content.decode()).encode()
-            new.writestr(name, content)
+@pytest.fixture(scope="module")
+def counter(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """An FMU with every type: what it shows is what was set, and the number of ticks times `gain`."""
+    model = SampledModel("Counter", "Counts ticks", sample_time=H)
+    u = model.input("u", [0.0] * 11, description="A long array")
+    whole = model.input("whole", 0, type=Type.INTEGER, description="An integer")
+    flag = model.input("flag", [False, False], type=Type.BOOLEAN, description="Two flags")
+    gain = model.parameter("gain", 1.0, tunable=True, description="A gain")
+    count = model.state("count", ca.SX(0))
+    model.update(count, count + 1)
+    model.output("y", u, description="u")
+    model.output("n", gain * count, description="Ticks", scalar=True)
+    model.output("whole_y", whole, type=Type.INTEGER, description="whole", scalar=True)
+    model.output("flag_y", flag, type=Type.BOOLEAN, description="flag")
+    return build(model, tmp_path_factory.mktemp("counter"))
+
+
+def with_description(source: Path, path: Path, before: str, after: str) -> Path:
+    """A copy of an FMU with its description changed."""
+    with zipfile.ZipFile(source) as old, zipfile.ZipFile(path, "w") as new:
+        for entry in old.namelist():
+            content = old.read(entry)
+            if entry == "modelDescription.xml":
+                assert before in content.decode()
+                content = content.decode().replace(before, after).encode()
+            new.writestr(entry, content)
     return path
 
 
+def test_drive_is_what_single_calls_give(fmu_folder: Path, fmu: Open) -> None:
+    """Bit for bit, against the tests' own driver: same calls, same times k h."""
+    tau = np.random.default_rng(1).normal(size=(50, 2))
+    unit = fmu(fmu_folder / "Plant.fmu", q_start=Q, dq_start=DQ)
+    rows = unit.drive(H, {"tau": tau})
+    driver = Driver(fmu_folder / "Plant.fmu")
+    driver.initialize({f"{name}_start[{i + 1}]": v[i] for name, v in (("q", Q), ("dq", DQ)) for i in (0, 1)})
+    for k in range(50):
+        driver.set({"tau[1]": tau[k, 0], "tau[2]": tau[k, 1]})
+        driver.step(k * H, H)
+        for name, value in driver.outputs().items():
+            assert rows[name][k] == value
+    names = set(driver.outputs())
+    driver.close()
+    assert {values.dtype for values in rows.values()} == {np.dtype(float)}
+    assert set(rows) == {*names, "q", "dq", "ddq", "x", "dx", "F_ext"}
+    np.testing.assert_array_equal(rows["q"], np.column_stack([rows["q[1]"], rows["q[2]"]]))
+    assert (unit.steps, unit.time) == (50, 50 * H)
+
+
+def test_a_plant_shows_the_acceleration_of_its_equations(fmu_folder: Path, fmu: Open) -> None:
+    """At rest and without gravity ddq = H^-1 tau: both invert the same 2 x 2, condition about 10."""
+    unit = fmu(fmu_folder / "Plant.fmu", **REST, tau=[3.0, -1.0])
+    inertia = np.array(PlanarArm(2).inertia(Q, [2.0, 1.0], [1.0, 1.0]))
+    np.testing.assert_allclose(unit.outputs()["ddq"], np.linalg.solve(inertia, [3.0, -1.0]), rtol=1e-13)
+
+
+def test_times_elements_and_the_step_give_the_same(fmu_folder: Path, fmu: Open) -> None:
+    """Steps of 2^-10 s: k h and differences of times are exact."""
+    h, tau = 2.0**-10, np.random.default_rng(2).normal(size=(20, 2))
+    path = fmu_folder / "Plant.fmu"
+    by_step = fmu(path, **REST).drive(h, {"tau": tau})
+    by_times = fmu(path, **REST).drive(h * np.arange(21), {"tau[2]": tau[:, 1], "tau[1]": tau[:, 0]})
+    apart = fmu(path, **REST)
+    parts = [apart.drive(h * np.arange(8), {"tau": tau[:7]}), apart.drive(h, {"tau": tau[7:]})]
+    for name, values in by_step.items():
+        np.testing.assert_array_equal(values, by_times[name])
+        np.testing.assert_array_equal(values, np.concatenate([part[name] for part in parts]))
+
+
+def test_a_controller_reads_the_row_of_its_tick(fmu_folder: Path, fmu: Open) -> None:
+    """The torque is affine in the force, (4): half the force, half the change."""
+    force = np.zeros((4, 2))
+    force[1], force[2] = (20.0, -8.0), (10.0, -4.0)
+    unit = fmu(fmu_folder / "HoganImpedance.fmu", sample_time=H, p_start=[2.0, 1.0, 0, 0, 0, 0])
+    tau = unit.drive(H, {"F_hat": force})["tau_cmd"]
+    np.testing.assert_allclose(tau[1] - tau[0], 2 * (tau[2] - tau[0]), rtol=1e-9)  # of 10 in 100 N.m: 1e-14
+    assert np.abs(tau[1] - tau[0]).max() > 1
+    np.testing.assert_array_equal(tau[3], tau[0])
+
+
+def test_start_values_and_outputs_by_array_and_by_element(fmu_folder: Path, fmu: Open) -> None:
+    unit = fmu(fmu_folder / "HoganImpedance.fmu", **{"p_start[2]": 2.5}, K=[1e3, 2e3])
+    np.testing.assert_array_equal(unit.outputs()["p_hat"], [2.0, 2.5, 0, 0, 0, 0])
+    assert unit.outputs()["p_hat[2]"].shape == ()
+
+
+def test_types_long_arrays_and_tunable_parameters(counter: Path, fmu: Open) -> None:
+    unit = fmu(counter, gain=2.0)
+    u = np.arange(33.0).reshape(3, 11)  # u[10] comes after u[9], not after u[1]
+    inputs = {
+        "u": u,
+        "whole": np.array([1, 5, -3]),
+        "flag": np.eye(3, 2, dtype=bool),
+        "gain": np.array([2.0, 2.0, 0.5]),
+    }
+    rows = unit.drive(H, inputs)
+    np.testing.assert_array_equal(rows["y"], u)
+    np.testing.assert_array_equal(rows["y[10]"], u[:, 9])
+    np.testing.assert_array_equal(rows["whole_y"], [1.0, 5.0, -3.0])
+    np.testing.assert_array_equal(rows["flag_y"], np.eye(3, 2))
+    np.testing.assert_array_equal(rows["n"], [0.0, 2.0, 1.0])
+    unit.set(whole=7)
+    unit.step(H)
+    assert unit.outputs()["whole_y"] == 7
+
+
+def test_long_runs_miss_no_tick(counter: Path, fmu: Open) -> None:
+    unit = fmu(counter)
+    parts = [unit.drive(H, {"whole": np.zeros(1000)})["n"] for _ in range(3)]
+    np.testing.assert_array_equal(np.concatenate(parts), np.arange(3000.0))
+    assert unit.time == 3000 * H  # a sum of 1e-3 is not
+
+
 @pytest.mark.parametrize(
-    "identifier", ["../../evil", "/tmp/evil", "..\\evil", "evil/evil", "a b", "1a", "", "\u00e4", "evil.so"]
-)
-def test_model_identifier_must_be_one(small: dict[str, Path], tmp_path: Path, identifier: str) -> None:
-    path = rewritten(
-        small["Source"],
-        tmp_path / "evil.fmu",
-        lambda text: text.replace('modelIdentifier="Source"', f'modelIdentifier="{identifier}"'),
-    )
-    rule = rf"evil\.fmu: the model identifier {re.escape(repr(identifier))} is no C identifier"
-    with pytest.raises(ArchiveError, match=rule):
-        read_description(path)
-
-
-NEEDED_KIND = r"one of FMI 2\.0 for co-simulation is needed"
-EXCHANGE = '<ModelExchange modelIdentifier="a"/>'
-FMI1 = (
-    '<fmiModelDescription fmiVersion="1.0" modelName="a" modelIdentifier="a" guid="0"'
-    ' numberOfContinuousStates="0" numberOfEventIndicators="0"><ModelVariables/></fmiModelDescription>'
-)
-FMI3 = (
-    '<fmiModelDescription fmiVersion="3.0" modelName="a" instantiationToken="0">'
-    '<CoSimulation modelIdentifier="a"/><ModelVariables><Float64 name="t" valueReference="0"'
-    ' causality="independent"/></ModelVariables><ModelStructure/></fmiModelDescription>'
-)
-
-
-@pytest.mark.parametrize(
-    ("edit", "rule"),
+    ("call", "sentence"),
     [
-        (lambda _: FMI1, rf"is an FMI 1\.0 FMU for model exchange; {NEEDED_KIND}"),
-        (lambda _: FMI3, rf"is an FMI 3\.0 FMU for co-simulation; {NEEDED_KIND}"),
+        (lambda u: u.set(torque=1.0), "Plant has no variable torque; it has dt_max, q_start (2), dq_start (2),"),
+        (lambda u: u.set(tau=1.0), "Plant: tau takes an array of shape (2,), not ()."),
+        (lambda u: u.set(**{"tau[1]": [1.0]}), "Plant: tau[1] takes an array of shape (), not (1,)."),
+        (lambda u: u.set(tau="much"), "Plant: tau takes an array of shape (2,), not ()."),
+        (lambda u: u.set(**{"tau[1]": "much"}), "Plant: tau[1] is of type Real, which 'much' is not."),
+        (lambda u: u.set(tau=None), "Plant: tau takes"),
+        (lambda u: u.set(tau=[1.0, [2.0]]), "Plant: tau takes numbers, not"),
+        (lambda u: u.drive(H, {"torque": np.zeros(3)}), "Plant has no variable torque; it has dt_max"),
         (
-            lambda text: re.sub("<CoSimulation.*</CoSimulation>", EXCHANGE, text, flags=re.DOTALL),
-            rf"is an FMI 2\.0 FMU for model exchange; {NEEDED_KIND}",
+            lambda u: u.drive(H, {"q": np.zeros((3, 2))}),
+            "Plant has no input q; its inputs and tunable parameters are tau (2).",
         ),
-        (lambda text: text[:-30], r"is no valid FMU"),
-        (lambda text: text.replace("<ModelVariables>", "<Variables>"), r"is no valid FMU"),
-        (lambda text: text.replace('fmiVersion="2.0"', 'fmiVersion="7.0"'), r"is no valid FMU"),
-        (lambda text: text.replace('start="0.125"', 'start="often"'), r"is no valid FMU"),
+        (lambda u: u.drive(H, {"tau": np.zeros((3, 3))}), "Plant: tau takes an array of shape (n, 2), not (3, 3)."),
+        (lambda u: u.drive(H, {"tau": np.zeros(2)}), "Plant: tau takes an array of shape (n, 2), not (2,)."),
+        (lambda u: u.drive(H, {"tau[2]": np.zeros((3, 1))}), "tau[2] takes an array of shape (n,), not (3, 1)."),
+        (
+            lambda u: u.drive(H, {"tau[1]": np.zeros(3), "tau[2]": np.zeros(2)}),
+            "Plant: 3 steps, but tau[2] has 2 rows; an input has one row per step.",
+        ),
+        (lambda u: u.drive([0.0, H], {"tau": np.zeros((2, 2))}), "Plant: 1 steps, but tau has 2 rows"),
+        (lambda u: u.drive(H, {}), "without inputs, drive needs all communication points"),
+        (lambda u: u.drive([H, 2 * H]), "Plant: times begin at 0.001 s, but the FMU is at t = 0 s."),
+        (lambda u: u.drive([0.0, H, H]), "Plant: times must be n + 1 finite, increasing communication points"),
+        (lambda u: u.drive([0.0]), "Plant: times must be n + 1 finite"),
+        (lambda u: u.drive([0.0, np.inf]), "Plant: times must be n + 1 finite"),
+        (lambda u: u.drive(0.0, {"tau": np.zeros((2, 2))}), "Plant: a step of 0.0 s at t = 0 s; it must be positive"),
+        (lambda u: u.step(float("nan")), "Plant: a step of nan s"),
+        (
+            lambda u: u.drive(H, {"tau": np.zeros((2, 2)), "tau[1]": np.ones(2)}),
+            "Plant: tau[1] is given twice, also by tau.",
+        ),
     ],
 )
-def test_description_must_be_fmi_2_co_simulation(
-    small: dict[str, Path], tmp_path: Path, edit: Callable[[str], str], rule: str
+def test_what_does_not_fit_is_refused_and_nothing_is_done(
+    fmu_folder: Path, fmu: Open, call: Callable[[Fmu], object], sentence: str
 ) -> None:
-    path = rewritten(small["Source"], tmp_path / "other.fmu", edit)
-    with pytest.raises(ArchiveError, match=rf"other\.fmu {rule}"):
-        read_description(path)
+    unit = fmu(fmu_folder / "Plant.fmu", **REST, tau=[1.0, 2.0])
+    before = unit.outputs()["ddq"]
+    with pytest.raises(SignalError, match=re.escape(sentence)):
+        call(unit)
+    np.testing.assert_array_equal(unit.outputs()["ddq"], before)
+    assert (unit.steps, unit.time) == (0, 0.0)
 
 
-def test_missing_description_and_missing_file(small: dict[str, Path], tmp_path: Path) -> None:
-    hollow = rewritten(small["Source"], tmp_path / "hollow.fmu", str, drop=DESCRIPTION)
-    with pytest.raises(ArchiveError, match=r"hollow\.fmu is no valid FMU: .*modelDescription\.xml"):
-        read_description(hollow)
-    with pytest.raises(ArchiveError, match=r"none\.fmu: there is no such FMU"):
-        read_description(tmp_path / "none.fmu")
+@pytest.mark.parametrize(
+    ("values", "sentence"),
+    [
+        ({"whole": 1.5}, "Counter: whole is of type Integer, which 1.5 is not."),
+        ({"whole": np.nan}, "Counter: whole is of type Integer, which nan is not."),
+        ({"flag": [0, 2]}, "Counter: flag[2] is of type Boolean, which 2.0 is not."),
+    ],
+)
+def test_values_are_not_rounded(counter: Path, fmu: Open, values: dict[str, float], sentence: str) -> None:
+    with pytest.raises(SignalError, match=re.escape(sentence)):
+        fmu(counter).set(**values)
 
 
-def test_missing_binary_names_the_platforms(small: dict[str, Path], tmp_path: Path) -> None:
-    bare = rewritten(small["Source"], tmp_path / "bare.fmu", str, drop="binaries/")
-    with pytest.raises(ArchiveError, match=r"bare\.fmu has no binary for \S+, this machine; it has none"):
-        simulate(system({"Source": bare}, {"source": "Source"}))
-    with zipfile.ZipFile(bare, "a") as archive_:
-        archive_.writestr("binaries/beos64/Source.so", b"")
-    with pytest.raises(ArchiveError, match=r"bare\.fmu has no binary for \S+, this machine; it has beos64"):
-        simulate(system({"Source": bare}, {"source": "Source"}))
+def test_a_failing_step_says_when_and_why(fmu_folder: Path, fmu: Open) -> None:
+    unit = fmu(fmu_folder / "Plant.fmu", **REST)
+    tau = np.zeros((10, 2))
+    tau[7, 1] = np.nan
+    sentence = (
+        "Plant: fmi2DoStep returned fmi2Error at t = 0.007 s (step 7);"
+        ' its last message: "Input tau[2] is nan; it must be finite.".'
+    )
+    with pytest.raises(SimulationError, match=re.escape(sentence)):
+        unit.drive(H, {"tau": tau})
+    assert unit.messages[-1] == "Input tau[2] is nan; it must be finite."
 
 
-def test_a_binary_that_is_none_is_named(small: dict[str, Path], tmp_path: Path) -> None:
-    with zipfile.ZipFile(small["Source"]) as old:
-        (library,) = [name for name in old.namelist() if name.startswith("binaries/")]
-    broken = rewritten(small["Source"], tmp_path / "broken.fmu", str, drop="binaries/")
-    with zipfile.ZipFile(broken, "a") as new:
-        new.writestr(library, b"not a library")
-    before = Path.cwd()
-    with pytest.raises(ArchiveError, match=r"source: broken\.fmu cannot be loaded: "):
-        simulate(system({"Source": broken}, {"source": "Source"}))
-    assert Path.cwd() == before  # fmpy leaves the working directory in a folder that is gone
+@pytest.mark.parametrize(
+    ("start", "sentence"),
+    [
+        ({"m": [-1.0, 1.0]}, r"Plant: fmi2SetReal returned fmi2Error at t = 0 s \(step 0\); .*m\[1\] = -1 is outside"),
+        ({"wall_normal": [1.0, 1.0]}, "Plant: fmi2ExitInitializationMode returned fmi2Error .*must have length 1"),
+    ],
+)
+def test_a_refused_start_says_why_and_leaves_nothing(
+    fmu_folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, start: dict[str, list[float]], sentence: str
+) -> None:
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    with pytest.raises(InitializationError, match=sentence):
+        Fmu(fmu_folder / "Plant.fmu", **start)
+    assert list(tmp_path.iterdir()) == []
 
 
-def test_a_changed_file_is_screened_again(small: dict[str, Path], tmp_path: Path) -> None:
-    path = tmp_path / "unit.fmu"
-    path.write_bytes(small["Source"].read_bytes())
-    read_description(path)
-    buffer = io.BytesIO(small["Source"].read_bytes())
-    with zipfile.ZipFile(buffer, "a") as new:
-        new.writestr("../evil.txt", b"")
-    path.write_bytes(buffer.getvalue())
-    with pytest.raises(ArchiveError, match="leads outside"):
-        read_description(path)
+def test_what_was_unpacked_is_removed_and_a_closed_unit_says_so(
+    fmu_folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    with Fmu(fmu_folder / "Plant.fmu") as unit:
+        assert list(tmp_path.iterdir()) != []
+    assert list(tmp_path.iterdir()) == []
+    unit.close()
+    with pytest.raises(SimulationError, match=r"Plant is closed\."):
+        unit.step(H)
+
+
+def test_what_is_no_unit_of_this_machine(fmu_folder: Path, tmp_path: Path) -> None:
+    plant, other = fmu_folder / "Plant.fmu", tmp_path / "other.fmu"
+    with pytest.raises(ArchiveError, match=r"missing\.fmu: there is no such FMU"):
+        Fmu(tmp_path / "missing.fmu")
+    other.write_text("no archive")
+    with pytest.raises(ArchiveError, match=r"other\.fmu is not a readable zip archive"):
+        Fmu(other)
+    identifier = 'modelIdentifier="Plant"'
+    with pytest.raises(ArchiveError, match=r"other\.fmu has no binary for \S+, this machine; it has \S+"):
+        Fmu(with_description(plant, other, identifier, 'modelIdentifier="Other"'))
+    with pytest.raises(InitializationError, match='fmi2Instantiate failed; its last message: "'):
+        Fmu(with_description(plant, other, 'guid="', 'guid="0'))
+    exchange = with_description(plant, other, "CoSimulation", "ModelExchange")
+    with pytest.raises(ArchiveError, match=r"other\.fmu is an FMI 2\.0 FMU for model exchange"):
+        Fmu(exchange)
+
+
+def test_messages_go_to_their_unit(fmu_folder: Path, fmu: Open) -> None:
+    """The proxy of fmpy knows one logger at a time; here another tool takes it over."""
+    first, second = fmu(fmu_folder / "Plant.fmu"), fmu(fmu_folder / "HoganImpedance.fmu")
+    theirs = fmi2CallbackFunctions()
+    theirs.logger = fmi2CallbackLoggerTYPE(lambda *_: None)
+    addLoggerProxy(ctypes.byref(theirs))
+    with pytest.raises(SimulationError):
+        first.set(m=[1.0, 1.0])
+    assert "m[1] is a fixed parameter" in first.messages[-1]
+    assert list(second.messages) == []
+
+
+def test_without_the_proxy_messages_stay_as_the_fmu_wrote_them(
+    fmu_folder: Path, fmu: Open, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Linux on ARM has none: the format is all that Python sees."""
+    monkeypatch.setattr(logging, "_proxy", lambda: None)
+    unit = fmu(fmu_folder / "Plant.fmu")
+    with pytest.raises(SimulationError, match=r"m\[1\] is a fixed parameter"):
+        unit.set(m=[1.0, 1.0])
+
+
+def test_a_saved_state_brings_back_outputs_and_time(fmu_folder: Path, fmu: Open) -> None:
+    """Bit for bit, in the same instance and in another one."""
+    tau = np.random.default_rng(3).normal(size=(20, 2))
+    unit = fmu(fmu_folder / "Plant.fmu", **REST)
+    unit.drive(H, {"tau": tau})
+    state = unit.save()
+    assert isinstance(state, bytes)
+    after = unit.drive(H, {"tau": tau})
+    other = fmu(fmu_folder / "Plant.fmu")
+    for restored in (unit, other):
+        restored.restore(state)
+        assert (restored.time, restored.steps) == (20 * H, 20)
+        again = restored.drive(H, {"tau": tau})
+        for name, values in after.items():
+            np.testing.assert_array_equal(again[name], values)
+
+
+def without(flag: str, source: Path, folder: Path) -> Path:
+    """A copy of an FMU that does not declare a capability."""
+    declared = f'{flag}="true"'
+    return with_description(source, folder / source.name, declared, declared.replace("true", "false"))
+
+
+def test_a_state_that_is_not_serialized_belongs_to_its_instance(fmu_folder: Path, tmp_path: Path, fmu: Open) -> None:
+    path = without("canSerializeFMUstate", fmu_folder / "Plant.fmu", tmp_path)
+    unit, other = fmu(path, **REST), fmu(path)
+    state = unit.save()
+    shown = unit.outputs()["q"]
+    unit.drive(H, {"tau": np.ones((5, 2))})
+    unit.restore(state)
+    np.testing.assert_array_equal(unit.outputs()["q"], shown)
+    assert unit.time == 0.0
+    with pytest.raises(SignalError, match=r"Plant: the state to restore is of another FMU, or damaged"):
+        other.restore(state)
+
+
+def test_states_that_fit_no_instance_are_refused(fmu_folder: Path, tmp_path: Path, fmu: Open, counter: Path) -> None:
+    unit = fmu(fmu_folder / "Plant.fmu")
+    for foreign in (fmu(counter).save(), b"", unit.save()[:30]):
+        with pytest.raises(SignalError, match="of another FMU, or damaged"):
+            unit.restore(foreign)
+    with pytest.raises(SimulationError, match="Plant: fmi2DeSerializeFMUstate returned fmi2Error"):
+        unit.restore(unit.save()[:-1])
+    path = without("canGetAndSetFMUstate", fmu_folder / "Plant.fmu", tmp_path)
+    with pytest.raises(SystemDescriptionError, match=r"Plant\.fmu does not declare canGetAndSetFMUstate"):
+        fmu(path).save()
+
+
+def test_it_says_what_it_is(fmu_folder: Path) -> None:
+    unit = Fmu(fmu_folder / "Plant.fmu", {"q_start[1]": 0.3}, start_time=2.0)
+    assert repr(unit) == "<Fmu Plant at t = 2 s>"
+    assert unit.variables["tau[1]"].unit == "N.m"
+    unit.close()
+    assert repr(unit) == "<Fmu Plant closed>"
+
+
+def test_it_needs_neither_pytest_nor_fmpy_nor_numba(fmu_folder: Path) -> None:
+    script = f"""
+import sys
+sys.modules["pytest"] = None
+from orchestration import Fmu
+with Fmu({str(fmu_folder / "Plant.fmu")!r}) as unit:
+    unit.step(1e-3)
+sys.exit("fmpy" in sys.modules or "numba" in sys.modules)
+"""
+    run = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False)
+    assert run.returncode == 0, run.stderr
+
+
+def test_it_serves_as_a_plugin(fmu_folder: Path, tmp_path: Path) -> None:
+    """In a project of somebody else, by `pytest_plugins`; the unit is freed although the test fails."""
+    (tmp_path / "test_theirs.py").write_text(f"""
+import numpy as np
+pytest_plugins = ["orchestration.fmi.testing"]
+units = []
+def test_open(fmu):
+    units.append(fmu({str(fmu_folder / "Plant.fmu")!r}))
+    assert units[0].drive(1e-3, {{"tau": np.zeros((5, 2))}})["x"].shape == (5, 2)
+def test_freed():
+    try:
+        units[0].step(1e-3)
+    except Exception as error:
+        assert str(error) == "Plant is closed."
+    else:
+        raise AssertionError
+""")
+    command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", str(tmp_path)]
+    run = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert "2 passed" in run.stdout, run.stdout + run.stderr

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from orchestration import Connection, Options, PowerBond, System, SystemDescriptionError, ledger, simulate
-from orchestration.fmi.units import UnitDefinition, conversion
+from orchestration.fmi.units import Unit, UnitDefinition, conversion
 from orchestration.master.algorithm import DIRECTIONAL, NEWTON, PARALLEL, Algorithm, Correction, StepControl, Tolerance
 from tests.unit.orchestration.units import H, mixed, system
 
@@ -91,9 +91,9 @@ def test_scales_that_make_no_sense_are_refused(small: dict[str, Path], connectio
         replace(plain, connections=(connection,))
 
 
-K, CELSIUS = UnitDefinition("K", (("K", 1),)), UnitDefinition("degC", (("K", 1),), 1.0, 273.15)
-FAHRENHEIT = UnitDefinition("degF", (("K", 1),), 5 / 9, 273.15 - 32 * 5 / 9)
-M, MM = UnitDefinition("m", (("m", 1),)), UnitDefinition("mm", (("m", 1),), 1e-3)
+K, CELSIUS = UnitDefinition("K", Unit((("K", 1),))), UnitDefinition("degC", Unit((("K", 1),), 1.0, 273.15))
+FAHRENHEIT = UnitDefinition("degF", Unit((("K", 1),), 5 / 9, 273.15 - 32 * 5 / 9))
+M, MM = UnitDefinition("m", Unit((("m", 1),))), UnitDefinition("mm", Unit((("m", 1),), 1e-3))
 
 
 @pytest.mark.parametrize(
@@ -106,8 +106,8 @@ M, MM = UnitDefinition("m", (("m", 1),)), UnitDefinition("mm", (("m", 1),), 1e-3
         (M, K, False, None),
         (M, UnitDefinition("m", None), False, (1.0, 0.0)),
         (M, UnitDefinition("metre", None), False, None),
-        (M, UnitDefinition("metre", M.exponents), False, (1.0, 0.0)),
-        (M, UnitDefinition("m", MM.exponents, MM.factor), False, (1 / 1e-3, 0.0)),
+        (M, UnitDefinition("metre", M.meaning), False, (1.0, 0.0)),
+        (M, UnitDefinition("m", MM.meaning), False, (1 / 1e-3, 0.0)),
         (None, M, False, (1.0, 0.0)),
     ],
 )

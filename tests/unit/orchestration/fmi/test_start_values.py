@@ -15,7 +15,7 @@ from orchestration import (
     UnconnectedInputWarning,
     simulate,
 )
-from orchestration.fmi.instance import read_description
+from orchestration.fmi.description import read_description
 from tests.unit.orchestration.units import H, mixed, system
 
 
@@ -108,7 +108,7 @@ def test_replace_keeps_place_values_and_connections(fig2: System, controllers: d
         f"controller: start values dropped, Few has no {', '.join(n for n in old if n not in new)}.",
         f"controller: connections dropped, Few has no input {', '.join(c.input for c in dropped)}.",
     )
-    assert np.isfinite(simulate(changed, 10 * fig2.step, options=Options(strict=True)).rows).all()
+    assert np.isfinite(simulate(changed, 10 * fig2.run_step(), options=Options(strict=True)).rows).all()
 
 
 @pytest.mark.parametrize(

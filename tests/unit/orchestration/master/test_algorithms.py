@@ -1,8 +1,9 @@
-"""Evidence for both masters and the rows: exact predictions on chains of counting units.
+"""Gauss-Seidel and Jacobi give exactly the rows that are predicted for chains of counting components.
 
-A source shows 3 + k at tick k; relay i of a chain shows 2^i times what its source showed d ticks
-before, where d counts the connections that delay: none in Gauss-Seidel in the order of the signals,
-every one in Jacobi. All numbers are integers, so every comparison is exact.
+A source shows 3 + k at tick k. Relay i of a chain shows 2^i times the value that the source showed d
+ticks before, where d counts the connections that delay by a step. In Gauss-Seidel in the order of the
+signals no connection delays; in Jacobi every connection does. All numbers are integers, so every
+comparison is exact.
 """
 
 from collections.abc import Sequence
@@ -17,11 +18,11 @@ from tests.unit.orchestration.units import FIRST, H, chain, mixed, system
 STEPS = 16
 LENGTH = 3
 FORWARD = ("source", "relay1", "relay2", "relay3")
-TICKS = np.maximum(np.arange(STEPS + 1) - 1, 0)  # tick that a sampled column shows in row k: 0, 0, 1, 2, ...
+TICKS = np.maximum(np.arange(STEPS + 1) - 1, 0)  # the tick that a sampled column shows in row k: 0, 0, 1, 2, ...
 
 
 def expected(result_names: Sequence[str], delays: Sequence[int]) -> np.ndarray:
-    """Rows of the chain if relay i lags its source by `delays[i - 1]` ticks in all."""
+    """Return the rows of the chain if relay i lags the source by `delays[i - 1]` ticks in all."""
     columns = {}
     for i, delay in enumerate((0, *delays)):
         k = np.maximum(TICKS - delay, 0)
@@ -75,19 +76,19 @@ def test_signs_follow_the_boolean(small: dict[str, Path]) -> None:
     np.testing.assert_array_equal(result["switch.y"], signed)
 
 
-def test_row_shows_a_plant_at_its_end_and_a_sampled_unit_at_its_start(small: dict[str, Path]) -> None:
+def test_row_shows_a_plant_at_its_end_and_a_sampled_component_at_its_start(small: dict[str, Path]) -> None:
     held = system(small, {"source": "Source", "plant": "Integrator"}, "source.u -> plant.u", steps=STEPS)
     result = simulate(held)
     np.testing.assert_array_equal(result.time, np.arange(STEPS + 1) * H)
     np.testing.assert_array_equal(result["source.u"], FIRST + TICKS)
-    # x(t_k) = H (u_0 + ... + u_(k-1)): RK4 sums H/6 (u + 2u + 2u + u), which is off by at most an ulp a step
+    # x(t_k) = H (u_0 + ... + u_(k-1)). RK4 sums H/6 (u + 2u + 2u + u), which is off by at most an ulp in each step.
     integral = H * np.concatenate(([0.0], np.cumsum(FIRST + np.arange(STEPS))))
     np.testing.assert_allclose(result["plant.x"], integral, rtol=STEPS * np.finfo(float).eps, atol=0)
 
 
 def test_time_comes_from_the_index(small: dict[str, Path]) -> None:
     result = simulate(chain(small, 1).with_sample_time(0.1), 3.0)
-    assert result.time.tolist() == [k * 0.1 for k in range(31)]  # a sum of 0.1 misses most of them
+    assert result.time.tolist() == [k * 0.1 for k in range(31)]  # a sum of 0.1 would miss most of these times
 
 
 @pytest.mark.parametrize("ratio", [1, 2, 5])
@@ -155,8 +156,8 @@ def test_unfit_times_are_refused(small: dict[str, Path], times: list, message: s
         ({"step": 0.0}, "The step 0.0 s is not positive"),
         ({"step": -H}, "The step -0.125 s is not positive"),
         ({"step": np.nan}, "The step nan s is not positive"),
-        ({"stop_time": 0.3}, r"from 0 s to 0\.3 s is no multiple of the step 0\.125 s; stop at 0\.25 s"),
-        ({"stop_time": 0.0}, r"from 0 s to 0 s is no multiple of the step 0\.125 s; stop at 0\.125 s"),
+        ({"stop_time": 0.3}, r"from 0 s to 0\.3 s is not a multiple of the step 0\.125 s; stop at 0\.25 s"),
+        ({"stop_time": 0.0}, r"from 0 s to 0 s is not a multiple of the step 0\.125 s; stop at 0\.125 s"),
         ({"stop_time": -1.0}, r"from 0 s to -1 s"),
         ({"stop_time": np.inf}, r"from 0 s to inf s"),
         ({"algorithm": "leapfrog"}, r"no algorithm 'leapfrog'; there are gauss-seidel, jacobi"),
@@ -173,7 +174,7 @@ def test_impossible_requests_are_refused(small: dict[str, Path], arguments: dict
 def test_a_larger_step_runs_on_stale_inputs_when_asked(small: dict[str, Path]) -> None:
     result = simulate(chain(small, 1), 1.0, 2 * H, options=Options(allow_stale_inputs=True))
     assert result.steps_per_tick == {}
-    # Each step holds two ticks; the last one shows: 1, 3, 5, 7.
+    # Each step holds two ticks, and a row shows the last of the two: 1, 3, 5, 7.
     np.testing.assert_array_equal(result["source.n"], [0, 1, 3, 5, 7])
 
 

@@ -1,4 +1,4 @@
-"""Evidence for initialization: outputs reach inputs through any chain, loops are named, failures too."""
+"""Initialization hands outputs to inputs through any chain, solves algebraic loops, and names what fails."""
 
 import sys
 from pathlib import Path
@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from orchestration import InitializationError, SimulationError, System, simulate
+from orchestration import InitializationError, Result, SimulationError, System, simulate
 from tests.unit.orchestration.checked import compiled, misbehaving
 from tests.unit.orchestration.units import FIRST, LAST_TICK, H, chain, system
 
@@ -34,11 +34,11 @@ def test_start_values_of_unconnected_inputs_reach_row_0(small: dict[str, Path]) 
     np.testing.assert_array_equal(result.rows[0], [3.25, 7, 0])
 
 
-def test_direct_feedthrough_of_a_continuous_unit_is_propagated(small: dict[str, Path]) -> None:
-    units = {"last": "Integrator", "first": "Integrator", "source": "Source"}
+def test_direct_feedthrough_of_a_continuous_component_is_propagated(small: dict[str, Path]) -> None:
+    components = {"last": "Integrator", "first": "Integrator", "source": "Source"}
     links = "source.u -> first.u\nfirst.y -> last.u"
     through = {"first.through": 2.0, "last.through": 4.0, "first.x_start": 1.0, "last.x_start": 0.5}
-    result = simulate(system(small, units, links).set(through), H)
+    result = simulate(system(small, components, links).set(through), H)
     assert result["first.y"][0] == 1 + 2 * FIRST
     assert result["last.y"][0] == 0.5 + 4 * (1 + 2 * FIRST)
 
@@ -50,10 +50,10 @@ def test_cycle_without_feedthrough_settles(small: dict[str, Path]) -> None:
 
 
 def test_algebraic_loop_is_solved(small: dict[str, Path]) -> None:
-    """y_a = 1 + 2 y_b and y_b = 2 y_a: transferring outputs by turns would diverge."""
+    """The loop is y_a = 1 + 2 y_b and y_b = 2 y_a; a transfer of outputs by turns would diverge."""
     ring = system(small, {"a": "Integrator", "b": "Integrator"}, "a.y -> b.u\nb.y -> a.u")
     result = simulate(ring.set({"a.through": 2.0, "b.through": 2.0, "a.x_start": 1.0}), H)
-    # linear: Newton's correction is exact but for its differences, a relative 1e-9, and repeated until 1e-12
+    # The loop is linear. Newton's correction is exact up to differences of relative 1e-9; repeats reach 1e-12.
     assert result["a.y"][0] == pytest.approx(-1 / 3, rel=1e-11)
     assert result["b.y"][0] == pytest.approx(-2 / 3, rel=1e-11)
 
@@ -101,21 +101,21 @@ def test_refused_start_values_name_component_call_and_message(
 
 
 def test_every_component_keeps_its_own_messages(small: dict[str, Path]) -> None:
-    """Fmpy's logger proxy has one place for all instances; whoever was made last got every message."""
-    fleet = {f"unit{i}": "Fragile" for i in range(4)}
+    """Messages of one component do not end up at another, whichever was instantiated last."""
+    fleet = {f"fragile{i}": "Fragile" for i in range(4)}
     for i in range(4):
-        units = dict(fleet)
-        slow = {f"{name}.sample_time": H * (1 if name == f"unit{i}" else 2) for name in units}
-        with pytest.raises(SimulationError, match=rf'unit{i}: .*its last message: "k must stay small'):
-            simulate(system(small, units).set(slow), 60 * H)
+        components = dict(fleet)
+        slow = {f"{name}.sample_time": H * (1 if name == f"fragile{i}" else 2) for name in components}
+        with pytest.raises(SimulationError, match=rf'fragile{i}: .*its last message: "k must stay small'):
+            simulate(system(small, components).set(slow), 60 * H)
 
 
 def test_a_component_that_refuses_what_another_gave_it_names_both(small: dict[str, Path], tmp_path: Path) -> None:
-    """Ours never show a NaN; a stranger's appears at 2 s, and is refused at the end of the step to it."""
+    """An FMU of a stranger shows a NaN at 2 s; the relay refuses the NaN at the end of the step to that time."""
     stranger = misbehaving(compiled(tmp_path, "nan"), tmp_path / "Misbehaving.fmu", "nan")
-    units = {"source": "Source", "stranger": "Misbehaving", "relay": "Relay"}
+    components = {"source": "Source", "stranger": "Misbehaving", "relay": "Relay"}
     lines = "source.u -> stranger.u\nstranger.y -> relay.u\nsource.n -> relay.n\nsource.even -> relay.even"
-    given = system({**small, "Misbehaving": stranger}, units, lines)
+    given = system({**small, "Misbehaving": stranger}, components, lines)
     expected = r"relay: fmi2DoStep returned fmi2Error at t = 1\.875 s \(step 15\); .* It was given stranger\.y = nan\."
     with pytest.raises(SimulationError, match=expected):
         simulate(given, 4.0)
@@ -133,7 +133,7 @@ def test_failed_step_has_time_step_and_the_rows_before(small: dict[str, Path]) -
     assert not isinstance(caught.value, InitializationError)
     part = caught.value.result
     whole = simulate(fragile, k * H)
-    assert part is not None
+    assert isinstance(part, Result)
     assert part.names == whole.names
     assert part.time.tobytes() == whole.time.tobytes()
     assert part.rows.tobytes() == whole.rows.tobytes()

@@ -1,7 +1,7 @@
-"""Evidence for the compiled loop: the same source, not compiled, gives the same bits.
+"""The compiled loops give the same bits as the same source code without compilation.
 
-Without compilation (NUMBA_DISABLE_JIT=1) every FMI call goes through ctypes, which knows the C
-types; a wrong type, address or count in the compiled calls would change numbers here.
+Without compilation (NUMBA_DISABLE_JIT=1) every FMI call goes through ctypes, which knows the types of
+C. A wrong type, address or count in the compiled calls would change numbers here.
 """
 
 import os
@@ -38,14 +38,14 @@ for name in sys.argv[3:]:
         np.save(f"{sys.argv[1]}/{name}-{algorithm}.npy", result.rows)
 """
 GENERAL = [name for name, algorithm in ALGORITHMS.items() if not algorithm.plain]
-SHORT = 24  # steps of the general loop, which is slow without compilation
+SHORT = 24  # steps of the general loop, because this loop is slow without compilation
 GENERAL_ORACLE = """
 import sys
 import numpy as np
 from orchestration import Options, System, simulate
 from orchestration.master.kernel import step_control
 from orchestration.master.algorithm import *
-from orchestration.master.step_arrays import Crossings
+from orchestration.master.options import Crossings
 assert not hasattr(step_control.run, "signatures"), "the loop is compiled"
 for name, algorithm, options in eval(sys.stdin.read()):
     system = System.read(f"{sys.argv[1]}/{name}.ssp")
@@ -56,7 +56,7 @@ for name, algorithm, options in eval(sys.stdin.read()):
 
 @pytest.fixture(scope="module")
 def systems(fig2: System, small: dict[str, Path]) -> dict[str, System]:
-    """Fig. 2 in contact from the start, all types of signals, and connections that scale."""
+    """Return three systems: Fig. 2 in contact from the start, all types of signals, and connections that scale."""
     plain = mixed(small)
     scaled = [replace(c, factor=-0.3, offset=0.1) if c.target == "plant" else c for c in plain.connections]
     return {"fig2": fig2.set(IN_CONTACT), "mixed": plain, "scaled": replace(plain, connections=tuple(scaled))}
@@ -64,7 +64,7 @@ def systems(fig2: System, small: dict[str, Path]) -> dict[str, System]:
 
 @pytest.fixture(scope="module")
 def oracle(systems: dict[str, System], tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Folder with the rows that the plain Python loop recorded."""
+    """Return the folder with the rows that the short loop recorded without compilation."""
     folder = tmp_path_factory.mktemp("oracle")
     for name, system in systems.items():
         system.write(folder / f"{name}.ssp")
@@ -81,7 +81,7 @@ def test_compiled_loop_equals_its_source_bitwise(
     systems: dict[str, System], oracle: Path, name: str, algorithm: str
 ) -> None:
     system = systems[name]
-    result = simulate(system, STEPS * system.step, algorithm=algorithm)
+    result = simulate(system, STEPS * system.run_step(), algorithm=algorithm)
     expected = np.load(oracle / f"{name}-{algorithm}.npy")
     assert expected.shape == (STEPS + 1, len(result.names))
     assert (np.ptp(expected, axis=0) > 0).sum() >= 5  # something moves
@@ -89,13 +89,13 @@ def test_compiled_loop_equals_its_source_bitwise(
 
 
 def test_fig2_is_in_contact_here(systems: dict[str, System]) -> None:
-    result = simulate(systems["fig2"], STEPS * systems["fig2"].step)
-    assert np.abs(result["plant.F_ext[1]"]).max() > 1.0  # N; else the test above sees free motion only
+    result = simulate(systems["fig2"], STEPS * systems["fig2"].run_step())
+    assert np.abs(result["plant.F_ext[1]"]).max() > 1.0  # N; without contact the test above would see free motion only
 
 
 @pytest.fixture(scope="module")
 def general(fig2: System, small: dict[str, Path]) -> dict[str, tuple[System, Options]]:
-    """Continuous units with feedback; all types of signals, with a crossing; Fig. 2 in contact."""
+    """Return three systems: two masses with feedback, all types of signals with a crossing, Fig. 2 in contact."""
     pair = PROBLEMS["force-displacement"].system(5e-3, 1.0)
     return {
         "pair": (pair, Options()),
@@ -106,7 +106,7 @@ def general(fig2: System, small: dict[str, Path]) -> dict[str, tuple[System, Opt
 
 @pytest.fixture(scope="module")
 def general_oracle(general: dict[str, tuple[System, Options]], tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Folder with times and rows that the general loop recorded without compilation."""
+    """Return the folder with times and rows that the general loop recorded without compilation."""
     folder = tmp_path_factory.mktemp("general")
     for name, (system, _) in general.items():
         system.write(folder / f"{name}.ssp")
@@ -126,7 +126,7 @@ def test_compiled_general_loop_equals_its_source_bitwise(
     general: dict[str, tuple[System, Options]], general_oracle: Path, name: str, algorithm: str
 ) -> None:
     system, options = general[name]
-    result = simulate(system, SHORT * system.step, algorithm=ALGORITHMS[algorithm], options=options)
+    result = simulate(system, SHORT * system.run_step(), algorithm=ALGORITHMS[algorithm], options=options)
     expected = np.load(general_oracle / f"{name}-{algorithm}.npz")
     assert len(expected["time"]) > SHORT / 4
     assert result.time.tobytes() == expected["time"].tobytes()

@@ -1,4 +1,4 @@
-"""Evidence for provenance: it tells runs apart that differ, and no places, times or people."""
+"""The provenance of a result differs if the runs differ, and holds neither places nor times nor people."""
 
 import getpass
 import hashlib
@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 from orchestration import ArchiveError, Component, Result, System, SystemDescriptionError
-from orchestration.fmi.instance import read_description
+from orchestration.fmi.description import read_description
 from orchestration.master import provenance as module
 from orchestration.master.provenance import provenance
 from tests.unit.orchestration.units import H, chain, mixed
@@ -71,7 +71,7 @@ def test_an_order_of_its_own_is_told(small: dict[str, Path]) -> None:
 
 def test_every_difference_shows(small: dict[str, Path], tmp_path: Path) -> None:
     system = chain(small, 1)
-    changed_fmu = shutil.copy(small["Relay"], tmp_path / "Relay.fmu")
+    changed_fmu = Path(shutil.copy(small["Relay"], tmp_path / "Relay.fmu"))
     with changed_fmu.open("ab") as file:
         file.write(b"\0")  # read as before, but not the same file
     relay = Component("relay1", read_description(changed_fmu))

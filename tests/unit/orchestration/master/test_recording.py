@@ -1,4 +1,4 @@
-"""Which rows a run keeps, and what remains of a run that is interrupted or fails; each in every loop."""
+"""Which rows a run keeps, and which rows remain after an interrupt or a failure, for every algorithm."""
 
 import json
 import signal
@@ -21,7 +21,7 @@ every_fixed = pytest.mark.parametrize("algorithm", FIXED.values(), ids=FIXED.key
 
 
 def decaying(small: dict[str, Path], steps: int):
-    """`mixed` with x' = 2 x - 4 from x = 2 on, where it stays: a run of any length is finite."""
+    """Return `mixed` with x' = 2 x - 4 and x(0) = 2, where x stays, so that a run of any length is finite."""
     return mixed(small, steps=steps).set({"relay.offset": -4.0, "plant.x_start": 2.0})
 
 
@@ -45,7 +45,7 @@ def test_every_nth_controlled_step_is_kept(small: dict[str, Path]) -> None:
 
 @every_fixed
 def test_ticks_that_were_recorded_are_found(small: dict[str, Path], algorithm) -> None:
-    """Of a sampled unit row k + 1 shows tick k; rows must pass once a step for that."""
+    """Row k + 1 of a sampled component shows tick k, also if only every third row is kept."""
     system = mixed(small).set({"source.sample_time": 6 * H})
     thin = simulate(system, 24 * H, H, algorithm, options=Options(every=3))
     assert thin.steps_per_tick == {"source": 2}
@@ -58,19 +58,19 @@ def test_ticks_that_were_recorded_are_found(small: dict[str, Path], algorithm) -
 
 
 def test_a_located_crossing_adds_a_row(small: dict[str, Path]) -> None:
-    """Beside it, sampled units tick when they should, and points stay where they are."""
+    """A crossing adds one row, and moves neither the ticks of sampled components nor the communication points."""
     result = simulate(falling(small), options=at_zero())
     plain = simulate(falling(small))
     points = np.isin(result.time, plain.time)
     np.testing.assert_array_equal(result.time[points], plain.time)
     assert (~points).sum() == 1
     assert 0 <= result.time[~points][0] - crossing() <= 1e-9
-    # x passes zero at -4 + 2 * 1.25^3 ... at most 4 m/s: within 1e-9 s it falls 4e-9 m at most
+    # x passes zero at a speed of at most 4 m/s, so within 1e-9 s x falls by 4e-9 m at most.
     assert -4e-9 <= result["plant.x"][~points][0] <= 0
     for name in ("source.u", "relay.y", "switch.y"):
         np.testing.assert_array_equal(result.tick_times(name), H * np.arange(16))
     np.testing.assert_array_equal(result.at_ticks("source.u"), FIRST + np.arange(16))
-    # The plant holds its input; two shorter steps of Runge-Kutta 4 round otherwise than one
+    # The plant holds its input. Two shorter steps of Runge-Kutta 4 round differently from one.
     for name in ("relay.y", "plant.x"):
         np.testing.assert_allclose(result[name][points], plain[name], rtol=1e-13)
 
@@ -98,13 +98,13 @@ def test_a_stream_holds_the_rows_of_the_run(small: dict[str, Path], tmp_path: Pa
 
 @every_algorithm
 def test_a_failure_leaves_the_rows_before(small: dict[str, Path], tmp_path: Path, algorithm) -> None:
-    broken = system(small, {"unit": "Fragile", "plant": "Integrator"}, "unit.k -> plant.u", steps=2 * LAST_TICK)
-    with pytest.raises(SimulationError, match=r"unit: fmi2DoStep returned fmi2Error at t = 5\.125 s") as caught:
+    broken = system(small, {"fragile": "Fragile", "plant": "Integrator"}, "fragile.k -> plant.u", steps=2 * LAST_TICK)
+    with pytest.raises(SimulationError, match=r"fragile: fmi2DoStep returned fmi2Error at t = 5\.125 s") as caught:
         simulate(broken, algorithm=algorithm)
     kept = caught.value.result
     assert kept is not None
     assert kept.time[-1] == (LAST_TICK + 1) * H
-    with pytest.raises(SimulationError, match="unit: fmi2DoStep"):
+    with pytest.raises(SimulationError, match="fragile: fmi2DoStep"):
         stream(tmp_path / "run.parquet", broken, algorithm=algorithm)
     assert [p.name for p in tmp_path.iterdir()] == ["run.partial.parquet"]
     partial = Result.read(tmp_path / "run.partial.parquet")
@@ -114,7 +114,7 @@ def test_a_failure_leaves_the_rows_before(small: dict[str, Path], tmp_path: Path
 
 @pytest.fixture
 def heeded() -> Iterator[None]:
-    """SIGINT as in the foreground: a shell starts what it puts into the background with it ignored."""
+    """Heed SIGINT as in the foreground, because a shell starts background processes with SIGINT ignored."""
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
     yield
     signal.signal(signal.SIGINT, before)
@@ -154,7 +154,7 @@ def test_an_interrupted_stream_leaves_a_partial_file(small: dict[str, Path], tmp
 
 @pytest.mark.parametrize("algorithm", [ALGORITHMS["gauss-seidel"], ADAPTIVE], ids=["fixed", "controlled"])
 def test_a_file_knows_ticks_and_what_the_algorithm_needed(small: dict[str, Path], tmp_path: Path, algorithm) -> None:
-    """Rows of controlled steps keep no pace with ticks: reading them back must find these by their times."""
+    """Controlled steps do not keep pace with ticks, so a file must give the ticks by their times."""
     system = mixed(small)
     result = simulate(system, algorithm=algorithm)
     stream(tmp_path / "streamed.parquet", system, algorithm=algorithm)
@@ -178,3 +178,19 @@ def test_what_is_set_on_the_way_is_in_the_metadata(fmu_folder: Path) -> None:
         assert "changes" not in run.result().metadata
         run.restore(after)
         assert "changes" in run.result().metadata
+
+
+def test_a_run_is_stepped_inside_its_block_only(small: dict[str, Path]) -> None:
+    simulation = prepare(mixed(small), 4 * H, H)
+    looks = [lambda: simulation.time, lambda: simulation.count, lambda: simulation.steps_made, simulation.result]
+    steps = [simulation.run, simulation.save, lambda: simulation.set({"relay.offset": 1.0})]
+    for call in (*looks, *steps):
+        with pytest.raises(OrchestrationError, match=r"^System small: the run has not begun; step it inside its block"):
+            call()
+    with simulation:
+        simulation.run()
+        snapshot = simulation.save()
+    assert (simulation.count, len(simulation.result().time)) == (5, 5)
+    for call in (*steps, lambda: simulation.restore(snapshot)):
+        with pytest.raises(OrchestrationError, match=r"^System small: the run is over; step it inside its block"):
+            call()

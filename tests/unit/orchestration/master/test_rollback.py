@@ -1,4 +1,4 @@
-"""Going back leaves no trace: steps that are made, taken back and made again give the same bits."""
+"""A rollback leaves no trace: steps that are made, taken back and made again give the same bits."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -18,7 +18,7 @@ from orchestration.master.algorithm import (
     StepControl,
     Tolerance,
 )
-from orchestration.master.step_arrays import Crossings
+from orchestration.master.options import Crossings
 from tests.reference.problems import PROBLEMS
 from tests.unit.orchestration.runs import SAMPLE_TIME, paper
 from tests.unit.orchestration.units import mixed
@@ -31,7 +31,7 @@ PLAIN = {SEQUENTIAL: "gauss-seidel", PARALLEL: "jacobi"}
 
 @pytest.fixture
 def made(fmu_folder: Path, small: dict[str, Path]) -> Make:
-    """A system with its stop time and step, s, which is a power of two."""
+    """Return a function that makes a system, its stop time, s, and its step, s, which is a power of two."""
 
     def make(name: str) -> tuple[System, float, float]:
         if name == "mixed":
@@ -45,7 +45,7 @@ def made(fmu_folder: Path, small: dict[str, Path]) -> Make:
 
 
 def assert_same(a: Result, b: Result) -> None:
-    """The same times and rows, bit by bit, and something that moves."""
+    """Require the same times and rows, bit by bit, and outputs that move."""
     assert a.names == b.names
     assert a.time.tobytes() == b.time.tobytes()
     assert a.rows.tobytes() == b.rows.tobytes()
@@ -79,7 +79,7 @@ def test_watching_a_crossing_that_never_comes_changes_nothing(made: Make, name: 
 @pytest.mark.parametrize("sweeps", [2, 5])
 @pytest.mark.parametrize("name", ["mixed", "fig2", "fig5"])
 def test_repeating_a_step_with_the_same_inputs_repeats_it(made: Make, name: str, sweeps: int) -> None:
-    """One continuous unit, whose inputs are sampled and stepped before it: every sweep is the first again."""
+    """The only continuous component has inputs from sampled components before it, so every sweep repeats the first."""
     system, stop, step = made(name)
     assert [c.name for c in system.components if c.continuous] == ["plant"]
     again = Algorithm("again", correction=Correction(sweeps=sweeps))
@@ -93,9 +93,10 @@ def test_repeating_a_step_with_the_same_inputs_repeats_it(made: Make, name: str,
 def test_a_controlled_step_is_its_two_halves(
     made: Make, name: str, exchange: str, order: int, correction: Correction | None
 ) -> None:
-    """The step that is made as a whole, for the estimate, and taken back leaves no trace.
+    """The whole step that is made for the error estimate, and taken back, leaves no trace.
 
-    Newton's method is left out: its Jacobian is of the whole step here, and of an earlier half there.
+    Newton's method is left out, because one run takes its Jacobian from the whole step, and the other run
+    from an earlier half.
     """
     system, stop, step = made(name)
     halves = Algorithm("halves", exchange, order, correction)
@@ -109,7 +110,7 @@ def test_a_controlled_step_is_its_two_halves(
 @pytest.mark.parametrize("order", [0, 1, 2])
 @pytest.mark.parametrize("name", ["force-displacement", "displacement-displacement", "feedthrough"])
 def test_a_rejected_step_leaves_no_trace(made: Make, name: str, order: int) -> None:
-    """A run whose first step is too large goes on like one that begins with the step found then."""
+    """A run whose first step is rejected goes on like a run that begins with the smaller step found then."""
     system, stop, step = made(name)
 
     def run(first: float) -> Result:

@@ -1,4 +1,4 @@
-"""Step control with sampled units, and with units that refuse a step."""
+"""Step control with sampled components, and with components that refuse a step."""
 
 import ctypes
 from collections.abc import Iterator
@@ -11,8 +11,7 @@ import pytest
 
 from orchestration import SimulationError, System, simulate
 from orchestration.master.algorithm import Algorithm, StepControl, Tolerance
-from orchestration.master.kernel.flat_system import DO_STEP
-from orchestration.master.kernel.step_program import CALL, FUNCTION, SUBJECT
+from orchestration.master.kernel.codes import Column
 from orchestration.master.simulate import prepare
 from orchestration.master.simulation import Simulation
 from tests.reference.problems import PROBLEMS
@@ -26,9 +25,9 @@ DO_STEP_TYPE = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p, ctypes.c_double, 
 
 @contextmanager
 def discarding(simulation: Simulation, component: int, longest: float, status: int = DISCARD) -> Iterator[list[float]]:
-    """A run whose unit refuses steps longer than `longest`, s; gives the steps it refused."""
+    """Make a component of a run refuse steps longer than `longest`, s; yield the list of the refused steps, s."""
     table, refused = simulation._assembly.plan.table, []
-    genuine = DO_STEP_TYPE(int(table[component, DO_STEP]))
+    genuine = DO_STEP_TYPE(int(table[component, Column.DO_STEP]))
 
     def do_step(instance: int, t: float, h: float, keep: int) -> int:
         if h > longest:
@@ -38,20 +37,20 @@ def discarding(simulation: Simulation, component: int, longest: float, status: i
 
     stand_in = DO_STEP_TYPE(do_step)
     operations = simulation._operations
-    steps = (operations[:, SUBJECT] == component) & (operations[:, CALL] == DO_STEP)
+    steps = (operations.subject == component) & (operations.call == Column.DO_STEP)
     address = ctypes.cast(stand_in, ctypes.c_void_p).value
-    table[component, DO_STEP] = operations[steps, FUNCTION] = address
+    table[component, Column.DO_STEP] = operations.function[steps] = address
     yield refused
 
 
 @pytest.fixture
 def pair() -> System:
-    """Two continuous units."""
+    """Return a system of two continuous components."""
     return PROBLEMS["force-displacement"].system(H / 8, 1.0)
 
 
 def test_every_tick_is_a_point(fmu_folder: Path) -> None:
-    """Fig. 2 in contact: sampled units see what they see in Gauss-Seidel, whose steps are the ticks."""
+    """In Fig. 2 in contact, sampled components get the same inputs as with Gauss-Seidel, whose steps are the ticks."""
     system = paper(fmu_folder, "fig2")
     stop = STEPS * SAMPLE_TIME
     tight = Algorithm("tight", order=1, control=StepControl(Tolerance(1e-9), first=SAMPLE_TIME / 8))
@@ -62,8 +61,8 @@ def test_every_tick_is_a_point(fmu_folder: Path) -> None:
     fixed = simulate(system, stop, SAMPLE_TIME)
     for name in ("trajectory.x_v[1]", "sensor.F_hat[1]", "controller.tau_cmd[1]"):
         np.testing.assert_array_equal(result.tick_times(name), ticks[:-1])
-        # The plant's own integration makes other sub-steps: Runge-Kutta 4 of the contact, sqrt(1e5 / 1 kg) = 316 rad/s,
-        # at 1.2e-4 s errs by (w h)^5 / 120 = 6e-10 of the state in a step, 64 of them; a force weighs 1e5 N/m.
+        # The plant makes other sub-steps here. In contact, w = sqrt(1e5 N/m / 1 kg) = 316 rad/s. Runge-Kutta 4 with
+        # sub-steps of 1.2e-4 s errs by (w h)^5 / 120 = 6e-10 of the state in each of 64 steps; 1 m is 1e5 N.
         np.testing.assert_allclose(result.at_ticks(name), fixed.at_ticks(name), rtol=1e-5, atol=1e-3)
 
 
@@ -73,7 +72,7 @@ def test_ticks_within_controlled_steps_are_counted_once(small: dict[str, Path]) 
     np.testing.assert_array_equal(result.at_ticks("source.u"), FIRST + np.arange(16))
     np.testing.assert_array_equal(result.tick_times("source.u"), H * np.arange(16))
     assert len(result.time) > 3 * 16
-    # x' is held between ticks: whatever the steps, x(t + H) = (1 + 2 H) x(t)
+    # x' is held between ticks, so x(t + H) = (1 + 2 H) x(t) whatever the steps are.
     x = result["plant.x"][np.isin(result.time, H * np.arange(17))]
     np.testing.assert_allclose(x, 1.25 ** np.arange(17), rtol=1e-13)  # some 5 roundings in each of 64 steps
 
@@ -88,14 +87,14 @@ def test_a_discarded_step_is_made_smaller(pair: System, component: int) -> None:
     assert min(refused) > longest
     assert int(result.metadata["steps_rejected"]) >= len(refused)
     assert result.time[-1] == 1.0
-    # A step is made as a whole and in halves; the whole is refused, too
+    # A step is made as a whole and in two halves. The whole step is refused, too.
     assert np.diff(result.time).max() <= longest
     exact = PROBLEMS["force-displacement"].exact(result.time)
     assert all(abs(result[o][-1] - exact[o][-1]) <= 1e-3 * (1 + abs(exact[o][-1])) for o in exact)
 
 
 def test_a_discarded_step_leaves_no_trace(pair: System) -> None:
-    """After it, the run is the one that begins with the smaller step."""
+    """After a discarded step, a run is the same as one that begins with the smaller step."""
     begun = replace(ADAPTIVE, control=StepControl(Tolerance(1e-2), first=0.03, largest=0.03))
     with prepare(pair, algorithm=begun) as simulation, discarding(simulation, 1, 0.029) as refused:
         simulation.run(None)
@@ -120,14 +119,14 @@ def test_a_discarded_step_is_an_error_where_steps_are_fixed(pair: System, algori
     assert len(caught.value.result.time) == 1
 
 
-def test_a_unit_that_always_discards_ends_in_an_error(pair: System) -> None:
+def test_a_component_that_always_discards_ends_in_an_error(pair: System) -> None:
     with prepare(pair, algorithm=ADAPTIVE) as simulation, discarding(simulation, 0, 0.0) as refused:
         with pytest.raises(SimulationError, match="steps below the smallest"):
             simulation.run()
     assert len(refused) < 20  # H / 8 to a millionth of it, a fifth at a time: 9
 
 
-def test_an_error_of_a_unit_is_no_discard(pair: System) -> None:
+def test_an_error_of_a_component_is_not_a_discard(pair: System) -> None:
     with prepare(pair, algorithm=ADAPTIVE) as simulation, discarding(simulation, 0, 0.0, status=3) as refused:
         with pytest.raises(SimulationError, match=r"left: fmi2DoStep returned fmi2Error at t = 0 s"):
             simulation.run()

@@ -1,4 +1,4 @@
-"""The list of operations: which calls a step makes, in which order, and that copies change no value."""
+"""The program of a step: which FMI calls a step makes, in which order, and that copies change no value."""
 
 from pathlib import Path
 
@@ -9,16 +9,9 @@ from adaptimp_fmu import SampledModel, build
 from orchestration import System, simulate
 from orchestration.master.flatten import assemble
 from orchestration.master.initialization import initialize, opened
-from orchestration.master.kernel import flat_system, step_program
-from orchestration.master.kernel.step_program import (
-    CALL,
-    COPY_DISCRETES,
-    COPY_REALS,
-    COUNT,
-    KIND,
-    SUBJECT,
-    operations_of_step,
-)
+from orchestration.master.kernel import step_program
+from orchestration.master.kernel.codes import Column, Kind
+from orchestration.master.kernel.step_program import operations_of_step
 from tests.unit.orchestration.units import H, mixed, system
 
 WIDTH = 4
@@ -26,7 +19,7 @@ WIDTH = 4
 
 @pytest.fixture(scope="module")
 def wide(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
-    """A unit with `WIDTH` inputs and outputs: y = t - 2 u."""
+    """Build an FMU with `WIDTH` inputs and outputs: y = t - 2 u."""
     model = SampledModel("Wide", "Doubles its inputs", sample_time=H)
     u = model.input("u", [0.0] * WIDTH, description="Signals")
     model.output("y", model.time - 2 * u, description="t - 2 u")
@@ -34,14 +27,14 @@ def wide(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
 
 
 def crossed(wide: dict[str, Path], sources: str) -> System:
-    """A unit that gets its own outputs, permuted as the digits say, and another that gets them in order."""
+    """Connect component a to its own outputs, in the order of the digits, and component b to a in natural order."""
     own = [f"a.y[{source}] -> a.u[{target}]" for target, source in enumerate(sources, 1)]
     straight = [f"a.y[{i}] -> b.u[{i}]" for i in range(1, WIDTH + 1)]
     return system(wide, {"a": "Wide", "b": "Wide"}, "\n".join([*own, *straight]))
 
 
-def listed(made: System, sequential: bool) -> np.ndarray:
-    """The operations of a step."""
+def listed(made: System, sequential: bool) -> np.recarray:
+    """Return the operations of a step as records."""
     with opened(made) as instances:
         assembly = assemble(made, instances, None)
         initialize(made, instances, assembly, 0.0)
@@ -56,33 +49,31 @@ def test_neighbours_are_set_in_one_call_without_a_copy(
     wide: dict[str, Path], sources: str, calls: int, copies: int
 ) -> None:
     rows = listed(crossed(wide, sources), sequential=True)
-    of_a = rows[(rows[:, SUBJECT] == 0) & (rows[:, CALL] == flat_system.SET_REAL)]
-    copied = of_a[:, KIND] == COPY_REALS
+    of_a = rows[(rows.subject == 0) & (rows.call == Column.SET_REAL)]
+    copied = of_a.kind == Kind.COPY_REALS
     assert (copied.sum(), (~copied).sum()) == (copies, calls)
-    assert of_a[~copied, COUNT].sum() == WIDTH
-    of_b = rows[(rows[:, SUBJECT] == 1) & (rows[:, CALL] == flat_system.SET_REAL)]
+    assert of_a.count[~copied].sum() == WIDTH
+    of_b = rows[(rows.subject == 1) & (rows.call == Column.SET_REAL)]
     assert len(of_b) == 1
-    assert of_b[0, KIND] not in (COPY_REALS, COPY_DISCRETES)
+    assert of_b[0].kind not in (Kind.COPY_REALS, Kind.COPY_DISCRETES)
 
 
 def test_many_inputs_from_few_sources_are_set_in_several_calls(wide: dict[str, Path], monkeypatch) -> None:
     monkeypatch.setattr(step_program, "COPIES_PER_CALL", 2)
     rows = listed(crossed(wide, "3412"), sequential=True)
-    of_a = rows[(rows[:, SUBJECT] == 0) & (rows[:, CALL] == flat_system.SET_REAL)]
-    assert of_a[:, COUNT].tolist() == [2, 2]
-    assert (of_a[:, KIND] != COPY_REALS).all()
+    of_a = rows[(rows.subject == 0) & (rows.call == Column.SET_REAL)]
+    assert of_a.count.tolist() == [2, 2]
+    assert (of_a.kind != Kind.COPY_REALS).all()
 
 
 @pytest.mark.parametrize("sequential", [True, False])
 def test_order_is_the_algorithm(small: dict[str, Path], sequential: bool) -> None:
     rows = listed(mixed(small), sequential)
-    phase = {flat_system.DO_STEP: 1} | dict.fromkeys(
-        (flat_system.GET_REAL, flat_system.GET_INTEGER, flat_system.GET_BOOLEAN), 2
-    )
-    phases = [phase.get(call, 0) for call in rows[:, CALL].tolist()]
-    keys = list(zip(rows[:, SUBJECT].tolist(), phases, strict=True))
+    phase = {Column.DO_STEP: 1} | dict.fromkeys((Column.GET_REAL, Column.GET_INTEGER, Column.GET_BOOLEAN), 2)
+    phases = [phase.get(call, 0) for call in rows.call.tolist()]
+    keys = list(zip(rows.subject.tolist(), phases, strict=True))
     assert keys == sorted(keys, key=lambda key: key if sequential else key[::-1])
-    assert set(rows[:, SUBJECT].tolist()) == {0, 1, 2, 3}
+    assert set(rows.subject.tolist()) == {0, 1, 2, 3}
 
 
 @pytest.mark.parametrize("algorithm", ["gauss-seidel", "jacobi"])
@@ -90,7 +81,8 @@ def test_order_is_the_algorithm(small: dict[str, Path], sequential: bool) -> Non
 def test_copies_and_calls_hand_over_the_same(wide: dict[str, Path], monkeypatch, algorithm: str, sources: str) -> None:
     made = crossed(wide, sources)
     rows = []
-    for copies_per_call in (0, 1000):  # a call for every run, copies for every unit with two runs
+    # With 0, every run of neighbours takes a call; with 1000, every component with two runs takes copies.
+    for copies_per_call in (0, 1000):
         monkeypatch.setattr(step_program, "COPIES_PER_CALL", copies_per_call)
         rows.append(simulate(made, algorithm=algorithm).rows)
     y = np.zeros(WIDTH)

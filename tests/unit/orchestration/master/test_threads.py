@@ -1,4 +1,4 @@
-"""Runs in several threads at once do not disturb each other."""
+"""Runs in several threads at the same time do not disturb each other."""
 
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -16,7 +16,7 @@ THREADS, REPEATED = 2, 4
 
 @pytest.fixture(scope="module")
 def jobs(small: dict[str, Path], fmu_folder: Path) -> list[tuple[System, Algorithm]]:
-    """Small runs of several systems by every algorithm, neighbours different."""
+    """Return small runs of several systems with every algorithm, ordered so that neighbours differ."""
     h = 2.0**-9
     systems = [
         mixed(small),
@@ -29,7 +29,7 @@ def jobs(small: dict[str, Path], fmu_folder: Path) -> list[tuple[System, Algorit
 
 
 def rows(job: tuple[System, Algorithm]) -> tuple[bytes, bytes]:
-    """Times and rows of a run."""
+    """Return the times and rows of a run as bytes."""
     result = simulate(job[0], algorithm=job[1])
     return result.time.tobytes(), result.rows.tobytes()
 

@@ -1,1 +1,1 @@
-"""The master, its systems, archives and results, on small units with predictable numbers."""
+"""Tests of results in memory and in files."""

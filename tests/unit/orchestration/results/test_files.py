@@ -1,4 +1,4 @@
-"""Evidence for results on disk: every bit comes back, other tools read them, and a file is whole or not there."""
+"""Tests of files of results: no bit is lost, other tools can read the files, and each file is complete or absent."""
 
 import csv
 import os
@@ -209,7 +209,7 @@ def test_an_exception_keeps_the_rows_apart(tmp_path: Path, stop: BaseException, 
         stream(sink, result, 1, stop)
     assert caught.value is stop
     assert sink.written == tmp_path / "x.partial.parquet"
-    back = Result.read(sink.written)
+    back = Result.read(tmp_path / "x.partial.parquet")
     assert_same_values(back, result)
     assert (back.units, back.metadata, back.steps_per_tick) == (UNITS, METADATA, result.steps_per_tick)
     status = "interrupted" if isinstance(stop, KeyboardInterrupt) else "failed"
@@ -263,7 +263,7 @@ def test_a_sink_that_is_not_open_takes_no_rows(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("name", ["x.xlsx", "x", "x.csv.gz"])
 def test_another_suffix_is_refused(tmp_path: Path, name: str) -> None:
-    suffix = Path(name).suffix or "a file without suffix"
+    suffix = Path(name).suffix or "a file without a suffix"
     with pytest.raises(OrchestrationError, match=rf"results are written as \.csv or \.parquet, not as {suffix}\.$"):
         sample().write(tmp_path / name)
     with pytest.raises(OrchestrationError, match=rf"results are read as \.csv or \.parquet, not as {suffix}\.$"):
@@ -294,17 +294,17 @@ def test_a_sink_sees_a_folder_in_its_place_before_the_run(tmp_path: Path) -> Non
     [
         ("x.csv", None, r"x\.csv: the result cannot be read: No such file or directory\.$"),
         ("x.parquet", None, r"x\.parquet: the result cannot be read: No such file or directory\.$"),
-        ("x.csv", b"", r"x\.csv holds no result: Empty CSV file\.$"),
-        ("x.csv", b"t,y\n1,2\n", r"x\.csv holds no result: its first column is t, not time\.$"),
-        ("x.csv", b"time,y\n1,on\n", r"x\.csv holds no result: .*invalid value 'on'\.$"),
-        ("x.csv", b"time,y\n1,\n", r"x\.csv holds no result: .*invalid value ''\.$"),
-        ("x.csv", b"time,y\n1\n", r"x\.csv holds no result: .*Expected 2 columns, got 1.*\.$"),
-        ("x.csv", b"time,\xff\n1,2\n", r"x\.csv holds no result: .*\.$"),
-        ("x.parquet", b"PAR1", r"x\.parquet holds no result: .*\.$"),
-        ("x.parquet", b"time\n1\n" * 9, r"x\.parquet holds no result: .*\.$"),
+        ("x.csv", b"", r"x\.csv does not hold a result: Empty CSV file\.$"),
+        ("x.csv", b"t,y\n1,2\n", r"x\.csv does not hold a result: its first column is t, not time\.$"),
+        ("x.csv", b"time,y\n1,on\n", r"x\.csv does not hold a result: .*invalid value 'on'\.$"),
+        ("x.csv", b"time,y\n1,\n", r"x\.csv does not hold a result: .*invalid value ''\.$"),
+        ("x.csv", b"time,y\n1\n", r"x\.csv does not hold a result: .*Expected 2 columns, got 1.*\.$"),
+        ("x.csv", b"time,\xff\n1,2\n", r"x\.csv does not hold a result: .*\.$"),
+        ("x.parquet", b"PAR1", r"x\.parquet does not hold a result: .*\.$"),
+        ("x.parquet", b"time\n1\n" * 9, r"x\.parquet does not hold a result: .*\.$"),
     ],
 )
-def test_what_is_no_result_is_refused(tmp_path: Path, name: str, content: bytes | None, message: str) -> None:
+def test_a_file_without_a_result_is_refused(tmp_path: Path, name: str, content: bytes | None, message: str) -> None:
     if content is not None:
         (tmp_path / name).write_bytes(content)
     with pytest.raises(OrchestrationError, match=message) as caught:
@@ -316,7 +316,7 @@ def test_cells_without_a_value_are_refused(tmp_path: Path) -> None:
     import pyarrow as pa
 
     pq.write_table(pa.table({"time": [0.0, 1.0], "a.y": [None, 1.0]}), tmp_path / "x.parquet")
-    with pytest.raises(OrchestrationError, match=r"holds no result: column a\.y has 1 cells without a value\.$"):
+    with pytest.raises(OrchestrationError, match=r"does not hold a result: column a\.y has 1 cells without a value\.$"):
         Result.read(tmp_path / "x.parquet")
 
 

@@ -1,4 +1,4 @@
-"""Evidence that a full disk loses nothing that was there before, and says so."""
+"""Tests that a full disk is reported, and that existing files stay as they are."""
 
 import gc
 from collections.abc import Iterator
@@ -11,14 +11,14 @@ from orchestration import OrchestrationError
 from orchestration.results.parquet_file import ParquetSink
 from tests.unit.orchestration.stored import NAMES, files, sample, stream
 
-WHOLE = 5000  # bytes of a file that may be written where a disk is full
+WHOLE = 5000  # bytes that can be written until the disk counts as full
 
 
 @contextmanager
 def full_disk() -> Iterator[None]:
-    """No file may be longer than `WHOLE` bytes: writing fails as on a full disk.
+    """Limit the length of files to `WHOLE` bytes, so that writing fails as on a full disk.
 
-    Within a block only, for the file that a test run's own output goes to is no exception.
+    The limit also holds for the output file of the test run, so it must end with the context.
     """
     resource = pytest.importorskip("resource", reason="Windows has no limit on the size of files")
     soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
@@ -35,7 +35,7 @@ def test_a_full_disk_leaves_nothing_but_the_old_file(tmp_path: Path, suffix: str
     message = rf"x{suffix}: the result cannot be written: File too large\.$"
     with full_disk(), pytest.raises(OrchestrationError, match=message):
         sample(5000).write(tmp_path / f"x{suffix}")
-    gc.collect()  # a writer that is left open would write once more, and complain
+    gc.collect()  # a writer that is still open would try to write again, and warn
     assert files(tmp_path) == [f"x{suffix}"]
     assert (tmp_path / f"x{suffix}").read_text() == "old"
 
@@ -56,6 +56,6 @@ def test_a_partial_file_that_does_not_fit_does_not_hide_the_failure(tmp_path: Pa
         stream(ParquetSink(tmp_path / "x.parquet", NAMES), sample(5000), 5000, ValueError("diverged"))
     gc.collect()
     assert caught.value.__notes__ == [
-        f"{tmp_path / 'x.parquet'}: the result cannot be written: File too large. Nothing is kept."
+        f"{tmp_path / 'x.parquet'}: the result cannot be written: File too large. No row is kept."
     ]
     assert files(tmp_path) == []

@@ -1,4 +1,4 @@
-"""Evidence for what a run records: any choice of columns gives the same bits, and a CSV keeps them."""
+"""Tests of recorded results: every choice of columns gives the same bits, and CSV files keep all bits."""
 
 import csv
 from collections.abc import Mapping
@@ -19,7 +19,7 @@ IN_CONTACT = {"plant.wall_offset": -1.501, "trajectory.wall_offset": -1.501}  # 
 
 @pytest.fixture(scope="module")
 def awkward() -> Result:
-    """Numbers that are hard to print."""
+    """Result with numbers whose decimal digits are hard to print without loss."""
     values = np.random.default_rng(2).integers(0, 2**64, 4000, dtype=np.uint64, endpoint=False)
     numbers = values.view(np.float64)
     rows = numbers[np.isfinite(numbers)][:3000].reshape(-1, 3)
@@ -31,7 +31,7 @@ def awkward() -> Result:
 @pytest.mark.parametrize("algorithm", ["gauss-seidel", "jacobi"])
 def test_chosen_columns_equal_those_of_a_full_record_bitwise(fig2: System, algorithm: str) -> None:
     system = fig2.set(IN_CONTACT)
-    stop = STEPS * system.step
+    stop = STEPS * system.run_step()
     full = simulate(system, stop, algorithm=algorithm)
     some = simulate(system, stop, algorithm=algorithm, options=Options(record=CHOSEN))
     assert some.names == CHOSEN
@@ -77,7 +77,7 @@ def test_unknown_column_lists_the_recorded_ones(small: dict[str, Path]) -> None:
 
 
 def test_vectors_and_time_are_columns(fig2: System) -> None:
-    result = simulate(fig2, 10 * fig2.step)
+    result = simulate(fig2, 10 * fig2.run_step())
     np.testing.assert_array_equal(
         result.vector("plant.q"), np.column_stack([result["plant.q[1]"], result["plant.q[2]"]])
     )

@@ -1,4 +1,4 @@
-"""Evidence for the gate: unsafe archives are refused by name and rule, and nothing is unpacked."""
+"""Tests that unsafe archives are refused, with the entry and the rule, and are not unpacked."""
 
 import stat
 import struct
@@ -21,7 +21,7 @@ Make = Callable[[Path], object]
 
 @pytest.fixture(autouse=True)
 def temporary(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """Temporary folders go below the test's own folder, where the tests see them."""
+    """Put temporary folders into the folder of the test, where the test can find them."""
     folder = tmp_path / "temporary"
     folder.mkdir()
     monkeypatch.setattr(tempfile, "tempdir", str(folder))
@@ -29,11 +29,11 @@ def temporary(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def packed(entries: Sequence[tuple[str | zipfile.ZipInfo, bytes]], method: int = ZIP_DEFLATED) -> Make:
-    """Makes an archive of the entries, which may repeat."""
+    """Return a function that makes an archive of entries; an entry may occur twice."""
 
     def make(path: Path) -> None:
         with warnings.catch_warnings(), zipfile.ZipFile(path, "w", method) as new:
-            warnings.simplefilter("ignore")  # zipfile's own, of duplicate names
+            warnings.simplefilter("ignore")  # zipfile warns of duplicate names
             for name, content in entries:
                 new.writestr(name, content)
 
@@ -41,19 +41,19 @@ def packed(entries: Sequence[tuple[str | zipfile.ZipInfo, bytes]], method: int =
 
 
 def named(name: str) -> Make:
-    """Makes an archive with one good entry and one of that name."""
+    """Return a function that makes an archive with one good entry and one entry of a given name."""
     return packed([("good.txt", b"good"), (name, b"bad")])
 
 
 def special(kind: int) -> Make:
-    """Makes an archive with a link or device."""
+    """Return a function that makes an archive with a link or device."""
     info = zipfile.ZipInfo("link")
     info.external_attr = (kind | 0o777) << 16
     return packed([(info, b"/etc/passwd")])
 
 
 def patched(offset: int, code: str, value: int, content: bytes = b"good") -> Make:
-    """Makes an archive whose directory says something else about its one entry."""
+    """Return a function that makes an archive whose directory has a wrong number for its only entry."""
 
     def make(path: Path) -> None:
         packed([("good.txt", content)])(path)
@@ -65,13 +65,13 @@ def patched(offset: int, code: str, value: int, content: bytes = b"good") -> Mak
 
 
 def cut(path: Path) -> None:
-    """Makes the first half of an archive."""
+    """Write the first half of an archive."""
     packed([("good.txt", bytes(range(256)) * 40)])(path)
     path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
 
 
 def damaged(path: Path) -> None:
-    """Makes an archive whose compressed data are destroyed."""
+    """Write an archive with damaged compressed data."""
     packed([("good.txt", bytes(range(256)) * 40)])(path)
     data = bytearray(path.read_bytes())
     data[40:60] = b"\xff" * 20
@@ -103,10 +103,10 @@ REFUSED: dict[str, tuple[Make, str]] = {
     ),
     "understated size": (patched(SIZE, "<I", 2, b"x" * 5000), r"cannot be unpacked"),
     "damaged": (damaged, r"cannot be unpacked"),
-    "cut": (cut, r"is no readable zip archive"),
-    "future version": (patched(NEEDED, "<H", 99), r"is no readable zip archive: zip file version 9\.9"),
-    "text": (lambda path: path.write_text("no zip"), r"is no readable zip archive"),
-    "empty": (lambda path: path.write_bytes(b""), r"is no readable zip archive"),
+    "cut": (cut, r"is not a readable zip archive"),
+    "future version": (patched(NEEDED, "<H", 99), r"is not a readable zip archive: zip file version 9\.9"),
+    "text": (lambda path: path.write_text("no zip"), r"is not a readable zip archive"),
+    "empty": (lambda path: path.write_bytes(b""), r"is not a readable zip archive"),
     "file and folder": (packed([("a", b"1"), ("a/b", b"2")]), r"cannot be unpacked"),
     "folder": (Path.mkdir, r"there is no such file"),
     "missing": (lambda _: None, r"there is no such file"),
@@ -126,7 +126,7 @@ def test_unsafe_archives_are_refused(tmp_path: Path, case: str) -> None:
 
 @pytest.mark.parametrize("case", sorted(set(REFUSED) - {"understated size", "damaged", "file and folder"}))
 def test_screening_alone_finds_them(tmp_path: Path, case: str) -> None:
-    """Before a byte is unpacked; the three left out show only in their data."""
+    """Screening does not unpack data, so the three faults in the data itself are left out."""
     make, rule = REFUSED[case]
     make(tmp_path / "strange.zip")
     with pytest.raises(ArchiveError, match=rule):
@@ -137,7 +137,7 @@ def test_a_good_archive_is_unpacked_and_removed(tmp_path: Path, temporary: Path)
     path = tmp_path / "good.zip"
     info = zipfile.ZipInfo("a/b/run.sh")
     info.external_attr = (stat.S_IFREG | 0o755) << 16
-    packed([("a/", b""), (info, b"text"), ("zeros", bytes(2**20))])(path)  # the ratio of small files is free
+    packed([("a/", b""), (info, b"text"), ("zeros", bytes(2**20))])(path)  # the ratio of small files is not limited
     archive.screen(path)
     with archive.unpacked(path) as folder:
         assert folder.is_relative_to(temporary)

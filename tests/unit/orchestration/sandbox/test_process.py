@@ -20,7 +20,7 @@ def job(name: str) -> str:
 
 def test_job_gets_its_plan_and_its_lines_come_back(tmp_path: Path) -> None:
     ending = work(job("echo"), {"words": ["one", "two"]}, tmp_path, timeout=60.0)
-    assert [line.get("word") for line in ending.lines] == ["one", "two", None]
+    assert ending.lines == [{"word": "one"}, {"word": "two"}]
     assert (ending.how, ending.function) == ("", "")
 
 
@@ -32,9 +32,14 @@ def test_death_is_told_with_the_call_and_the_lines_before_it(tmp_path: Path) -> 
 
 
 def test_silence_ends_the_job(tmp_path: Path) -> None:
-    # Where an interpreter takes longer than that to start, it is the start that ends: the answer is the same.
     ending = work(job("hang"), {}, tmp_path, timeout=1.0)
     assert ending.how == "does not return within 1 s"
+
+
+def test_the_start_of_the_interpreter_is_no_silence(tmp_path: Path) -> None:
+    """None starts within the time that this job gets, and more than that is not needed for its two words."""
+    ending = work(job("echo"), {"words": ["one", "two"]}, tmp_path, timeout=0.02)
+    assert (len(ending.lines), ending.how) == (2, "")
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows has no limit of addresses")

@@ -1,4 +1,4 @@
-"""Evidence for reading packages of other tools: nested systems, connectors, transformations, units, values.
+"""Tests of reading packages of other tools: nested systems, connectors, transformations, units, values.
 
 Factors are powers of two and values small, so all predictions are exact.
 """
@@ -37,12 +37,12 @@ def inner(bindings: str = "", unit: str = "", *, scale: str = "", name: str = "d
 
 
 def read(tmp_path: Path, fmus: dict[str, Path], xml: str, others: dict[str, str] | None = None) -> System:
-    """The system that a package with this outermost system describes."""
+    """Read a package with the given outermost system."""
     return System.read(foreign(tmp_path / "theirs.ssp", xml, fmus, others))
 
 
 def start(tmp_path: Path, fmus: dict[str, Path], bindings: str, others: dict[str, str] | None = None) -> float:
-    """The start value of ``z_start`` that bindings of the component give."""
+    """Return the start value of ``z_start`` that bindings of a component give."""
     xml = system_xml("top", component("b", "Decay", bindings))
     return read(tmp_path, fmus, xml, others).component("b").start["z_start"]
 
@@ -71,7 +71,7 @@ def test_a_connector_leads_to_many_inputs_from_either_end(tmp_path: Path, strang
 
 
 def test_transformations_and_units_add_up_along_the_way(tmp_path: Path, strange: dict[str, Path]) -> None:
-    """Fine to m at the connector (2**-10), times 4 plus 1 m, then on to b with times 2 plus 3 m."""
+    """The way has three parts: from fine units to metres (2**-10), 4 x + 1 m, and 2 x + 3 m."""
     lines = connection("a.y", "drive.cmd", scaled(4.0, 1.0))
     top = system_xml("top", component("a", "FineDecay") + inner(unit="m", scale=scaled(2.0, 3.0)), lines)
     (found,) = read(tmp_path, strange, top).connections
@@ -107,7 +107,7 @@ def test_units_are_converted_before_transformations(
 
 
 def test_equal_names_of_different_units_are_told_apart(tmp_path: Path, strange: dict[str, Path]) -> None:
-    """A stranger's m is not ours: the definitions decide."""
+    """Two FMUs define a unit ``m`` differently; the definitions decide, and the name does not."""
     other = dict(strange)
     other["FineDecay"] = tmp_path / "Odd.fmu"
     rename_unit(strange["FineDecay"], other["FineDecay"])
@@ -120,7 +120,7 @@ def test_equal_names_of_different_units_are_told_apart(tmp_path: Path, strange: 
 
 
 def rename_unit(fmu: Path, copy: Path) -> None:
-    """A copy that calls its fine unit m."""
+    """Copy an FMU, and change the name of its unit ``fine`` to ``m``."""
     with zipfile.ZipFile(fmu) as old, zipfile.ZipFile(copy, "w") as new:
         for name in old.namelist():
             content = old.read(name)
@@ -130,7 +130,7 @@ def rename_unit(fmu: Path, copy: Path) -> None:
 def test_undriven_connectors_are_told(tmp_path: Path, strange: dict[str, Path]) -> None:
     top = system_xml("top", PAIR, connection("cmd", "b.u"), connector("cmd", "input"))
     assert read(tmp_path, strange, top).notices == (
-        "Nothing drives the connector cmd of the system: b.u as if unconnected.",
+        "Nothing drives the connector cmd of the system, so these inputs are unconnected: b.u.",
     )
 
 
@@ -226,8 +226,8 @@ NAMESPACE = "http://ssp-standard.org/SSP1/SystemStructure"
 @pytest.mark.parametrize(
     ("bindings", "message"),
     [
-        (binding(real("z_start", 3.0, "s")), r"b\.z_start is given in s, the FMU has m"),
-        (binding(real("z_start", 3.0, "ell")), r"b\.z_start is given in ell, the FMU has m"),
+        (binding(real("z_start", 3.0, "s")), r"b\.z_start is given in s, but the unit in the FMU is m"),
+        (binding(real("z_start", 3.0, "ell")), r"b\.z_start is given in ell, but the unit in the FMU is m"),
         (binding(real("z", 3.0)), r"b has no variable z; it has "),
         (binding(real("mine", 3.0), entry("mine", "z")), r"b has no variable z; it has "),
         (binding(real("mine", 3.0), entry("yours", "z_start")), "has no parameter yours to map; it has mine"),
@@ -247,7 +247,7 @@ def test_ignored_values_are_told(tmp_path: Path, strange: dict[str, Path]) -> No
     top = system_xml("top", component("b", "Decay"), bindings=binding(real("b.none", 3.0)) + mapped)
     found = read(tmp_path, strange, top)
     assert [notice.partition(": ")[2] or notice for notice in found.notices] == [
-        "it leads to no variable.",
-        "the parameter mapping of the system does not map other, which is ignored.",
+        "The parameter b.none of the system is ignored, because no variable has that name.",
+        "the parameter mapping of the system does not map other, so other is ignored.",
     ]
-    assert replace(found, notices=()) == found  # notices are history
+    assert replace(found, notices=()) == found  # notices do not count in a comparison

@@ -1,4 +1,4 @@
-"""Evidence for SSP packages: what is written is read again, byte for byte the same, valid and complete."""
+"""Tests that a written SSP package is valid, complete and reproducible, and can be read again."""
 
 import importlib.resources
 import re
@@ -32,7 +32,7 @@ def test_order_survives(signals: System, tmp_path: Path) -> None:
     assert same(System.read(turned.write(tmp_path / "turned.ssp")), turned)
 
 
-def test_a_lone_unit_and_numbers_of_numpy_survive(small: dict[str, Path], tmp_path: Path) -> None:
+def test_a_single_component_and_numbers_of_numpy_survive(small: dict[str, Path], tmp_path: Path) -> None:
     lone = replace(system(small, {"plant": "Integrator"}), step=np.float64(0.1), stop_time=np.float64(0.3))
     lone = lone.set({"plant.x_start": np.float64(0.1)})
     assert same(System.read(lone.write(tmp_path / "lone.ssp")), lone)
@@ -81,7 +81,7 @@ def test_profile_is_the_one_other_engines_load(package: Path) -> None:
         "odd",
         "flag",
         "x",
-    }  # no unconnected one such as source.u
+    }  # an unconnected variable such as source.u has no connector
     assert re.search(
         r"<ssd:System .*<ssd:Elements>.*<ssd:Connections>.*<ssd:Units>.*<ssd:DefaultExperiment",
         text,

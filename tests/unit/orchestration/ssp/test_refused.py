@@ -1,4 +1,4 @@
-"""Evidence for reading SSP packages of others: what is unsafe, wrong or beyond us is refused by name."""
+"""Tests that unsafe, invalid and unsupported SSP packages are refused with the reason."""
 
 import zipfile
 from pathlib import Path
@@ -32,7 +32,7 @@ NESTED += '</ssd:System><ssd:Component name="a__b" source="resources/Relay.fmu"/
         (VALUES, 'source="http://x.org/relay.ssv"', r"'http://x\.org/relay\.ssv' lies elsewhere"),
         ('<step size="[^"]*"', '<step size="long"', r"org\.adaptimp\.step has the size 'long'"),
         (FMU, 'source="%2e%2e/Relay.fmu"', r"'%2e%2e/Relay\.fmu' is missing or leads outside"),
-        ("<ssd:Elements>", "<ssd:Element>", r"SystemStructure\.ssd is missing or no well-formed XML"),
+        ("<ssd:Elements>", "<ssd:Element>", r"SystemStructure\.ssd is missing or is not well-formed XML"),
         ("<ssd:Connections>", "<ssd:Connections><ssd:Wire/>", r"SystemStructure\.ssd is invalid: .*Wire"),
         ('version="1.0"', 'version="3.0"', r"SystemStructure\.ssd is invalid"),
     ],
@@ -71,7 +71,7 @@ def test_bad_packages_are_refused(package: Path, pattern: str, replacement: str,
         (
             r'(Connector name="x" kind="output">\s*<ssc:Real unit=)"m"',
             r'\1"m2"',
-            "has unit m2, the variable of the FMU m",
+            "has unit m2, but the variable of the FMU has unit m",
         ),
         ('(<ssd:Component name=)"switch"', r'\1"relay"', "'relay' is empty, has a dot, or is used twice"),
     ],
@@ -86,8 +86,8 @@ def test_what_cannot_be_run_is_refused(package: Path, pattern: str, replacement:
     [
         ('name="offset"', 'name="offsets"', r"relay has no variable offsets; it has sample_time, offset"),
         ('name="offset"', 'name="y"', r"relay\.y has causality output; only parameters and inputs"),
-        ('(value="0.1") unit="m"', r'\1 unit="rad"', r"relay\.offset is given in rad, the FMU has m"),
-        ('(ssc:BaseUnit) m="1"', r'\1 s="1"', r"relay\.offset is given in m, the FMU has m"),
+        ('(value="0.1") unit="m"', r'\1 unit="rad"', r"relay\.offset is given in rad, but the unit in the FMU is m"),
+        ('(ssc:BaseUnit) m="1"', r'\1 s="1"', r"relay\.offset is given in m, but the unit in the FMU is m"),
         ('(<ssv:Parameter name=)"n"', r'\1"offset"', "parameter set parameters has two parameters offset"),
         ('Real value="0.1"', 'Real value="NaN"', r"relay\.offset = 'NaN': a number is needed"),
         ('Integer value="-7"', 'Real value="-7.5"', r"relay\.n = '-7\.5': an integer"),
@@ -122,7 +122,7 @@ def test_missing_package_and_missing_description(tmp_path: Path, package: Path) 
         System.read(tmp_path / "hollow.ssp")
     half = tmp_path / "half.ssp"
     half.write_bytes(package.read_bytes()[:500])
-    with pytest.raises(ArchiveError, match=r"half\.ssp is no readable zip archive"):
+    with pytest.raises(ArchiveError, match=r"half\.ssp is not a readable zip archive"):
         System.read(half)
 
 

@@ -1,1 +1,1 @@
-"""The master, its systems, archives and results, on small units with predictable numbers."""
+"""Tests of the description of coupled systems."""

@@ -1,7 +1,7 @@
-"""Evidence for putting a stranger's unit in the place of ours: other names, other units, our interface.
+"""Tests of the replacement of an FMU by an FMU with other names and other units of its variables.
 
-`Stranger` computes what `Ours` does, and calls its variables otherwise; `FineStranger` takes and gives
-2**-10 m. All conversions are exact.
+The models `Stranger` and `Ours` have the same equations and different names of variables. The unit of the variables
+of `FineStranger` is 2**-10 m. All conversions are exact.
 """
 
 import re
@@ -28,7 +28,7 @@ controller.tau_cmd[2] -> b.u
 
 @pytest.fixture
 def arm(strange: dict[str, Path]) -> System:
-    """Two decaying units under our controller."""
+    """System of a controller and two decaying components."""
     units = {"controller": "Ours", "a": "Decay", "b": "Decay"}
     assumed = {"controller.offset": "nothing is known of it", "a.z_start": "as b"}
     return replace(system(strange, units, LINES).set({"controller.offset": 0.5, "b.z_start": 2}), assumptions=assumed)
@@ -64,11 +64,11 @@ def test_a_scale_of_the_users_own_is_kept_between_the_old_units(strange: dict[st
     np.testing.assert_array_equal(simulate(changed, 1.0, H)["a.y"], simulate(arm, 1.0, H)["a.y"])
 
 
-def test_a_mapped_unit_survives_a_package(strange: dict[str, Path], arm: System, tmp_path: Path) -> None:
+def test_a_mapped_component_survives_a_package(strange: dict[str, Path], arm: System, tmp_path: Path) -> None:
     changed = arm.replace("controller", strange["FineStranger"], MAPPING)
     read = System.read(changed.write(tmp_path / "mapped.ssp"))
     assert same(read, changed)
-    with zipfile.ZipFile(tmp_path / "mapped.ssp") as archive:  # other engines know the FMU's names only
+    with zipfile.ZipFile(tmp_path / "mapped.ssp") as archive:  # other tools know only the names in the FMU
         text = archive.read("SystemStructure.ssd").decode()
         assert 'name="Gain"' in archive.read("resources/controller.ssv").decode()
     assert re.search(r'<ssd:Connector name="Torque\[1\]" kind="output">.*startConnector="Torque\[1\]"', text, re.DOTALL)
@@ -80,7 +80,7 @@ def test_single_elements_can_be_mapped(strange: dict[str, Path], arm: System) ->
     turned = {"tau_cmd[1]": "Torque[2]", "tau_cmd[2]": "Torque[1]", "x[1]": "Position[2]", "x[2]": "Position[1]"}
     changed = arm.replace("controller", strange["Stranger"], {**turned, "offset": "Gain"})
     before, after = simulate(arm, 1.0, H), simulate(changed, 1.0, H)
-    for name in before.names:  # the loop at the start is solved to 1e-12, in another order of its equations
+    for name in before.names:  # the loop at the start is solved to 1e-12, with its equations in another order
         np.testing.assert_allclose(after[name], before[name], rtol=1e-10)
     known = changed.component("controller").description.variables
     assert known["x[1]"].fmu_name == "Position[2]"

@@ -1,8 +1,9 @@
-"""Evidence for `System`: what it refuses, with both sides and the known names, and what its methods keep."""
+"""Tests of `System`: errors with both sides and the known names, and values that its methods keep."""
 
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from adaptimp_fmu import SampledModel, build
@@ -15,12 +16,12 @@ from orchestration import (
     UnconnectedInputWarning,
     simulate,
 )
-from orchestration.fmi.instance import read_description
+from orchestration.fmi.description import read_description
 from tests.unit.orchestration.units import H, chain, system
 
 
 def linked(fmus: dict[str, Path], line: str) -> System:
-    """Two units and one connection."""
+    """System of three components with the given connections."""
     return system(fmus, {"source": "Source", "relay": "Relay", "plant": "Integrator"}, line)
 
 
@@ -137,3 +138,29 @@ def test_connecting_by_name_refuses_two_sources(small: dict[str, Path]) -> None:
         "a.n -> relay.n",
         "a.even -> relay.even",
     }
+
+
+def test_a_system_without_a_step_or_a_stop_time_asks_for_them(small: dict[str, Path]) -> None:
+    """Neither is guessed: an FMU cannot know how fast what it is coupled with moves, nor for how long."""
+    lone = System.connected_by_name("lone", {"source": small["Source"]})
+    assert (lone.step, lone.stop_time) == (None, None)
+    no_step = r"^System lone has no communication step; give one, in s, as `step` or --step\.$"
+    no_stop = r"^System lone has no stop time; give one, in s, as `stop_time` or --stop\.$"
+    for algorithm in ("gauss-seidel", "adaptive"):
+        with pytest.raises(SystemDescriptionError, match=no_step):
+            simulate(lone, stop_time=2 * H, algorithm=algorithm)
+        with pytest.raises(SystemDescriptionError, match=no_stop):
+            simulate(lone, step=H, algorithm=algorithm)
+    with pytest.raises(SystemDescriptionError, match=no_step):
+        lone.stability()
+    assert simulate(lone, stop_time=2 * H, step=H).time.tolist() == [0.0, H, 2 * H]
+    assert simulate(lone, times=np.array([0.0, H, 2 * H])).time.tolist() == [0.0, H, 2 * H]
+    assert simulate(replace(lone, step=H, stop_time=H)).time.tolist() == [0.0, H]
+
+
+def test_a_verdict_without_a_stop_time_tells_the_growth_alone(small: dict[str, Path]) -> None:
+    given = system(small, {"source": "Source", "relay": "Relay", "plant": "Integrator"}, "source.u -> plant.u")
+    known, unknown = given.stability(), replace(given, stop_time=None).stability()
+    assert f"times over {given.stop_time:g} s" in str(known)
+    assert (unknown.amplification, unknown.radius) == (None, known.radius)
+    assert "times over" not in str(unknown)

@@ -1,38 +1,31 @@
-"""modelDescription.xml as the rules read it: what is written, what the defaults make of it, and nothing refused.
+"""modelDescription.xml as it is written, with the defaults of the standard; nothing is refused but what cannot be read.
 
-Only a document that is valid against the schema is read so: attributes have their types.
+`Document` is one reading for all: `orchestration.fmi.description` makes of it what a master needs, the rules of
+`orchestration.check` judge it. Attributes have their types only if the XML is valid against FMI's schema.
 """
 
+import zipfile
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
+from pathlib import Path
 from typing import Any
 
-from orchestration.fmi.codes import INTEGER, REAL
+from orchestration.errors import ArchiveError
+from orchestration.fmi.codes import BOOLEAN, INTEGER, REAL, STRING
+from orchestration.fmi.fmpy_files import fmpy_file
+from orchestration.fmi.units import BASE_UNITS, Unit
+from orchestration.sandbox.archive import UNREADABLE
 
-BASE_UNITS = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
+MODEL_DESCRIPTION = "modelDescription.xml"
+LARGEST = 32 * 1024**2  # bytes of a description; a hundred thousand variables have 25 MB
 CALCULATED, EXACT, APPROX = "calculated", "exact", "approx"
+OUTPUTS, DERIVATIVES, INITIAL_UNKNOWNS = "Outputs", "Derivatives", "InitialUnknowns"
 _TRUE = ("true", "1")
 
 
-@dataclass(frozen=True)
-class Unit:
-    """A unit: exponents of the SI base units in the order of `BASE_UNITS`, factor and offset to them."""
-
-    exponents: tuple[tuple[str, int], ...] = ()
-    factor: float = 1.0
-    offset: float = 0.0
-
-    def __str__(self) -> str:
-        """Factor and exponents, such as ``0.001 kg m2 s-2``."""
-        powers = " ".join(f"{base}{'' if power == 1 else power}" for base, power in self.exponents)
-        factor = "" if self.factor == 1 else f"{self.factor:g} "
-        offset = f" + {self.offset:g}" if self.offset else ""
-        return f"{factor}{powers or '1'}{offset}"
-
-    def without_angle(self) -> "Unit":
-        """The same with the radian taken for a number."""
-        return Unit(tuple(power for power in self.exponents if power[0] != "rad"), self.factor, self.offset)
+class DocumentError(ArchiveError):
+    """modelDescription.xml is missing or damaged; the message names no file."""
 
 
 @dataclass(frozen=True)
@@ -53,6 +46,10 @@ class Declared:
         The text that is written, None if there is none.
     limits
         Smallest and largest value, its own or those of the declared type.
+    relative
+        Whether the variable, or else its declared type, says that it is a difference of values.
+    derivative
+        Index of the state whose derivative the variable is.
     """
 
     index: int
@@ -69,13 +66,15 @@ class Declared:
     display_unit: str
     declared_type: str
     derivative: int | None
+    relative: bool
+    description: str
 
     @property
     def number(self) -> float | None:
         """The start value as a number; Booleans are 0 or 1."""
-        if self.start is None or self.type == "String":
+        if self.start is None or self.type == STRING:
             return None
-        return float(self.start.strip() in _TRUE) if self.type == "Boolean" else float(self.start)
+        return float(self.start.strip() in _TRUE) if self.type == BOOLEAN else float(self.start)
 
 
 @dataclass(frozen=True)
@@ -88,12 +87,12 @@ class Unknown:
 
 
 class Document:
-    """The description.
+    """What modelDescription.xml says.
 
     Parameters
     ----------
     root
-        Element of lxml, valid against the schema.
+        Root element, of lxml, valid against the schema.
     mapping
         What the FMU calls variables, or whole arrays, by our names; what is not in it keeps its name.
     """
@@ -102,6 +101,7 @@ class Document:
         self.root = root
         self._ours = {their: our for our, their in (mapping or {}).items()}
         self.guid: str = root.get("guid")
+        self.model_name: str = root.get("modelName")
         self.structured = root.get("variableNamingConvention") == "structured"
         self.co_simulation = root.find("CoSimulation")
         self.identifier: str = "" if self.co_simulation is None else self.co_simulation.get("modelIdentifier")
@@ -176,10 +176,79 @@ class Document:
             display_unit=typed.get("displayUnit", simple.get("displayUnit", "")),
             declared_type=typed.get("declaredType", ""),
             derivative=None if derivative is None else _integer(derivative),
+            relative=typed.get("relativeQuantity", simple.get("relativeQuantity", "false")).strip() in _TRUE,
+            description=row.get("description", ""),
         )
 
 
-_TYPES = (REAL, INTEGER, "Boolean", "String", "Enumeration")
+_TYPES = (REAL, INTEGER, BOOLEAN, STRING, "Enumeration")
+
+
+def read_bytes(path: Path, most: int = LARGEST) -> bytes:
+    """The bytes of modelDescription.xml in a screened archive.
+
+    Raises
+    ------
+    DocumentError
+        If there is none, or it is larger than `most` bytes.
+    ArchiveError
+        If it cannot be unpacked.
+    """
+    try:
+        with zipfile.ZipFile(path) as archive:
+            if MODEL_DESCRIPTION not in archive.namelist():
+                msg = f"The archive has no {MODEL_DESCRIPTION}."
+                raise DocumentError(msg)
+            with archive.open(MODEL_DESCRIPTION) as file:
+                content = file.read(most + 1)
+    except UNREADABLE as failed:
+        msg = f"{MODEL_DESCRIPTION} cannot be unpacked: {failed}."
+        raise ArchiveError(msg) from failed
+    if len(content) > most:
+        msg = f"{MODEL_DESCRIPTION} has more than {most} bytes."
+        raise DocumentError(msg)
+    return content
+
+
+def parsed(content: bytes) -> Any:
+    """The root element of a description; no entity is resolved, nothing is fetched.
+
+    Raises
+    ------
+    DocumentError
+        If it is not well-formed.
+    """
+    from lxml import etree
+
+    parser = etree.XMLParser(resolve_entities=False, no_network=True, remove_comments=True, remove_pis=True)
+    try:
+        return etree.fromstring(content, parser)
+    except (etree.XMLSyntaxError, ValueError) as failed:
+        msg = f"{MODEL_DESCRIPTION} is no well-formed XML: {failed}."
+        raise DocumentError(msg) from failed
+
+
+def require_valid(root: Any) -> None:
+    """Compare a description of FMI 2.0 with the schema.
+
+    Raises
+    ------
+    DocumentError
+        With the first violation, its line, and the number of all.
+    """
+    schema = _schema()
+    if not schema.validate(root):
+        first, n = schema.error_log[0], len(schema.error_log)
+        more = f" ({n} violations)" if n > 1 else ""
+        msg = f"{MODEL_DESCRIPTION} violates the schema in line {first.line}: {first.message}{more}"
+        raise DocumentError(msg)
+
+
+@cache
+def _schema() -> Any:
+    from lxml import etree
+
+    return etree.XMLSchema(etree.parse(str(fmpy_file("schema", "fmi2", "fmi2ModelDescription.xsd"))))
 
 
 def default_initial(causality: str, variability: str) -> str | None:

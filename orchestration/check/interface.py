@@ -1,19 +1,21 @@
-"""The interface of each role in the paper's loop: names, units, types and causality of its signals.
+"""Compares an FMU with a role, the interface that its place in a system asks for: names, units, types, causality.
 
-A unit that takes a role must have the outputs that others live on. It may leave out inputs that it does
-not use; other outputs, and parameters that scenarios set, are missed by figures and claims alone.
+A role names the outputs that other components live on; an FMU without them is an error. An FMU may leave
+out inputs that it does not use. A lack of outputs that are merely read afterwards is worth a note.
 """
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 
 from orchestration.check.findings import ROLE, Finding, error, note, shown, warning
-from orchestration.check.static.document import Declared, Document, Unit
-from orchestration.fmi.codes import BOOLEAN, REAL
-from orchestration.fmi.instance import SAMPLE_TIME
+from orchestration.fmi.codes import REAL
+from orchestration.fmi.description import SAMPLE_TIME
+from orchestration.fmi.document import Declared, Document
+from orchestration.fmi.units import Unit
 
-JOINT, PLANE, SCALAR, OPEN = "joint", "plane", "scalar", "open"  # how many elements a signal has
+SCALAR, COUNTED, OPEN = 0, -1, -2  # sizes of a signal that are no number of elements
+LARGEST_COUNT = 99  # above it an index is a slip of the pen, not a number of elements
 _VECTOR = re.compile(r"(.+)\[(\d{1,9})\]")
 
 UNITS: Mapping[str, Unit] = {
@@ -32,80 +34,75 @@ UNITS: Mapping[str, Unit] = {
 
 @dataclass(frozen=True)
 class Signal:
-    """A signal of a role's interface; its unit is None where each element has another."""
+    """A signal of a role's interface.
+
+    Attributes
+    ----------
+    unit
+        Its unit, a name in `UNITS`; empty for a number without a unit, None where each element has another.
+    size
+        Number of elements of an array; or `SCALAR`, no array; `COUNTED`, an array with as many elements as
+        the FMU has of what its role counts; `OPEN`, an array of any length.
+    type
+        Its FMI type.
+    """
 
     unit: str | None
-    size: str = JOINT
+    size: int
     type: str = REAL
 
 
 @dataclass(frozen=True)
 class Role:
-    """What a unit in a role shows.
+    """The interface that a place in a system asks for.
 
     Attributes
     ----------
+    name
+        What messages call an FMU in this role.
     defining
-        The output that tells the role, and whose elements count the joints if it has one per joint.
+        The output that tells the role, and whose elements are counted if its size is `COUNTED`.
     required, expected
-        Outputs without which the loop does not close; outputs that figures and claims read.
+        Outputs without which the system does not close; outputs that are read afterwards.
     inputs
-        Inputs that the loop can serve.
+        Inputs that the system can serve.
     optional
-        Inputs that only some units of the role have.
+        Inputs that only some FMUs in the role have.
+    sampled
+        Whether the FMU works at a sampling period of its own, the parameter ``sample_time``.
+    counted
+        What an element of a `COUNTED` signal stands for, such as a joint.
+    fewest
+        Fewest elements of a `COUNTED` signal.
+    readers
+        Who reads the expected outputs, in the plural.
     """
 
+    name: str
     defining: str
     required: Mapping[str, Signal]
     expected: Mapping[str, Signal] = field(default_factory=dict)
     inputs: Mapping[str, Signal] = field(default_factory=dict)
     optional: frozenset[str] = frozenset()
     sampled: bool = True
+    counted: str = "element"
+    fewest: int = 1
+    readers: str = "results and reports"
 
 
-_MOTION = {"q": Signal("rad"), "dq": Signal("rad/s"), "ddq": Signal("rad/s2")}
-_VIRTUAL = {"x_v": Signal("m", PLANE), "dx_v": Signal("m/s", PLANE), "ddx_v": Signal("m/s2", PLANE)}
-_SATURATED = {"saturated": Signal("", JOINT, BOOLEAN)}
-
-ROLES: Mapping[str, Role] = {
-    "controller": Role(
-        "tau_cmd",
-        {"tau_cmd": Signal("N.m")},
-        {
-            "x_t": Signal("m", PLANE),
-            "dx_t": Signal("m/s", PLANE),
-            "e": Signal("m", PLANE),
-            "p_hat": Signal(None, OPEN),
-        },
-        {**_MOTION, "F_hat": Signal("N", PLANE), **_VIRTUAL, **_SATURATED},
-        frozenset(_SATURATED),
-    ),
-    "actuator": Role("tau", {"tau": Signal("N.m")}, _SATURATED, {"tau_cmd": Signal("N.m")}),
-    "sensor": Role("F_hat", {"F_hat": Signal("N", PLANE)}, {}, {"F_ext": Signal("N", PLANE)}),
-    "trajectory": Role("x_v", _VIRTUAL),
-    "plant": Role(
-        "q",
-        {**_MOTION, "x": Signal("m", PLANE), "dx": Signal("m/s", PLANE), "F_ext": Signal("N", PLANE)},
-        {"gap": Signal("m", SCALAR), "penetration": Signal("m", SCALAR)},
-        {"tau": Signal("N.m")},
-        sampled=False,
-    ),
-}
-
-
-def guess(document: Document) -> str | None:
-    """The role whose defining output the unit has; None if that is none or several."""
+def told_role(document: Document, roles: Iterable[Role]) -> Role | None:
+    """The role whose defining output an FMU has; None if it has that of no role or of several."""
     outputs = {_base(variable.name) for variable in document.of_causality("output")}
-    fitting = [name for name, role in ROLES.items() if role.defining in outputs]
+    fitting = [role for role in roles if role.defining in outputs]
     return fitting[0] if len(fitting) == 1 else None
 
 
-def joints(document: Document, role: Role) -> int:
-    """Number of joints of the arm, at least 2."""
+def count(document: Document, role: Role) -> int:
+    """How many elements the FMU's `COUNTED` signals have, at least `Role.fewest`."""
     signals = {**role.inputs, **role.required}
-    names = [v.name for v in document.variables if (s := signals.get(_base(v.name))) and s.size == JOINT]
+    names = [v.name for v in document.variables if (s := signals.get(_base(v.name))) and s.size == COUNTED]
     defining = [name for name in names if _base(name) == role.defining] or names
-    return max(2, *(int(match[2]) for name in defining if (match := _VECTOR.fullmatch(name))), 0) if defining else 2
+    return max([role.fewest, *(int(match[2]) for name in defining if (match := _VECTOR.fullmatch(name)))])
 
 
 def mapping_finds(document: Document, mapping: Mapping[str, str]) -> Iterator[Finding]:
@@ -116,12 +113,11 @@ def mapping_finds(document: Document, mapping: Mapping[str, str]) -> Iterator[Fi
             yield error(ROLE, f"There is no variable {shown(their)}, which should be the {shown(our)}.")
 
 
-def interface_is_kept(document: Document, name: str) -> Iterator[Finding]:
-    """Compare a unit with its role."""
-    role = ROLES[name]
-    n = joints(document, role)
-    if n > 99:  # an index, not a number of joints
-        yield error(ROLE, f"{role.defining} has an element {n}; the {name} has one for each joint.")
+def interface_is_kept(document: Document, role: Role) -> Iterator[Finding]:
+    """Compare an FMU with its role."""
+    n = count(document, role)
+    if n > LARGEST_COUNT:
+        yield error(ROLE, f"{role.defining} has an element {n}; the {role.name} has one for each {role.counted}.")
         return
     known = {variable.name: variable for variable in document.variables}
     for group, causality in ((role.required, "output"), (role.expected, "output"), (role.inputs, "input")):
@@ -129,12 +125,12 @@ def interface_is_kept(document: Document, name: str) -> Iterator[Finding]:
             elements = _elements(base, signal, n, known)
             present = [known[e] for e in elements if e in known]
             for variable in present:
-                yield from _compare(variable, signal, causality, document, name)
+                yield from _compare(variable, signal, causality, document, role.name)
             missing = [element for element in elements if element not in known]
             if missing:
-                yield from _missing(missing, present, signal, role, name)
-    yield from _strangers(document, role, n, name)
-    yield from _sampling(document, role, name)
+                yield from _missing(missing, present, signal, role)
+    yield from _strangers(document, role, n)
+    yield from _sampling(document, role)
 
 
 def _elements(base: str, signal: Signal, n: int, known: Mapping[str, Declared]) -> list[str]:
@@ -143,19 +139,19 @@ def _elements(base: str, signal: Signal, n: int, known: Mapping[str, Declared]) 
         return [base]
     if signal.size == OPEN:
         return [name for name in known if _base(name) == base] or [f"{base}[1]"]
-    return [f"{base}[{i + 1}]" for i in range(n if signal.size == JOINT else 2)]
+    return [f"{base}[{i + 1}]" for i in range(n if signal.size == COUNTED else signal.size)]
 
 
-def _missing(missing: list[str], present: list[Declared], signal: Signal, role: Role, name: str) -> Iterator[Finding]:
+def _missing(missing: list[str], present: list[Declared], signal: Signal, role: Role) -> Iterator[Finding]:
     """What the lack of some elements means."""
-    base, unit = _base(missing[0]), f" in {signal.unit}" if signal.unit else ""
+    base, name, unit = _base(missing[0]), role.name, f" in {signal.unit}" if signal.unit else ""
     what = ", ".join(missing)
     if base in role.required:
         yield error(ROLE, f"The output {what}{unit} of the {name} is missing.")
     elif present:
         yield error(ROLE, f"{present[0].name} is there, but {what} of the {name}'s {base} is missing.")
     elif base in role.expected:
-        yield note(ROLE, f"The output {what}{unit} of the {name} is missing; figures and claims that read it cannot.")
+        yield note(ROLE, f"The output {what}{unit} of the {name} is missing; {role.readers} that read it cannot.")
     elif base not in role.optional:
         yield note(ROLE, f"The input {what}{unit} of the {name} is missing; its connection is dropped.")
 
@@ -191,23 +187,23 @@ def _compare_units(variable: Declared, needed: str, document: Document, what: st
             yield error(ROLE, f"{both}.")
 
 
-def _strangers(document: Document, role: Role, n: int, name: str) -> Iterator[Finding]:
-    """Inputs that nothing in the loop drives."""
+def _strangers(document: Document, role: Role, n: int) -> Iterator[Finding]:
+    """Inputs that nothing in the system drives."""
     served = {element for base, signal in role.inputs.items() for element in _elements(base, signal, n, {})}
     for variable in document.of_causality("input"):
         if variable.name not in served:
-            why = f"no signal of the {name}'s loop has that name"
+            why = f"no signal of the {role.name}'s loop has that name"
             yield warning(ROLE, f"The input {shown(variable.name)} keeps its start value: {why}.")
 
 
-def _sampling(document: Document, role: Role, name: str) -> Iterator[Finding]:
+def _sampling(document: Document, role: Role) -> Iterator[Finding]:
     """The sampling period is a parameter in s, where there is one."""
     found = [variable for variable in document.variables if variable.name == SAMPLE_TIME]
     if role.sampled and found:
-        yield from _compare(found[0], Signal("s", SCALAR), "parameter", document, name)
+        yield from _compare(found[0], Signal("s", SCALAR), "parameter", document, role.name)
     elif role.sampled and any(v.variability == "continuous" for v in document.of_causality("output")):
         why = "and outputs that are not discrete: masters take it for continuous, and cannot set its period"
-        yield warning(ROLE, f"The {name} has no parameter {SAMPLE_TIME} {why}.")
+        yield warning(ROLE, f"The {role.name} has no parameter {SAMPLE_TIME} {why}.")
 
 
 def _base(name: str) -> str:

@@ -1,37 +1,45 @@
-"""A controller in a closed loop: it runs, its tip follows the virtual trajectory, its torques stay within limits.
+"""Tries a controller in a closed loop: the loop must run, the tip follow its reference, torques stay within limits.
 
-The loop itself, a system with a controller known to work, is given: this package knows no scenario.
+`in_loop` makes this the trial of `orchestration.check.check`; `paper_loop` is the loop that the command
+``adaptimp check`` uses.
 """
 
 import pickle
 import tempfile
 import warnings
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from orchestration.check.findings import LOOP, Finding, error, note, shown, warning
+from orchestration.check import Candidate, Trial
+from orchestration.check.findings import Finding, error, note, shown, warning
 from orchestration.errors import OrchestrationError
 from orchestration.fmi.units import AS_IS, Linear
+from orchestration.paper.built_fmus import fmus
+from orchestration.paper.numbers import TORQUE_LIMITS
+from orchestration.paper.scenarios import VARIANTS
 from orchestration.sandbox.process import work
 from orchestration.sandbox.worker import Announce, Write
 from orchestration.system.system import System
 
+LOOP = "loop"  # in the place of a rule's number
 JOB = f"{__name__}:run"
 DURATION = 0.2  # s, in which the tip of the paper's arm moves 0.6 m
 TIMEOUT = 120.0  # s; the first run of a machine compiles the loop
+STEP = 1e-4  # s, of the loop
+REDUNDANT_LIMIT = 1e4  # N.m, far above what three joints of the redundant arm need
 DIVERGED, LOST = 1.0, 0.1  # m by which the tip misses the virtual trajectory: half the arm's reach, and a lot
 
 
 @dataclass(frozen=True)
 class Loop:
-    """Where a controller is tried.
+    """A closed loop in which a controller is tried.
 
     Attributes
     ----------
     system
-        With components trajectory, plant and controller; the latter is the one to compare with.
+        With components trajectory, plant and controller; the tried controller is compared with this one.
     limits
         Largest torque of each joint, N.m.
     """
@@ -42,7 +50,7 @@ class Loop:
 
 @dataclass(frozen=True)
 class Ride:
-    """What a run showed.
+    """What a run of a closed loop showed.
 
     Attributes
     ----------
@@ -56,10 +64,56 @@ class Ride:
     torques: tuple[float, ...]
 
 
+def in_loop(loop_for: Callable[[int], Loop | None]) -> Trial:
+    """A trial for `orchestration.check.check`: a controller drives a loop; an FMU in another role does nothing.
+
+    Parameters
+    ----------
+    loop_for
+        The loop by the number of joints; None where there is none for that many.
+    """
+
+    def trial(candidate: Candidate) -> tuple[list[Finding], list[str]]:
+        if candidate.role.name != "controller":
+            return [], []
+        if candidate.failed:
+            return [], ["The closed loop was not tried: there are errors."]
+        loop = loop_for(candidate.count)
+        if loop is None:
+            return [], ["The closed loop was not tried."]
+        return try_loop(candidate.path, loop, candidate.mapping)
+
+    return trial
+
+
+def paper_loop(joints: int) -> Loop | None:
+    """The paper's loop for an arm of two joints or three, without noise and limits; None for more joints.
+
+    It is the loop of Fig. 2 with the damping of Figs. 5 to 7, with which adaptive controllers are strictly
+    positive real.
+    """
+    if joints == 2:
+        chosen = VARIANTS["ideal"]
+        return Loop(chosen.system(fmus(chosen.units.values())).with_sample_time(STEP), TORQUE_LIMITS)
+    if joints == 3:
+        units = {
+            "trajectory": "VirtualTrajectory",
+            "sensor": "ForceSensor",
+            "controller": "HoganImpedance3R",
+            "actuator": "Actuator3R",
+            "plant": "Plant3R",
+        }
+        files = fmus(units.values())
+        named = {name: files[unit] for name, unit in units.items()}
+        system = System.connected_by_name("redundant", named, step=STEP)
+        return Loop(system, (REDUNDANT_LIMIT,) * 3)
+    return None
+
+
 def try_loop(
     path: Path, loop: Loop, mapping: Mapping[str, str], timeout: float = TIMEOUT
 ) -> tuple[list[Finding], list[str]]:
-    """Run the loop with its own controller and with another one, in a process of its own."""
+    """Run a loop with its own controller and with another one, in a child process; returns findings and facts."""
     bases = {name.partition("[")[0] for name in loop.system.component("controller").description.variables}
     known = {our: their for our, their in mapping.items() if our.partition("[")[0] in bases}
     ignored = [
@@ -91,7 +145,7 @@ def try_loop(
 
 
 def run(plan: Mapping[str, Any], write: Write, announce: Announce) -> None:  # noqa: ARG001 - nothing to announce
-    """In a process of its own: run both systems, and write what each run showed."""
+    """The job of the child process: run both systems, and write what each run showed."""
     from orchestration.master.options import Options
     from orchestration.master.simulate import simulate
 
@@ -117,13 +171,13 @@ def run(plan: Mapping[str, Any], write: Write, announce: Announce) -> None:  # n
 
 
 def _in_our_unit(system: System, output: str) -> Linear:
-    """What a command goes through on the way to the actuator, whose unit is the limits'."""
+    """The conversion of a command into the unit of the actuator, which is that of the limits."""
     ways = (c.scale for c in system.connections if (c.source, c.output) == ("controller", output))
     return next(ways, AS_IS)
 
 
 def judge(ride: Ride, loop: Loop) -> list[Finding]:
-    """What a ride says about the controller."""
+    """Findings about the controller that drove a loop."""
     findings = []
     if not ride.miss < LOST:
         said = f"The tip misses the virtual trajectory by {ride.miss:.3g} m within {DURATION:g} s"

@@ -1,0 +1,62 @@
+"""Models with derivatives, which the runtime integrates and in which it locates events."""
+
+from dataclasses import dataclass, field
+
+import casadi as ca
+
+from adaptimp_fmu.errors import DefinitionError
+from adaptimp_fmu.model import POSITIVE, Model, depends
+
+
+@dataclass(frozen=True)
+class Event:
+    """A quantity whose change of sign interrupts the integration; `mode` is 1 while it is > 0."""
+
+    name: str
+    mode: ca.SX
+    indicator: ca.SX
+
+
+@dataclass
+class ContinuousModel(Model):
+    """A model with derivatives, integrated by Runge-Kutta 4 with steps of at most ``dt_max``.
+
+    Parameters
+    ----------
+    dt_max
+        Start of the parameter ``dt_max``, s.
+    """
+
+    dt_max: float = 1e-4
+    events: list[Event] = field(default_factory=list)
+    period_name: str = field(default="dt_max", init=False)
+
+    def __post_init__(self) -> None:
+        """Declare ``dt_max``."""
+        self.parameter(
+            "dt_max",
+            self.dt_max,
+            unit="s",
+            limits=POSITIVE,
+            description="Longest sub-step of the integrator (Runge-Kutta 4)",
+        )
+
+    def derivative(self, state: ca.SX, value: ca.SX) -> None:
+        """Give the time derivative of a state."""
+        self._evolve(state, value)
+
+    def event(self, name: str, indicator: ca.SX) -> ca.SX:
+        """Declare an event at the sign change of `indicator`, a function of states and parameters.
+
+        Returns
+        -------
+        SX
+            Its mode: 1 while the indicator is positive, else 0. Laws that switch use the mode, so
+            that they are smooth between events.
+        """
+        if depends(indicator, self.input_symbols):
+            msg = f"{self.name}: event {name} depends on inputs; only states, time and parameters may."
+            raise DefinitionError(msg)
+        mode = ca.SX.sym(f"mode_{name}")
+        self.events.append(Event(name, mode, ca.SX(indicator)))
+        return mode

@@ -1,0 +1,64 @@
+"""A half-space bounded by a straight wall: where the wall is, and how deep a point lies in it.
+
+The half-space is the set of points with n.x >= wall_offset. The unit normal n points into the wall, and
+
+    gap(x) = n.x - wall_offset
+
+is positive inside the wall and negative in front of it.
+"""
+
+from dataclasses import dataclass
+
+import casadi as ca
+
+from adaptimp_fmu import Model
+from fmus import start
+
+NORMAL_TOLERANCE = 1e-9  # by which the normal's length may miss 1
+
+
+@dataclass(frozen=True)
+class HalfSpace:
+    """Geometry of a wall, as symbols or numbers.
+
+    Attributes
+    ----------
+    normal
+        Unit vector into the wall, shape (2,).
+    offset
+        Distance of the surface from the origin along the normal, m.
+    """
+
+    normal: ca.SX
+    offset: ca.SX
+
+    def gap(self, x: ca.SX) -> ca.SX:
+        """Signed depth n.x - offset of a point x, m, shape (1,): positive inside the wall."""
+        return ca.dot(self.normal, x) - self.offset
+
+    def along_normal(self, vector: ca.SX) -> ca.SX:
+        """Component n.v of a vector along the normal, in the vector's unit, shape (1,)."""
+        return ca.dot(self.normal, vector)
+
+    def along_surface(self, vector: ca.SX) -> ca.SX:
+        """Component t.v of a vector along the surface, in the vector's unit, shape (1,)."""
+        return ca.dot(self.tangent, vector)
+
+    @property
+    def tangent(self) -> ca.SX:
+        """Unit vector t along the surface, shape (2,): the normal, turned by +90 degrees."""
+        return ca.vertcat(-self.normal[1], self.normal[0])
+
+
+def declare_half_space(model: Model) -> HalfSpace:
+    """Declare the parameters ``wall_normal`` and ``wall_offset``, and demand that the normal has length 1."""
+    normal = model.parameter("wall_normal", start.WALL_NORMAL, description="Unit normal of the wall, pointing into it")
+    offset = model.parameter(
+        "wall_offset",
+        start.WALL_OFFSET,
+        unit="m",
+        description="Distance of the wall's surface from the origin along the normal",
+    )
+    miss = ca.fabs(ca.norm_2(normal) - 1)
+    model.require(NORMAL_TOLERANCE - miss, "wall_normal must have length 1")
+    return HalfSpace(normal, offset)

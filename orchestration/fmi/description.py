@@ -1,0 +1,252 @@
+"""What an FMU declares, as far as a co-simulation needs it: its variables, their units, its capabilities.
+
+`read_description` refuses what cannot be stepped safely. Formalities that change no value are left to
+`orchestration.check`.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from pathlib import Path
+from re import ASCII
+from re import compile as pattern
+
+from orchestration.errors import ArchiveError, SystemDescriptionError
+from orchestration.fmi.codes import BOOLEAN, CAPABILITIES, INTEGER, REAL, STRING
+from orchestration.fmi.document import (
+    DERIVATIVES,
+    INITIAL_UNKNOWNS,
+    OUTPUTS,
+    Declared,
+    Document,
+    DocumentError,
+    parsed,
+    read_bytes,
+    require_valid,
+)
+from orchestration.fmi.units import UnitDefinition, defined
+from orchestration.sandbox.archive import screen
+
+SAMPLE_TIME = "sample_time"
+"""Name of the parameter that tells a sampled component's period, s."""
+IDENTIFIER = pattern(r"[A-Za-z_]\w*", ASCII)
+"""What a model identifier must match: it names a file, and functions in C."""
+_VERSIONS = ("1.0", "2.0", "3.0")
+
+
+@dataclass(frozen=True)
+class Variable:
+    """A scalar variable of an FMU; `unit` is empty where none is declared.
+
+    Attributes
+    ----------
+    direct
+        Whether an output depends on an input at the same instant. An output whose dependencies are not
+        declared depends on all inputs (FMI 2.0.4, section 2.2.8).
+    relative
+        Whether the value is a difference, to which the offset of its unit does not apply.
+    declared
+        Name in the FMU, if the component goes by another one; see `Description.renamed`.
+    """
+
+    name: str
+    reference: int
+    type: str
+    causality: str
+    variability: str
+    unit: str
+    start: float | None
+    description: str = ""
+    direct: bool = False
+    relative: bool = False
+    declared: str = ""
+
+    @property
+    def fmu_name(self) -> str:
+        """The variable's name in the FMU."""
+        return self.declared or self.name
+
+
+@dataclass(frozen=True)
+class Description:
+    """What modelDescription.xml says, as far as a co-simulation needs it.
+
+    Attributes
+    ----------
+    capabilities
+        Names of the flags of the co-simulation element that are true.
+    """
+
+    path: Path
+    model_name: str
+    identifier: str
+    guid: str
+    variables: Mapping[str, Variable]
+    units: Mapping[str, UnitDefinition]
+    capabilities: frozenset[str] = frozenset()
+
+    def can(self, capability: str) -> bool:
+        """Whether a capability flag of the co-simulation element, such as `SAVES_STATE`, is true."""
+        return capability in self.capabilities
+
+    def of_causality(self, causality: str) -> list[Variable]:
+        """Variables of a causality, in their order, without strings."""
+        return [v for v in self.variables.values() if v.causality == causality and v.type != STRING]
+
+    def unit(self, variable: Variable) -> UnitDefinition | None:
+        """The unit of a variable; None if it declares none."""
+        return defined(variable.unit, self.units)
+
+    def renamed(self, names: Mapping[str, str]) -> "Description":
+        """The same FMU with other names for its variables, by the names in the FMU.
+
+        Raises
+        ------
+        SystemDescriptionError
+            If two variables get one name.
+        """
+        if not names:
+            return self
+        variables: dict[str, Variable] = {}
+        for variable in self.variables.values():
+            name = names.get(variable.fmu_name, variable.fmu_name)
+            if name in variables:
+                both = f"{variables[name].fmu_name} and {variable.fmu_name}"
+                msg = f"{self.model_name}: {both} would both be called {name}; map the other one too."
+                raise SystemDescriptionError(msg)
+            declared = "" if name == variable.fmu_name else variable.fmu_name
+            variables[name] = replace(variable, name=name, declared=declared)
+        return replace(self, variables=variables)
+
+
+def read_description(path: Path) -> Description:
+    """Screen an FMU and read its description; read again only when the file has changed.
+
+    Raises
+    ------
+    ArchiveError
+        If the archive is unsafe, or no FMI 2.0 co-simulation FMU.
+    """
+    path = path.resolve()
+    if not path.is_file():
+        msg = f"{path}: there is no such FMU."
+        raise ArchiveError(msg)
+    status = path.stat()
+    return _read_description(path, status.st_mtime_ns, status.st_size)
+
+
+@lru_cache(maxsize=256)
+def _read_description(path: Path, modified: int, size: int) -> Description:  # noqa: ARG001 - the cache's key
+    screen(path)
+    try:
+        document = _document(path)
+        _require_consistent(document)
+    except DocumentError as error:
+        msg = f"{path} is no valid FMU: {error}"
+        raise ArchiveError(msg) from error
+    if not IDENTIFIER.fullmatch(document.identifier):
+        msg = f"{path}: the model identifier {document.identifier!r} is no C identifier."
+        raise ArchiveError(msg)
+    direct = _direct(document)
+    return Description(
+        path,
+        document.model_name,
+        document.identifier,
+        document.guid,
+        {v.name: _variable(v, direct=v.index in direct) for v in document.variables},
+        {name: UnitDefinition(name, u if u and u.convertible else None) for name, u in document.units.items()},
+        frozenset(filter(document.flag, CAPABILITIES)),
+    )
+
+
+def _document(path: Path) -> Document:
+    """The document of an FMU of the right kind, valid against the schema."""
+    root = parsed(read_bytes(path))
+    version = root.get("fmiVersion")
+    if root.tag != "fmiModelDescription" or version not in _VERSIONS:
+        msg = f"the root element is {root.tag} with the fmiVersion {version}, which is no version of FMI."
+        raise DocumentError(msg)
+    exchange = root.find("CoSimulation") is None and root.find("Implementation") is None
+    if version != "2.0" or exchange:
+        kind = "model exchange" if exchange else "co-simulation"
+        msg = f"{path} is an FMI {version} FMU for {kind}; one of FMI 2.0 for co-simulation is needed."
+        raise ArchiveError(msg)
+    require_valid(root)
+    return Document(root)
+
+
+def _require_consistent(document: Document) -> None:
+    """Names are unique, and what refers to a variable or a type refers to one that exists.
+
+    Raises
+    ------
+    DocumentError
+    """
+    seen: set[str] = set()
+    n = len(document.variables)
+    for variable in document.variables:
+        if variable.name in seen:
+            msg = f"the variable name {variable.name!r} is used more than once."
+            raise DocumentError(msg)
+        seen.add(variable.name)
+        if variable.declared_type and variable.declared_type not in document.types:
+            msg = f"{variable.name}: the type {variable.declared_type!r} is not declared."
+            raise DocumentError(msg)
+        if variable.derivative is not None and not 1 <= variable.derivative <= n:
+            msg = f"{variable.name}: derivative {variable.derivative} is no variable's index; there are {n}."
+            raise DocumentError(msg)
+        if variable.name == SAMPLE_TIME and variable.causality == "parameter" and variable.number is None:
+            msg = f"the parameter {SAMPLE_TIME} has no start value, so the sampling period is unknown."
+            raise DocumentError(msg)
+    for listing in (OUTPUTS, DERIVATIVES, INITIAL_UNKNOWNS):
+        for row in document.unknowns(listing):
+            for index in (row.index, *(row.dependencies or ())):
+                if not 1 <= index <= n:
+                    msg = f"{listing}: the index {index} is no variable's; there are {n}."
+                    raise DocumentError(msg)
+
+
+def _direct(document: Document) -> set[int]:
+    """Indices of outputs that depend on an input at the same instant."""
+    inputs = {v.index for v in document.of_causality("input")}
+    declared = {row.index: row.dependencies for row in document.unknowns(OUTPUTS)}
+    outputs = (v.index for v in document.of_causality("output"))
+    dependencies = {index: declared.get(index) for index in outputs}
+    return {i for i, found in dependencies.items() if inputs and (found is None or not inputs.isdisjoint(found))}
+
+
+def _variable(declared: Declared, *, direct: bool) -> Variable:
+    """A variable as masters use it: only a Real can be continuous, whatever the default of the standard is."""
+    unfit = declared.type != REAL and declared.variability == "continuous"
+    return Variable(
+        name=declared.name,
+        reference=declared.reference,
+        type=declared.type,
+        causality=declared.causality,
+        variability="discrete" if unfit else declared.variability,
+        unit=declared.unit,
+        start=declared.number,
+        description=declared.description,
+        direct=direct,
+        relative=declared.relative,
+    )
+
+
+def parse_value(text: str | float, kind: str) -> float:
+    """A start value as a number; Booleans are 0 or 1.
+
+    Raises
+    ------
+    ValueError
+        If the text is no value of that type.
+    KeyError
+        If the text is no Boolean.
+    """
+    if kind == BOOLEAN:
+        values = {"true": 1.0, "1": 1.0, "1.0": 1.0, "false": 0.0, "0": 0.0, "0.0": 0.0}
+        return values[str(text).strip().lower()]
+    number = float(text)
+    if kind == INTEGER and not (number.is_integer() and -(2**31) <= number < 2**31):
+        msg = f"{text!r} is no integer of 32 bits"  # ctypes would wrap a longer one
+        raise ValueError(msg)
+    return number

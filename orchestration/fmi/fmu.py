@@ -1,0 +1,328 @@
+"""One FMU, opened and driven with arrays, without a system and without pytest.
+
+    from orchestration import Fmu
+
+    with Fmu("Plant.fmu", q_start=[0.3, 1.0], dq_start=[0.0, 0.0]) as plant:
+        rows = plant.drive(1e-3, {"tau": np.zeros((100, 2))})
+        rows["q"]  # shape (100, 2)
+
+Any FMI 2.0 co-simulation FMU for this machine will do, whatever tool wrote it. A name is that of a variable,
+``tau[1]``, or of an array, ``tau``; see `orchestration.fmi.arrays`.
+
+Over step k, from t_k to t_k + h, the inputs are those of row k, set at t_k; row k of the outputs is what the
+FMU shows at the end of the step.
+"""
+
+import hashlib
+import struct
+from collections.abc import Mapping, Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass, field
+from os import PathLike
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Self
+
+import numpy as np
+
+from orchestration.errors import InitializationError, SignalError, SimulationError
+from orchestration.fmi.arrays import Signals, Value
+from orchestration.fmi.codes import Status, accepted
+from orchestration.fmi.description import Variable, read_description
+from orchestration.fmi.instance import Instance
+from orchestration.fmi.library import needed_to_run
+from orchestration.fmi.logging import Messages
+from orchestration.sandbox.archive import unpacked
+
+GRID_TOLERANCE = 1e-9  # by which, in steps, a first time may miss the FMU's; that of the ticks of our own FMUs
+_HEAD = struct.Struct("<16sddqq")  # of a saved state: which FMU; origin, step, steps since the origin, steps
+
+
+@dataclass(frozen=True)
+class SavedState:
+    """A state that the FMU cannot serialize: it is valid for the same open `Fmu` alone."""
+
+    head: bytes
+    owner: "Fmu" = field(repr=False)
+    state: Any = field(repr=False)
+
+
+class Fmu:
+    """An FMU, initialized and ready to step; a context manager that closes it.
+
+    Parameters
+    ----------
+    path
+        The .fmu file.
+    start
+        Start values by name: a number, a text, or an array (k,) for an array of k variables.
+    start_time
+        Time of the initialization, s.
+    **values
+        More start values, for names that Python can write.
+
+    Attributes
+    ----------
+    name
+        Model name, which begins the messages of errors.
+    messages
+        What the FMU logged, oldest first.
+    steps
+        Number of steps done.
+
+    Raises
+    ------
+    ArchiveError
+        If there is no such file, or it is no FMU for co-simulation with FMI 2.0 on this machine.
+    InitializationError
+        If the FMU refuses its start values.
+    SignalError
+        If a start value has a wrong name, shape or type.
+    """
+
+    def __init__(
+        self,
+        path: str | PathLike[str],
+        start: Mapping[str, Value] | None = None,
+        /,
+        *,
+        start_time: float = 0.0,
+        **values: Value,
+    ) -> None:
+        self.description = read_description(Path(path))
+        self.path, self.name = Path(path), self.description.model_name
+        self.messages, self.steps = Messages(None), 0
+        self._signals = Signals(self.name, self.description.variables)
+        self._origin, self._h, self._k = float(start_time), 0.0, 0
+        self._saved: list[Any] = []
+        self._initialized = False
+        with ExitStack() as opened:
+            folder = opened.enter_context(unpacked(self.description.path, needed_to_run))
+            self._instance = Instance.open(self.name, self.description, folder, messages=self.messages)
+            opened.callback(self._instance.close)
+            self.set(start, **values)
+            self._call("fmi2SetupExperiment", 0, 0.0, self.time, 0, 0.0)
+            self._call("fmi2EnterInitializationMode")
+            self._call("fmi2ExitInitializationMode")
+            self._opened = opened.pop_all()
+        self._initialized = True
+
+    def __repr__(self) -> str:
+        state = f"at t = {self.time:.12g} s" if self._instance.is_open else "closed"
+        return f"<Fmu {self.name} {state}>"
+
+    @property
+    def variables(self) -> Mapping[str, Variable]:
+        """All variables by name."""
+        return self.description.variables
+
+    @property
+    def time(self) -> float:
+        """Time of the FMU, s: t0 + k h for k equal steps, not a sum."""
+        return self._origin + self._k * self._h
+
+    def outputs(self) -> dict[str, np.ndarray]:
+        """Outputs as they are now, by name, float64: of shape (), arrays of shape (k,)."""
+        return {name: values[0] for name, values in self._signals.grouped(self._row()[None, :]).items()}
+
+    def set(self, values: Mapping[str, Value] | None = None, /, **more: Value) -> None:
+        """Set inputs, or tunable parameters, by name: a number, or an array (k,) for an array of k variables.
+
+        One element goes as ``set({"tau[1]": 2.5})``.
+
+        Raises
+        ------
+        SimulationError
+            If the FMU refuses.
+        SignalError
+            If a name, a shape or a type is wrong; then nothing is set.
+        """
+        given = {**(values or {}), **more}
+        rows = {name: self._signals.rows(name, [value]) for name, value in given.items()}
+        for kind, references, (row,) in self._signals.calls(rows):
+            self._set(kind, references, row)
+
+    def step(self, h: float) -> None:
+        """Advance by one step of h seconds.
+
+        Raises
+        ------
+        SimulationError
+            If the FMU does not accept the step.
+        SignalError
+            If h is not positive.
+        """
+        self._require_step(h)
+        self._do_step(float(h))
+        if h != self._h:
+            self._origin, self._h, self._k = self.time, float(h), 0
+        self._k += 1
+
+    def drive(
+        self, times: float | Sequence[float] | np.ndarray, inputs: Mapping[str, np.ndarray] | None = None
+    ) -> dict[str, np.ndarray]:
+        """Step through arrays of inputs.
+
+        Parameters
+        ----------
+        times
+            Length of the n steps, s; or all n + 1 communication points, s, the first of them the FMU's time.
+        inputs
+            Inputs, or tunable parameters, by name: row k is set before step k; shape (n,), arrays of
+            k variables (n, k). What is not among them keeps its value.
+
+        Returns
+        -------
+        dict
+            Outputs after each step by name, float64, shape (n,); arrays of k variables also by
+            their base name, shape (n, k). Texts are left out.
+
+        Raises
+        ------
+        SimulationError
+            If the FMU refuses a call; says at which time and step.
+        SignalError
+            If a name, a shape, a type or a time is wrong; then nothing has been done.
+        """
+        rows = {name: self._signals.rows(name, value, driven=True) for name, value in (inputs or {}).items()}
+        points = np.asarray(times, dtype=float)
+        n = self._number_of_steps(points, [len(values) for values in rows.values()])
+        wrong = [f"{name} has {len(values)}" for name, values in rows.items() if len(values) != n]
+        if wrong:
+            msg = f"{self.name}: {n} steps, but {', '.join(wrong)} rows; an input has one row per step."
+            raise SignalError(msg)
+        calls = self._signals.calls(rows)
+        table = np.empty((n, len(self._signals.outputs)))
+        for k in range(n):
+            for kind, references, values in calls:
+                self._set(kind, references, values[k])
+            if points.ndim == 0:
+                self.step(float(points))
+            else:
+                self._do_step(float(points[k + 1]) - self.time)
+                self._origin, self._h, self._k = float(points[k + 1]), 0.0, 0
+            table[k] = self._row()
+        return self._signals.grouped(table)
+
+    def save(self) -> bytes | SavedState:
+        """The state, time included: bytes if the FMU serializes, which another process may restore.
+
+        Raises
+        ------
+        SystemDescriptionError
+            If the FMU saves no state.
+        SimulationError
+            If a call fails.
+        """
+        self._require_open()
+        state = self._instance.save()
+        head = _HEAD.pack(self._key(), self._origin, self._h, self._k, self.steps)
+        if isinstance(state, bytes):
+            return head + state
+        self._saved.append(state)
+        return SavedState(head, self, state)
+
+    def restore(self, state: bytes | SavedState) -> None:
+        """Go back to a state that `save` returned.
+
+        Raises
+        ------
+        SignalError
+            If it is the state of another FMU.
+        SimulationError
+            If the FMU refuses it.
+        """
+        self._require_open()
+        if isinstance(state, SavedState):
+            head, own, foreign = state.head, state.state, state.owner is not self
+        else:
+            head, own, foreign = state[: _HEAD.size], state[_HEAD.size :], False
+        if foreign or len(head) < _HEAD.size or not head.startswith(self._key()):
+            msg = f"{self.name}: the state to restore is of another FMU, or damaged; use one that save() returned."
+            raise SignalError(msg)
+        self._instance.restore(own)
+        _, self._origin, self._h, self._k, self.steps = _HEAD.unpack(head)
+
+    def close(self) -> None:
+        """Terminate and free the instance, and remove what was unpacked; again does nothing.
+
+        Raises
+        ------
+        SimulationError
+            If the FMU does not terminate; it is freed nevertheless.
+        """
+        initialized, self._initialized = self._initialized, False
+        with self._opened:
+            if self._instance.worst != Status.FATAL:
+                for state in self._saved:
+                    self._instance.free_state(state)
+            self._saved.clear()
+            if initialized and self._instance.worst <= Status.WARNING:
+                self._call("fmi2Terminate")
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def _key(self) -> bytes:
+        """What tells the states of one FMU from those of another."""
+        return hashlib.sha256(self.description.guid.encode()).digest()[:16]
+
+    def _number_of_steps(self, points: np.ndarray, lengths: Sequence[int]) -> int:
+        """From the communication points, which are checked, or else from the inputs."""
+        if points.ndim == 0:
+            self._require_step(float(points))
+            if not lengths:
+                msg = f"{self.name}: without inputs, drive needs all communication points, not the step alone."
+                raise SignalError(msg)
+            return lengths[0]
+        if points.ndim != 1 or len(points) < 2 or not np.isfinite(points).all() or not np.all(np.diff(points) > 0):
+            msg = f"{self.name}: times must be n + 1 finite, increasing communication points; got {points}."
+            raise SignalError(msg)
+        if abs(points[0] - self.time) > GRID_TOLERANCE * (points[1] - points[0]):
+            msg = f"{self.name}: times begin at {points[0]:.12g} s, but the FMU is at t = {self.time:.12g} s."
+            raise SignalError(msg)
+        return len(points) - 1
+
+    def _require_step(self, h: float) -> None:
+        if not (np.isfinite(h) and h > 0):
+            msg = f"{self.name}: a step of {h!r} s at t = {self.time:.12g} s; it must be positive and finite."
+            raise SignalError(msg)
+
+    def _do_step(self, h: float) -> None:
+        self._call("fmi2DoStep", self.time, h, 1)
+        self.steps += 1
+
+    def _row(self) -> np.ndarray:
+        """All outputs, float64, shape (number of outputs,)."""
+        outputs = self._signals.outputs
+        row = np.empty(len(outputs))
+        for kind in dict.fromkeys(v.type for v in outputs):
+            places = [i for i, v in enumerate(outputs) if v.type == kind]
+            self._require_open()
+            status, row[places] = self._instance.get(kind, [outputs[i].reference for i in places])
+            self._require_accepted(f"fmi2Get{kind}", status)
+        return row
+
+    def _set(self, kind: str, references: Sequence[int], values: Sequence[Any]) -> None:
+        self._require_open()
+        self._require_accepted(f"fmi2Set{kind}", self._instance.set(kind, references, values))
+
+    def _call(self, function: str, *arguments: Any) -> None:
+        self._require_open()
+        self._require_accepted(function, self._instance.status(function, *arguments))
+
+    def _require_open(self) -> None:
+        if not self._instance.is_open:
+            msg = f"{self.name} is closed."
+            raise SimulationError(msg)
+
+    def _require_accepted(self, function: str, status: int) -> None:
+        if not accepted(status):
+            where = f" at t = {self.time:.12g} s (step {self.steps})"
+            error = SimulationError if self._initialized else InitializationError
+            raise error(self._instance.failure(function, status, where))

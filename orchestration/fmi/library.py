@@ -1,0 +1,135 @@
+"""An FMU's shared library: where it lies for this machine, its functions, and their addresses."""
+
+import ctypes
+import platform
+import sys
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+from orchestration.errors import ArchiveError
+from orchestration.fmi import signatures
+from orchestration.fmi.description import Description
+
+# Folders below ``binaries/``, the usual one first, by sys.platform: of x86-64, of ARM; and the extension.
+_PLATFORMS: dict[str, tuple[tuple[str, ...], tuple[str, ...], str]] = {
+    "linux": (("linux64", "x86_64-linux"), ("aarch64-linux",), ".so"),
+    "darwin": (("darwin64", "x86_64-darwin"), ("aarch64-darwin", "darwin64"), ".dylib"),
+    "win32": (("win64", "x86_64-windows"), ("win64", "x86_64-windows"), ".dll"),
+}
+
+
+def needed_to_run(entry: str) -> bool:
+    """Whether an archive's entry is used when the FMU runs; sources and documentation are not."""
+    return not entry.startswith(("sources/", "documentation/"))
+
+
+def host_folders() -> tuple[tuple[str, ...], str]:
+    """Folders below ``binaries/`` whose libraries this machine loads, the usual one first, and their extension.
+
+    Raises
+    ------
+    ArchiveError
+        If FMI 2.0 has no name for this platform.
+    """
+    if sys.platform not in _PLATFORMS:
+        known = ", ".join(_PLATFORMS)
+        msg = f"No FMU has a library for the platform {sys.platform}, this machine; FMUs run on {known}."
+        raise ArchiveError(msg)
+    intel, arm, extension = _PLATFORMS[sys.platform]
+    return (arm if platform.machine().lower() in ("arm64", "aarch64") else intel), extension
+
+
+def library_names(identifier: str) -> list[str]:
+    """Entries of an archive that this machine would load, the usual one first.
+
+    Raises
+    ------
+    ArchiveError
+        If FMI 2.0 has no name for this platform.
+    """
+    folders, extension = host_folders()
+    return [f"binaries/{folder}/{identifier}{extension}" for folder in folders]
+
+
+def library_path(folder: Path, description: Description) -> Path:
+    """The shared library for this machine in an unpacked FMU.
+
+    Raises
+    ------
+    ArchiveError
+        Naming the platforms that the FMU has.
+    """
+    for name in library_names(description.identifier):
+        if (folder / name).is_file():
+            return folder / name
+    binaries = folder / "binaries"
+    present = sorted(p.name for p in binaries.iterdir()) if binaries.is_dir() else []
+    has = ", ".join(present) or "none"
+    msg = f"{description.path} has no binary for {host_folders()[0][0]}, this machine; it has {has}."
+    raise ArchiveError(msg)
+
+
+class Library:
+    """A shared library that is loaded.
+
+    Windows finds the libraries that it needs next to it, since its path is absolute; on other systems it says
+    itself where they are. So the working directory, which all threads share, stays as it is.
+
+    Parameters
+    ----------
+    path
+        Absolute path of the file.
+
+    Raises
+    ------
+    OSError
+        If the library, or one that it needs, cannot be loaded.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self._dll: ctypes.CDLL | None = ctypes.CDLL(str(path))
+        self._functions: dict[str, Any] = {}
+
+    def lacks(self) -> Sequence[str]:
+        """Functions of FMI 2.0 for co-simulation that are not exported."""
+        return [name for name in signatures.FUNCTIONS if not hasattr(self._dll, name)]
+
+    def function(self, name: str) -> Callable[..., Any]:
+        """An FMI function with its C types.
+
+        Raises
+        ------
+        AttributeError
+            If the library does not export it.
+        """
+        found = self._functions.get(name)
+        if found is None:
+            if not hasattr(self._dll, name):
+                msg = f"{self.path.name} does not export {name}."
+                raise AttributeError(msg, name=name)
+            found = getattr(self._dll, name)
+            found.restype, found.argtypes = signatures.prototype(name)
+            self._functions[name] = found
+        return found
+
+    def address(self, name: str) -> int:
+        """Address of an FMI function."""
+        return int(ctypes.cast(self.function(name), ctypes.c_void_p).value or 0)
+
+    def close(self) -> None:
+        """Unload the library, so that its file can be removed; again does nothing."""
+        if self._dll is not None:
+            handle, self._dll = self._dll._handle, None
+            self._functions.clear()
+            _unload(handle)
+
+
+def _unload(handle: int) -> None:
+    import _ctypes
+
+    if sys.platform == "win32":
+        _ctypes.FreeLibrary(handle)
+    else:
+        _ctypes.dlclose(handle)

@@ -1,0 +1,76 @@
+"""Where compiled functions are kept between processes: a folder named by all that decides their machine code.
+
+numba looks at the source of a function alone, and runs old code when a function that it calls has changed. So
+the folder's name is a hash of every source that is compiled, and of the versions of Python and the compilers:
+machine code of other sources is in another folder, and cannot be run by mistake.
+
+The module stands here because both the loops of the master and the input scaling of an FMU keep machine code.
+It takes the sources from its callers: an FMU does not know the master.
+"""
+
+import hashlib
+import importlib.metadata
+import os
+import shutil
+import sys
+import time
+from collections.abc import Iterable
+from contextlib import suppress
+from pathlib import Path
+from tempfile import TemporaryFile
+
+import platformdirs
+
+COMPILERS = ("numba", "llvmlite")
+UNUSED_DAYS = 30  # after which a folder is removed
+_DAY = 86400.0  # s
+
+
+def code_folder(sources: Iterable[Path]) -> Path | None:
+    """A folder for the machine code of these sources, in ``$ADAPTIMP_CACHE`` or the user's cache folder.
+
+    A folder that is new takes the place of those that have not been used for `UNUSED_DAYS`.
+
+    Parameters
+    ----------
+    sources
+        Every file from which something is compiled.
+
+    Returns
+    -------
+    Path or None
+        None where nothing can be written, or a source cannot be read: then nothing is kept.
+    """
+    home = Path(os.environ.get("ADAPTIMP_CACHE") or platformdirs.user_cache_path("adaptimp"))
+    if not home.expanduser().is_absolute() and "ADAPTIMP_CACHE" not in os.environ:
+        return None  # there is no home
+    try:
+        folder = home.absolute() / "kernel" / _digest(sources)
+        is_new = not folder.exists()
+        folder.mkdir(parents=True, exist_ok=True)
+        os.utime(folder)  # it is in use
+        TemporaryFile(dir=folder).close()
+    except OSError:
+        return None
+    if is_new:
+        _remove_unused(folder)
+    return folder
+
+
+def _digest(sources: Iterable[Path]) -> str:
+    """Hash of sources and versions."""
+    digest = hashlib.sha256(sys.version.encode())
+    for compiler in COMPILERS:
+        digest.update(f"{compiler} {importlib.metadata.version(compiler)}\n".encode())
+    for path in sorted(sources):
+        digest.update(path.name.encode() + b"\0" + hashlib.sha256(path.read_bytes()).digest())
+    return digest.hexdigest()[:32]
+
+
+def _remove_unused(folder: Path) -> None:
+    """Remove the folders beside this one that no process has used for long."""
+    oldest = time.time() - UNUSED_DAYS * _DAY
+    for other in folder.parent.iterdir():
+        with suppress(OSError):  # another process may remove it at the same time
+            if other != folder and other.stat().st_mtime < oldest:
+                shutil.rmtree(other)

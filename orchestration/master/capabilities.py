@@ -1,0 +1,59 @@
+"""Whether a system allows an algorithm, multirate steps and crossings; said before a run begins."""
+
+from collections.abc import Mapping
+
+from orchestration.errors import SystemDescriptionError
+from orchestration.fmi.codes import DIFFERENTIATES, REAL, SAVES_STATE
+from orchestration.master.algorithm import DIRECTIONAL, Algorithm
+from orchestration.master.options import Crossings
+from orchestration.system.system import Component, System
+
+
+def check_crossings(system: System, crossings: Crossings) -> None:
+    """Refuse names that are not Real outputs.
+
+    Raises
+    ------
+    SystemDescriptionError
+        Naming the variable, its type and its causality.
+    """
+    for name in crossings.outputs:
+        variable = system.resolve(name)[1]
+        if variable.causality != "output" or variable.type != REAL:
+            msg = f"{name} is a {variable.type} of causality {variable.causality}; crossings need a Real output."
+            raise SystemDescriptionError(msg)
+
+
+def check_capabilities(system: System, algorithm: Algorithm, crossings: Crossings, ratios: Mapping[str, int]) -> None:
+    """Refuse what the components, or the choices together, do not allow.
+
+    Parameters
+    ----------
+    ratios
+        Communication steps per step of a component, by name.
+
+    Raises
+    ------
+    SystemDescriptionError
+        Naming the component that lacks a capability, or the choices that exclude each other.
+    """
+    for component in system.components:
+        if crossings.outputs or algorithm.control is not None or (algorithm.rolls_back and component.continuous):
+            what = "locating crossings" if crossings.outputs else f"algorithm {algorithm.name}"
+            _require(component, SAVES_STATE, what)
+        correction = algorithm.correction
+        if correction is not None and correction.jacobian == DIRECTIONAL and component.continuous:
+            _require(component, DIFFERENTIATES, "a Jacobian from directional derivatives")
+    for name in ratios:
+        system.component(name)
+    if any(ratio > 1 for ratio in ratios.values()) and (algorithm.rolls_back or crossings.outputs):
+        msg = f"Steps of several lengths do not go together with algorithm {algorithm.name} or crossings."
+        raise SystemDescriptionError(msg)
+
+
+def _require(component: Component, capability: str, what: str) -> None:
+    """Refuse a component whose FMU does not declare a capability flag."""
+    if not component.description.can(capability):
+        name = component.description.path.name
+        msg = f"{component.name}: {name} does not declare {capability}, which {what} needs."
+        raise SystemDescriptionError(msg)

@@ -1,0 +1,49 @@
+"""How the functions of the kernel are compiled, and that compiled code is never older than its source.
+
+    compiled               called from Python: compiled once for each kind of arguments, and kept
+    compiled_for_callers   called from compiled functions only: a part of their machine code
+    compiled_in_place      the same, for a large function that is called in one place
+    compiled_with_caller   called from both; from Python it is not compiled, and an FMU is called through ctypes
+
+What is kept lies in a folder named by the hash of all sources, see `orchestration.fmi.machine_code`. With
+NUMBA_DISABLE_JIT=1 nothing is compiled, and everything runs as plain Python.
+
+Nothing allocates or refers to a Python object: numba is told so, and counts no references. That, and that
+parts have no entry of their own for Python, is a third of the time of compilation.
+"""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, TypeVar, cast
+
+from numba import njit
+from numba.extending import register_jitable
+
+from orchestration.fmi.machine_code import code_folder
+from orchestration.fmi.native_calls import SOURCES, keep_machine_code
+
+Function = TypeVar("Function", bound=Callable[..., Any])
+
+_OPTIONS = {"nogil": True, "error_model": "numpy", "_nrt": False}
+_PART = {**_OPTIONS, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+_FOLDER = code_folder([*Path(__file__).parent.glob("*.py"), Path(__file__), *SOURCES])
+
+
+def compiled(function: Function) -> Function:
+    """Compile a function that Python calls; its machine code is kept."""
+    return keep_machine_code(njit(**_OPTIONS)(function), function, _FOLDER)
+
+
+def compiled_for_callers(function: Function) -> Function:
+    """Compile a function as a part of compiled functions that call it."""
+    return cast("Function", njit(**_PART)(function))
+
+
+def compiled_in_place(function: Function) -> Function:
+    """Compile a function in the place where a compiled function calls it, and nowhere else."""
+    return cast("Function", njit(inline="always", **_PART)(function))
+
+
+def compiled_with_caller(function: Function) -> Function:
+    """Let compiled functions compile a function as a part of their own; Python calls it as it is."""
+    return cast("Function", register_jitable(**_PART)(function))

@@ -1,0 +1,73 @@
+"""The interface of each role in the paper's control loop: names, units, types and causality of its signals.
+
+A unit that takes a role must have the outputs that others live on. It may leave out inputs that it does
+not use; other outputs, and parameters that scenarios set, are missed by figures and claims alone.
+"""
+
+from collections.abc import Mapping
+
+from orchestration.check.interface import COUNTED, OPEN, SCALAR, Role, Signal
+from orchestration.errors import SystemDescriptionError
+from orchestration.fmi.codes import BOOLEAN
+
+JOINT, PLANE = COUNTED, 2  # elements of a signal: one per joint of the arm, one per axis of the plane
+
+_MOTION = {"q": Signal("rad", JOINT), "dq": Signal("rad/s", JOINT), "ddq": Signal("rad/s2", JOINT)}
+_VIRTUAL = {"x_v": Signal("m", PLANE), "dx_v": Signal("m/s", PLANE), "ddx_v": Signal("m/s2", PLANE)}
+_SATURATED = {"saturated": Signal("", JOINT, BOOLEAN)}
+
+
+def _role(name: str, defining: str, required: Mapping[str, Signal], **further) -> Role:
+    """A role of the paper's arm, which has two joints or more."""
+    return Role(name, defining, required, counted="joint", fewest=2, readers="figures and claims", **further)
+
+
+ROLES: Mapping[str, Role] = {
+    role.name: role
+    for role in (
+        _role(
+            "controller",
+            "tau_cmd",
+            {"tau_cmd": Signal("N.m", JOINT)},
+            expected={
+                "x_t": Signal("m", PLANE),
+                "dx_t": Signal("m/s", PLANE),
+                "e": Signal("m", PLANE),
+                "p_hat": Signal(None, OPEN),
+            },
+            inputs={**_MOTION, "F_hat": Signal("N", PLANE), **_VIRTUAL, **_SATURATED},
+            optional=frozenset(_SATURATED),
+        ),
+        _role(
+            "actuator",
+            "tau",
+            {"tau": Signal("N.m", JOINT)},
+            expected=_SATURATED,
+            inputs={"tau_cmd": Signal("N.m", JOINT)},
+        ),
+        _role("sensor", "F_hat", {"F_hat": Signal("N", PLANE)}, inputs={"F_ext": Signal("N", PLANE)}),
+        _role("trajectory", "x_v", _VIRTUAL),
+        _role(
+            "plant",
+            "q",
+            {**_MOTION, "x": Signal("m", PLANE), "dx": Signal("m/s", PLANE), "F_ext": Signal("N", PLANE)},
+            expected={"gap": Signal("m", SCALAR), "penetration": Signal("m", SCALAR)},
+            inputs={"tau": Signal("N.m", JOINT)},
+            sampled=False,
+        ),
+    )
+}
+
+
+def role_named(name: str) -> Role:
+    """A role by name.
+
+    Raises
+    ------
+    SystemDescriptionError
+        Listing the known names.
+    """
+    if name not in ROLES:
+        msg = f"There is no role {name}; there are {', '.join(ROLES)}."
+        raise SystemDescriptionError(msg)
+    return ROLES[name]

@@ -1,0 +1,1 @@
+"""The paper: its figures, its claims and what they are measured with."""
