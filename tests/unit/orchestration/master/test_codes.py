@@ -7,7 +7,8 @@ import numpy as np
 
 from orchestration.master.kernel import codes
 
-ENUMERATIONS = [found for found in vars(codes).values() if isinstance(found, type) and found.__mro__[1] is IntEnum]
+CLASSES = [found for found in vars(codes).values() if isinstance(found, type)]
+ENUMERATIONS = [found for found in CLASSES if issubclass(found, IntEnum) and found is not IntEnum]
 RECORDS = [found for found in vars(codes).values() if isinstance(found, np.dtype)]
 
 
