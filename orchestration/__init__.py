@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from orchestration.master.simulate import UnconnectedInputWarning, prepare, simulate, stream
     from orchestration.master.simulation import Simulation
     from orchestration.master.snapshot import Snapshot
+    from orchestration.paper.ready import scenario
     from orchestration.results.comparison import ColumnDifference, Comparison, compare
     from orchestration.results.result import Result
     from orchestration.system.system import Component, Connection, System
@@ -70,6 +71,7 @@ _HOME = {
     "compare": "results.comparison",
     "ledger": "analysis.energy",
     "prepare": "master.simulate",
+    "scenario": "paper.ready",
     "simulate": "master.simulate",
     "stream": "master.simulate",
 }
@@ -105,6 +107,7 @@ __all__ = [
     "compare",
     "ledger",
     "prepare",
+    "scenario",
     "simulate",
     "stream",
 ]

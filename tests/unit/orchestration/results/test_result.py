@@ -239,3 +239,26 @@ def test_compare_counts_nan_as_the_largest_difference(arm: Result) -> None:
     assert worst is not None
     assert (worst.name, worst.at) == ("a.x[1]", 1.0)
     assert np.isnan(worst.largest)
+
+
+def test_names_arrays_and_patterns_are_recorded(fig2: System) -> None:
+    stop = 3 * fig2.run_step()
+    assert simulate(fig2, stop, record="plant.x").names == ("plant.x[1]", "plant.x[2]")
+    assert simulate(fig2, stop, record="plant.x[2]").names == ("plant.x[2]",)
+    some = simulate(fig2, stop, record=["controller.e", "plant.?x[*]", "plant.x[1]", "controller.e[1]"])
+    assert some.names == ("controller.e[1]", "controller.e[2]", "plant.dx[1]", "plant.dx[2]", "plant.x[1]")
+    with pytest.raises(SystemDescriptionError, match=r"^record: no output fits 'plnt\.\*'; did you mean plant\."):
+        simulate(fig2, stop, record="plnt.*")
+    with pytest.raises(SystemDescriptionError, match=r"^record has 3; names of outputs are needed"):
+        Options(record=["plant.x", 3])  # pyright: ignore[reportArgumentType] - it is refused
+    with pytest.raises(SystemDescriptionError, match=r"^record is given twice"):
+        simulate(fig2, stop, record="plant.x", options=Options(record="plant.q"))
+
+
+def test_a_path_is_run_and_progress_is_told(fig2: System, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path, stop = fig2.write(tmp_path / "fig2.ssp"), 3 * fig2.run_step()
+    told: list[tuple[int, int]] = []
+    result = simulate(str(path), stop, progress=lambda done, total: told.append((done, total)))
+    assert result == simulate(fig2, stop, progress=True)
+    assert told[-1] == (3, 3)
+    assert capsys.readouterr().out == ""
