@@ -55,7 +55,8 @@ class Result(Columns, Mapping[str, np.ndarray]):
         """
         if name == TIME:
             return self.time
-        return self.rows[:, self._places(name)]
+        places = self._places(name)
+        return self.rows[:, places] if isinstance(places, int) else np.ascontiguousarray(self.rows[:, places])
 
     def __iter__(self) -> Iterator[str]:
         """The recorded names, in the order of the columns."""
@@ -91,10 +92,6 @@ class Result(Columns, Mapping[str, np.ndarray]):
 
     def _ipython_key_completions_(self) -> list[str]:
         return [TIME, *arrays(self.names), *self.names]
-
-    def vector(self, name: str) -> np.ndarray:
-        """The columns of an array side by side, shape (n_rows, n)."""
-        return self[name]
 
     def at_ticks(self, name: str) -> np.ndarray:
         """A column or an array, realigned to the instants at which its values came about.

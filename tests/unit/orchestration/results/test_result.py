@@ -71,17 +71,15 @@ def test_what_cannot_be_recorded_is_refused(small: dict[str, Path], name: str, m
 
 def test_unknown_column_lists_the_recorded_ones(small: dict[str, Path]) -> None:
     result = simulate(chain(small, 1), options=Options(record=["source.n", "relay1.y"]))
-    for lookup in (result.__getitem__, result.at_ticks, result.vector):
+    for lookup in (result.__getitem__, result.at_ticks):
         with pytest.raises(OrchestrationError, match=r"no column source\.u; did you mean source\.n\?"):
             lookup("source.u")
 
 
 def test_vectors_and_time_are_columns(fig2: System) -> None:
     result = simulate(fig2, 10 * fig2.run_step())
-    np.testing.assert_array_equal(
-        result.vector("plant.q"), np.column_stack([result["plant.q[1]"], result["plant.q[2]"]])
-    )
-    assert result.vector("controller.p_hat").shape == (11, 6)
+    np.testing.assert_array_equal(result["plant.q"], np.column_stack([result["plant.q[1]"], result["plant.q[2]"]]))
+    assert result["controller.p_hat"].shape == (11, 6)
     np.testing.assert_array_equal(result["time"], result.time)
 
 
