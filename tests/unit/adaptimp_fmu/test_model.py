@@ -388,3 +388,12 @@ def test_functions_that_turn_symbols_into_nan_are_refused(place: str) -> None:
     model.output("y", x + wrong.get("output y", ca.SX(0)), description="Output", scalar=True)
     with pytest.raises(DefinitionError, match=rf"^Wrong: {place} holds the constant NaN\. .* such as ca\.sin\.$"):
         lower(model)
+
+
+@pytest.mark.parametrize(
+    ("n", "scalar", "names"), [(1, None, ["F"]), (1, False, ["F[1]"]), (2, None, ["F[1]", "F[2]"])]
+)
+def test_an_output_of_one_element_is_called_as_an_input_is(n: int, scalar: bool | None, names: list[str]) -> None:
+    model = sampled()
+    model.output("F", ca.SX(n, 1), description="Force", scalar=scalar)
+    assert [variable.name for variable in model.with_role(Role.OUTPUT)] == names
