@@ -1,4 +1,4 @@
-"""Turn a model that is declared with CasADi into an FMU for co-simulation, FMI 2.0.
+"""A toolchain that turns a model declared with CasADi into an FMU for co-simulation (FMI 2.0).
 
 Declare a `ContinuousModel` or a `SampledModel`, then `build` it.
 """

@@ -58,7 +58,7 @@ def runtime_sources() -> dict[str, str]:
 
 
 def runtime_license() -> str:
-    """License of the runtime and of this toolchain, as one text."""
+    """Return the license of the runtime and of this toolchain as a text."""
     path = importlib.resources.files("adaptimp_fmu") / "templates" / "license.txt"
     return path.read_text(encoding="utf-8")
 
@@ -131,7 +131,7 @@ def _sentences(model: Model) -> dict[str, list[str]]:
 
 
 def _runs(variables: Sequence[Variable]) -> list[tuple[Variable, int]]:
-    """Each variable, and how many neighbours from it on have its type and role, itself included."""
+    """Count, for each variable, the neighbours from it on that have its type and role, itself included."""
     lengths: list[int] = []
     following = None
     for variable in reversed(variables):
@@ -166,7 +166,7 @@ def _adapter(function: ca.Function) -> Adapter:
 
 
 def _result(name: str) -> str:
-    """Results that share a name with an argument cannot; in C they are told apart."""
+    """Return the name of a result in C, which must differ from the names of the arguments."""
     return {"c": "constants", "x": "states", "w": "drawn", "s": "shared"}.get(name, name)
 
 

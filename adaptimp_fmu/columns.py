@@ -14,27 +14,27 @@ def stack(parts: Sequence[ca.SX]) -> ca.SX:
 
 
 def parameters(model: Model) -> ca.SX:
-    """All parameters, shape (n_p,)."""
+    """Return the symbols of all parameters as a column, shape (n_p,)."""
     return stack(model.parameter_symbols)
 
 
 def inputs(model: Model) -> ca.SX:
-    """All inputs, shape (n_u,)."""
+    """Return the symbols of all inputs as a column, shape (n_u,)."""
     return stack(model.input_symbols)
 
 
 def states(model: Model) -> ca.SX:
-    """All states, shape (n_x,)."""
+    """Return the symbols of all states as a column, shape (n_x,)."""
     return stack([state.symbol for state in model.states])
 
 
 def evolutions(model: Model) -> list[ca.SX]:
-    """What becomes of each state: derivatives of a continuous model, values at the next tick of a sampled one.
+    """Return the derivatives of a continuous model's states, or the next values of a sampled model's states.
 
     Raises
     ------
     DefinitionError
-        If a state has neither.
+        If a state has neither a derivative nor an update.
     """
     values = []
     for state in model.states:

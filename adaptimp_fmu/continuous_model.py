@@ -10,7 +10,7 @@ from adaptimp_fmu.model import POSITIVE, Model, depends
 
 @dataclass(frozen=True)
 class Event:
-    """A quantity whose change of sign interrupts the integration; `mode` is 1 while it is > 0."""
+    """A quantity whose change of sign interrupts the integration; `mode` is 1 while the quantity is positive."""
 
     name: str
     mode: ca.SX
@@ -24,7 +24,7 @@ class ContinuousModel(Model):
     Parameters
     ----------
     dt_max
-        Start of the parameter ``dt_max``, s.
+        Start value of the parameter ``dt_max``, s.
     """
 
     dt_max: float = 1e-4
@@ -51,7 +51,7 @@ class ContinuousModel(Model):
         Returns
         -------
         SX
-            Its mode: 1 while the indicator is positive, else 0. Laws that switch use the mode, so
+            Mode of the event: 1 while the indicator is positive, else 0. Laws that switch use the mode, so
             that they are smooth between events.
         """
         if depends(indicator, self.input_symbols):

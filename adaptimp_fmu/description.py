@@ -42,7 +42,7 @@ def model_description(model: Model, guid: str, sources: Iterable[str]) -> bytes:
     Parameters
     ----------
     guid
-        Shared with the binary.
+        GUID that the description shares with the binary.
     sources
         Names of the C files in ``sources/`` that are compiled.
 
@@ -53,14 +53,16 @@ def model_description(model: Model, guid: str, sources: Iterable[str]) -> bytes:
     """
     root = etree.Element(
         "fmiModelDescription",
-        fmiVersion="2.0",
-        modelName=model.name,
-        guid=guid,
-        description=model.description,
-        **model.ownership.attributes(),
-        generationTool=GENERATION_TOOL,
-        variableNamingConvention="structured",
-        numberOfEventIndicators="0",
+        {
+            "fmiVersion": "2.0",
+            "modelName": model.name,
+            "guid": guid,
+            "description": model.description,
+            **model.ownership.attributes(),
+            "generationTool": GENERATION_TOOL,
+            "variableNamingConvention": "structured",
+            "numberOfEventIndicators": "0",
+        },
     )
     variables = model.ordered_variables()
     _co_simulation(root, model, sources)
@@ -79,7 +81,7 @@ def model_description(model: Model, guid: str, sources: Iterable[str]) -> bytes:
 
 
 def number(value: float, type: Type) -> str:
-    """A value as XML Schema writes it."""
+    """Return a value as a text of XML Schema."""
     if type is Type.BOOLEAN:
         return "true" if value else "false"
     if type is Type.INTEGER or value.is_integer():

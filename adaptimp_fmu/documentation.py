@@ -27,7 +27,7 @@ _LIMITS = ("MAX_TICKS", "MAX_SUBSTEPS", "FIRST_EVENTS", "EVENTS_PER_SUBSTEP")
 
 @dataclass(frozen=True)
 class Row:
-    """A variable of a model as a row of an interface table, in words."""
+    """A row of an interface table: texts about a variable of a model."""
 
     name: str
     type: str
@@ -62,7 +62,7 @@ def present(model: Model, icon: Icon, *modules: str) -> None:
 
 
 def documentation(model: Model) -> dict[str, bytes]:
-    """Files of ``documentation/`` by name; the same for the same model."""
+    """Return the files of ``documentation/`` in an FMU by name; the same model gives the same files."""
     page = _environment().get_template("documentation.html.j2")
     html = page.render(
         model=model,
@@ -120,7 +120,7 @@ def _bound(value: float, type: Type) -> str:
 
 
 def _limits() -> dict[str, str]:
-    """Limits of the runtime by name, read from its sources, so that this page cannot contradict them."""
+    """Return limits of the runtime by name, read from its sources, so that this page cannot contradict them."""
     sources = "\n".join(runtime_sources().values())
     limits = {}
     for name in _LIMITS:

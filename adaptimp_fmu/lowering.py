@@ -57,7 +57,7 @@ def lower(model: Model) -> Lowered:
     ------
     DefinitionError
         If the name is not a C identifier, there are no outputs, a state has no evolution, a divisor or a seed is
-        no suitable parameter, a value holds the constant NaN, or depends on a symbol that the model does not
+        not a suitable parameter, a value holds the constant NaN, or depends on a symbol that the model does not
         declare.
     """
     _require_complete(model)
@@ -89,14 +89,14 @@ def lower(model: Model) -> Lowered:
 def _extract(flat: ca.SX, known: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX]:
     """Replace subexpressions of the known symbols alone by new symbols.
 
-    Returns the rest, the new symbols and their values, each a column.
+    The results are the remaining expression, the new symbols and their values, each as a column.
     """
     rest, symbols, values = ca.extract_parametric(flat, known)
     return rest, stack([ca.vec(s) for s in symbols]), stack([ca.vec(v) for v in values])
 
 
 def _calibration(model: Model, p: ca.SX, derived: ca.SX) -> ca.Function:
-    """Constants, checks of the parameters, and whether the noise is on."""
+    """Return the constants, the checks of the parameters, and the function that tells whether the noise is on."""
     checks = stack([check.value for check in model.static_checks])
     results = {"c": derived, "checks": checks, "active": _noise_active(model)}
     return _function("calibrate", {"p": p}, results)

@@ -1,6 +1,6 @@
-"""What a model says about itself besides its equations: who owns it, and which experiment suits it.
+"""Metadata of a model besides its equations: its owner and license, and a default experiment.
 
-Both are the statement of the model's author. What the author does not state, the FMU does not claim.
+The author of a model states them. An FMU does not claim anything that its author does not state.
 """
 
 import math
@@ -11,7 +11,7 @@ from adaptimp_fmu.errors import DefinitionError
 
 @dataclass(frozen=True)
 class Ownership:
-    """Who made a model, and on which terms others may use it. An empty text claims nothing.
+    """Author, version, copyright and license of a model. An empty text claims nothing.
 
     Attributes
     ----------

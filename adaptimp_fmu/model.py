@@ -50,7 +50,7 @@ class State:
 
 @dataclass(frozen=True)
 class Check:
-    """A demand of a model: the expression `value` must be positive, else `sentence` is the error message."""
+    """A condition on a model: the expression `value` must be positive, else `sentence` is the error message."""
 
     value: ca.SX
     sentence: str

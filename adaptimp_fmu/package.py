@@ -1,4 +1,4 @@
-"""Build an .fmu file from a model: generate, compile, zip. What was compiled before comes from a cache.
+"""Builds an .fmu file from a model: generates and compiles C code, and zips it. Old binaries come from a cache.
 
 Same definition, same bytes: entries of the archive have a fixed order and date, and the GUID is a
 hash of the definition and the runtime.
@@ -34,7 +34,7 @@ _REGULAR_FILE = 0o100644 << 16
 
 
 def default_cache() -> Path:
-    """Where binaries are kept between builds: ``$ADAPTIMP_CACHE`` or the user's cache folder."""
+    """Return the folder that keeps binaries between builds: ``$ADAPTIMP_CACHE`` or the user's cache folder."""
     folder = os.environ.get("ADAPTIMP_CACHE")
     return Path(folder) if folder else Path(platformdirs.user_cache_path("adaptimp"))
 
@@ -45,12 +45,12 @@ def build(
     platforms: Iterable[Platform] | None = None,
     cache: Path | None = None,
 ) -> Path:
-    """Build ``NAME.fmu``.
+    """Build the file ``NAME.fmu`` from a model.
 
     Parameters
     ----------
     folder
-        Where to; a place of its own in the cache, named by the content, if None.
+        Folder for the file; None takes a folder in the cache that is named by the content.
     platforms
         Platforms with a binary in the FMU; the host's if None.
     cache

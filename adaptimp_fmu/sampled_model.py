@@ -28,7 +28,7 @@ class SampledModel(Model):
     Parameters
     ----------
     sample_time
-        Start of the parameter ``sample_time``, s.
+        Start value of the parameter ``sample_time``, s.
     """
 
     sample_time: float = 1e-4
@@ -59,7 +59,7 @@ class SampledModel(Model):
         Raises
         ------
         DefinitionError
-            If the model has another divisor, or n is no such parameter (when the model is built, if n is declared
+            If the model has another divisor, or n is not such a parameter (when the model is built, if n is declared
             later).
         """
         if self.divisor_name not in (None, divisor):
@@ -92,7 +92,7 @@ class SampledModel(Model):
         Raises
         ------
         DefinitionError
-            If the model already has noise, or the key is no such parameter (when the model is built, if the key is
+            If the model already has noise, or the key is not such a parameter (when the model is built, if the key is
             declared later).
         """
         if self.noise is not None:
@@ -131,7 +131,7 @@ class SampledModel(Model):
             raise DefinitionError(msg)
 
     def _require_integer(self, name: str, demand: str) -> Variable:
-        """The Integer parameter of that name; `demand` begins the error if there is none."""
+        """Return the Integer parameter of a name; `demand` begins the error if the model has none."""
         variable = self.ordered_variables()[self.reference(name)]
         if not variable.role.is_parameter:
             msg = f"{self.name}: {demand}; {name} is an {'input' if variable.role is Role.INPUT else 'output'}."

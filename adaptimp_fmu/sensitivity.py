@@ -18,7 +18,7 @@ from adaptimp_fmu.sampled_model import SampledModel
 
 
 def sensitivity_functions(model: Model) -> Sequence[ca.Function]:
-    """The functions above; the first two of a continuous model only.
+    """Return the derivative functions of a model by name; only a continuous model has the first two.
 
     Arguments are those of the seam (``runtime/model.h``): t, x, u, p, m, r and the directions v of the
     inputs and q of the parameters, shape (n_u,) and (n_p,).
@@ -39,7 +39,7 @@ def sensitivity_functions(model: Model) -> Sequence[ca.Function]:
 
 
 def initial_outputs(model: Model, uniforms: ca.SX) -> ca.SX:
-    """The outputs in initialization mode: states at their first values, modes by their indicators."""
+    """Return the outputs in initialization mode: states at their first values, modes by their indicators."""
     y = stack(model.output_values)
     for event in getattr(model, "events", ()):
         y = ca.substitute(y, event.mode, event.indicator > 0)
@@ -59,7 +59,7 @@ def _initial_sensitivity(model: Model, v: ca.SX) -> ca.Function:
 
 
 def _along(y: ca.SX, variables: Sequence[ca.SX], directions: Sequence[ca.SX]) -> ca.SX:
-    """Derivative of y along a direction, shape of y."""
+    """Return the derivative of y along a direction, with the shape of y."""
     pairs = [(a, d) for a, d in zip(variables, directions, strict=True) if a.numel()]
     if not pairs:
         return ca.SX.zeros(y.numel(), 1)

@@ -1,4 +1,4 @@
-"""Which inputs and parameters each output of a model depends on, read off the sparsity of Jacobians."""
+"""Finds the inputs and parameters that each output of a model depends on, from the sparsity of Jacobians."""
 
 from dataclasses import dataclass
 
@@ -27,7 +27,7 @@ class Dependencies:
 
 
 def dependencies(model: Model) -> Dependencies:
-    """Dependencies of all outputs of a model."""
+    """Return the value references that each output of a model depends on."""
     p, u = parameters(model), inputs(model)
     y = stack(model.output_values)
     if isinstance(model, SampledModel):
@@ -44,7 +44,7 @@ def dependencies(model: Model) -> Dependencies:
 
 
 def _initial_outputs(model: Model, y: ca.SX) -> ca.SX:
-    """The outputs with the states replaced by their first values and the modes by indicators."""
+    """Return the outputs with states replaced by their first values and modes by their indicators."""
     symbols = [state.symbol for state in model.states]
     values = [state.initial for state in model.states]
     for event in getattr(model, "events", ()):
@@ -57,7 +57,7 @@ def _initial_outputs(model: Model, y: ca.SX) -> ca.SX:
 
 
 def noise_seed(model: SampledModel) -> ca.SX:
-    """Symbol of the parameter that seeds the noise."""
+    """Return the symbol of the parameter that seeds the noise."""
     if model.noise is None:
         return ca.SX(0)
     index = model.reference(model.noise.seed_name)

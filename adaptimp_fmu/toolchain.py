@@ -27,16 +27,16 @@ WARNINGS = ("-Wall", "-Wextra", "-Wpedantic", "-Wvla", "-Werror")
 
 @dataclass(frozen=True)
 class Platform:
-    """Where a binary runs.
+    """A platform that binaries of FMUs run on.
 
     Attributes
     ----------
     name
         Folder under ``binaries/`` in the FMU.
     target
-        Compiler's target; Linux with glibc 2.17, macOS 11.
+        Target of the compiler; Linux with glibc 2.17, macOS 11.
     flags
-        Compiler's flags besides `FLAGS`; ``{library}`` stands for the library's file name.
+        Flags of the compiler besides `FLAGS`; ``{library}`` stands for the library's file name.
     """
 
     name: str
@@ -61,7 +61,7 @@ PLATFORMS = {
 
 
 def host_platform() -> Platform:
-    """The platform this Python runs on.
+    """Return the platform that this Python runs on.
 
     Raises
     ------
@@ -85,12 +85,12 @@ def host_platform() -> Platform:
 
 
 def fmi_headers() -> Path:
-    """Folder of FMI's header files, from the installed fmpy."""
+    """Return the folder of FMI's header files in the installed fmpy."""
     return Path(str(importlib.resources.files("fmpy") / "c-code"))
 
 
 def identity() -> str:
-    """What besides the sources decides the bytes of a binary: compiler, flags, headers."""
+    """Return a text that changes whenever something besides the sources changes a binary: compiler, flags, headers."""
     versions = [f"{name} {importlib.metadata.version(name)}" for name in ("ziglang", "fmpy")]
     return " ".join((*versions, *FLAGS))
 
@@ -101,7 +101,7 @@ def compile_library(source: Path, output: Path, target: Platform) -> None:
     Raises
     ------
     ToolchainError
-        With the compiler's messages.
+        If the compiler refuses the file; the message has the compiler's output.
     """
     command = [
         *(sys.executable, "-m", "ziglang", "cc", "-shared", "-target", target.target),

@@ -41,7 +41,7 @@ _FACTOR = re.compile(r"([A-Za-z]+|1)(\d*)")
 
 
 def base_exponents(unit: str) -> dict[str, int]:
-    """Exponents of the SI base units.
+    """Return the exponents of the SI base units in a physical unit.
 
     Parameters
     ----------
@@ -56,7 +56,7 @@ def base_exponents(unit: str) -> dict[str, int]:
     Raises
     ------
     DefinitionError
-        If a symbol is unknown or the text is no unit.
+        If a symbol is unknown or the text is not a unit.
     """
     numerator, slash, denominator = unit.partition("/")
     products = [(1, numerator)] if unit else []

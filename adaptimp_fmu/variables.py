@@ -1,4 +1,4 @@
-"""Scalar variables of a model, with all that FMI 2.0 declares of them."""
+"""Scalar variables of a model, with all attributes that FMI 2.0 declares for them."""
 
 import enum
 import math
@@ -12,7 +12,7 @@ _NAME = re.compile(r"[A-Za-z_]\w*(\[[1-9]\d*\])?", re.ASCII)
 
 
 class Role(enum.Enum):
-    """What a variable is for; the value is the runtime's name of it."""
+    """Role of a variable: parameter, input or output; the value is the role's name in the runtime."""
 
     FIXED_PARAMETER = "ROLE_FIXED_PARAMETER"
     TUNABLE_PARAMETER = "ROLE_TUNABLE_PARAMETER"
@@ -26,7 +26,7 @@ class Role(enum.Enum):
 
 
 class Type(enum.Enum):
-    """FMI 2.0 type; the value is the element's name in modelDescription.xml."""
+    """Type of a variable in FMI 2.0; the value is the element's name in modelDescription.xml."""
 
     REAL = "Real"
     INTEGER = "Integer"
@@ -35,7 +35,7 @@ class Type(enum.Enum):
 
 @dataclass(frozen=True)
 class Variable:
-    """A scalar variable.
+    """A scalar variable of a model.
 
     Attributes
     ----------
@@ -75,7 +75,7 @@ class Variable:
             raise DefinitionError(msg)
 
     def _is_of_type(self, value: float) -> bool:
-        """Whether XML, which writes by type, and C, which stores doubles, mean the same number."""
+        """Whether a value is the same number in XML, which is written by type, and in C, which stores doubles."""
         if self.type is Type.BOOLEAN:
             return value in (0, 1)
         if self.type is Type.INTEGER:
@@ -84,5 +84,5 @@ class Variable:
 
 
 def element_names(name: str, shape: int | None) -> list[str]:
-    """Names of a variable's scalars: itself if `shape` is None, else ``name[1]`` to ``name[n]``."""
+    """Return the names of a variable's scalars: the name if `shape` is None, else ``name[1]`` to ``name[n]``."""
     return [name] if shape is None else [f"{name}[{i + 1}]" for i in range(shape)]

@@ -1,4 +1,4 @@
-"""The models of this project, by model identifier."""
+"""The catalog of the project's models, by model identifier."""
 
 from collections.abc import Callable
 from functools import partial

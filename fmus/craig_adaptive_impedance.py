@@ -25,7 +25,7 @@ GAINS = (0.0, 5.0, 0.0, 0.0, 0.0, 0.0)  # assumed: m2 is the unknown payload's m
 
 
 def craig_adaptive_impedance() -> SampledModel:
-    """Algorithm 1: impedance control with the adaptation of Craig, Hsu and Sastry."""
+    """Declare the controller of algorithm 1: impedance control with the adaptation of Craig, Hsu and Sastry."""
     controller = declare_controller("CraigAdaptiveImpedance", "Adaptive impedance control, algorithm 1 (after Craig)")
     publish(
         controller.model,

@@ -25,7 +25,7 @@ OFF = 1e9  # N, a range that limits nothing
 
 
 def force_sensor() -> SampledModel:
-    """Wrist force sensor; ideal by default."""
+    """Declare the model of a wrist force sensor, which is ideal by default."""
     model = SampledModel("ForceSensor", "Wrist force sensor with bounded noise")
     publish(model, icons.sensor(), __name__, "fmus")
     F_ext = model.input("F_ext", [0.0, 0.0], unit="N", description="Force of the tip on the wall")
@@ -88,7 +88,7 @@ def force_sensor() -> SampledModel:
 
 
 def truncated_normal(u0: ca.SX, u1: ca.SX, std: ca.SX, bound: ca.SX) -> ca.SX:
-    """A plane normal vector of norm at most `bound`, from two uniform numbers; shape (2,)."""
+    """Return a normally distributed vector of the plane, of norm at most `bound`, from two uniform numbers."""
     inside = 1 - ca.exp(-(bound**2) / (2 * std**2))
     # Rounding may carry r beyond the bound (u0 next to 1, or a bound far below std).
     r = ca.fmin(std * ca.sqrt(-2 * ca.log(1 - u0 * inside)), bound)

@@ -16,7 +16,7 @@ from fmus.project import publish
 
 
 def hogan_impedance(n: int = 2, name: str = "HoganImpedance") -> SampledModel:
-    """Conventional impedance control of an arm with n joints; p_hat stays at p_start."""
+    """Declare a conventional impedance controller of an arm with n joints; p_hat stays at p_start."""
     controller = declare_controller(name, "Conventional impedance control with fixed dynamic parameters", n)
     publish(controller.model, icons.impedance(n), __name__, *EQUATIONS)
     arm_model = controller.arm_model(controller.p_start)

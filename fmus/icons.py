@@ -71,7 +71,7 @@ def impedance(n: int = 2) -> Icon:
 
 
 def adaptive_impedance(variant: int) -> Icon:
-    """The same with an arrow across, as adjustable elements are drawn, and as many dots as `variant` says."""
+    """A mass on a spring and a damper with an arrow across, as adjustable elements are drawn, and `variant` dots."""
     arrow = [Stroke([(0.18, 0.13), (0.56, 0.87)], 0.045), Stroke([(0.43, 0.83), (0.56, 0.87), (0.58, 0.73)], 0.045)]
     return Icon(CRIMSON, [*_MASS_SPRING_DAMPER, *arrow, *_dots(variant)])
 

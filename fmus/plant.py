@@ -19,7 +19,7 @@ from fmus.project import publish
 
 
 def plant(n: int = 2, name: str = "Plant") -> ContinuousModel:
-    """An arm of n joints, by default the paper's, and the wall."""
+    """Declare the model of an arm of n joints, by default the paper's, with the wall."""
     model = ContinuousModel(name, "Planar arm with point masses against a compliant wall")
     publish(
         model,

@@ -1,4 +1,4 @@
-"""What all FMUs of this project state alike: version, license, and the experiment of the paper."""
+"""Version, license and default experiment that all FMUs of this project state."""
 
 from adaptimp_fmu import Experiment, Icon, Model, Ownership, present, runtime_license
 from fmus import start

@@ -25,7 +25,7 @@ GAINS = (0.0, 4.0, 0.0, 0.0, 0.0, 0.0)  # assumed: m2 is the unknown payload's m
 
 
 def slotine_li_adaptive_impedance() -> SampledModel:
-    """Algorithm 2: impedance control with the adaptation of Slotine and Li."""
+    """Declare the controller of algorithm 2: impedance control with the adaptation of Slotine and Li."""
     controller = declare_controller(
         "SlotineLiAdaptiveImpedance", "Adaptive impedance control, algorithm 2 (after Slotine and Li)"
     )

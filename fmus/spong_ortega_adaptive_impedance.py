@@ -30,7 +30,7 @@ from fmus.project import publish
 
 
 def spong_ortega_adaptive_impedance() -> SampledModel:
-    """Algorithm 1 with the inverse inertia of fixed parameters."""
+    """Declare the controller of algorithm 1 with the inverse inertia of fixed parameters."""
     controller = declare_controller(
         "SpongOrtegaAdaptiveImpedance",
         "Adaptive impedance control, algorithm 1 with one fixed inverse (after Spong and Ortega)",

@@ -17,7 +17,7 @@ from fmus.project import publish
 
 
 def virtual_trajectory() -> SampledModel:
-    """The virtual trajectory x_v and its first two derivatives."""
+    """Declare the model that gives the virtual trajectory x_v and its first two derivatives."""
     model = SampledModel("VirtualTrajectory", "Ellipse with a straight segment inside the wall")
     publish(model, icons.cut_ellipse(), __name__, "fmus")
     semi_axis = model.parameter(

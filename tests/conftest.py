@@ -20,7 +20,7 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 @pytest.fixture(scope="session")
 def fmu_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Folder with every unit's FMU, built for this machine."""
+    """Folder with the FMU of every model, built for this machine."""
 
     def build_all(folder: Path) -> None:
         for declare in MODELS.values():

@@ -1,4 +1,4 @@
-"""Which tests carry the marks ``quick`` and ``processes``: a rule by folder, file and unit, not by test.
+"""Which tests carry the marks ``quick`` and ``processes``: a rule by folder, file and model, not by test.
 
 ``pytest -m quick`` runs a cross-section of every kind of evidence that is cheap. ``pytest -m processes``
 runs what starts processes or threads, sends signals, or reads a clock: the tests that other programs on the
@@ -41,11 +41,11 @@ SLOW = ("unit/fmus/test_documented_examples.py", "unit/orchestration/analysis/te
 """Files that take seconds though they start no process."""
 
 QUICK_UNITS = ("Plant", "ForceSensor")
-"""Units that stand for all in quick tests: a continuous one, and a sampled one with random numbers."""
+"""FMUs that stand for all in quick tests: a continuous one, and a sampled one with random numbers."""
 
 
 def mark(items: Iterable[Any]) -> None:
-    """Give each test, a `pytest.Item`, the marks that its file, its imports and its unit ask for."""
+    """Give each test, a `pytest.Item`, the marks that its file, its imports and its FMU ask for."""
     for item in items:
         if not item.path.is_relative_to(TESTS):
             continue
@@ -75,6 +75,6 @@ def _is_disturbed(module: ModuleType | None) -> bool:
 
 
 def _unit(item: Any) -> object:
-    """The unit of the catalog that the test is about, None if it is about no unit in particular."""
+    """The model of the catalog that the test is about, None if it is not about a certain model."""
     called = getattr(item, "callspec", None)
     return called.params.get("unit") if called else None

@@ -24,7 +24,7 @@ class Measured:
 
 @dataclass(frozen=True)
 class ArmModel:
-    """The controller's picture of the arm: structure, estimate p of (m, viscous, coulomb), rest known."""
+    """A controller's model of the arm: its structure, an estimate p of (m, viscous, coulomb), and known numbers."""
 
     arm: Arm
     p: ca.SX

@@ -103,7 +103,7 @@ def declare_noise_rejection(adaptation: Adaptation, mobility: ca.SX) -> NoiseRej
 
 
 def declare_outputs(rejection: NoiseRejection, adaptation: Adaptation, F_c: ca.SX) -> None:
-    """Declare what the theory of algorithm 1 watches."""
+    """Declare the outputs that the theory of algorithm 1 speaks about."""
     model = adaptation.controller.model
     model.output("e_star", rejection.e_star, unit="m/s", description="Augmented error de + Psi e, eq. (14)")
     for name, unit, text in (

@@ -1,10 +1,10 @@
-"""Does an FMU keep its contract? Static rules, experiments in a process of its own, the interface of a role.
+"""Checks whether an FMU keeps FMI 2.0 and the interface of its role: rules about files, and experiments.
 
     report = check(Path("X.fmu"))
     report.failed, report.findings, report.facts
 
-Rules have numbers: 1 to 8 are about files, 9 to 16 about calls. Whatever the file holds, there is a report.
-What place an FMU is for, and how it is tried there, the caller says: with roles, and with a trial.
+Rules have numbers: 1 to 8 are about files, 9 to 16 about calls. The calls are made in a process of their own, so
+every file gets a report, even one that crashes. The caller gives the roles, and a trial that runs the FMU in its role.
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -44,14 +44,14 @@ STATIC = (
 
 @dataclass(frozen=True)
 class Candidate:
-    """An FMU that asks to be tried in its role.
+    """An FMU that passed all rules so far, and that a trial runs in its role.
 
     Attributes
     ----------
     count
-        How many elements its counted signals have; see `orchestration.check.interface.Signal`.
+        Number of elements of each counted signal; see `orchestration.check.interface.Signal`.
     mapping
-        The FMU's names by ours.
+        The FMU's names of variables, by the names in the role.
     failed
         Whether the rules, the experiments or the interface have shown an error.
     """
@@ -64,7 +64,7 @@ class Candidate:
 
 
 Trial = Callable[[Candidate], tuple[Sequence[Finding], Sequence[str]]]
-"""Tries an FMU in its role; returns findings, and sentences about what was measured or not tried."""
+"""Runs an FMU in its role; returns findings, and sentences about what was measured or not tried."""
 
 
 def check(
@@ -75,19 +75,19 @@ def check(
     trial: Trial | None = None,
     timeout: float = dynamic.TIMEOUT,
 ) -> Report:
-    """Examine an FMU.
+    """Examine an FMU file and report every rule that it breaks.
 
     Parameters
     ----------
     role
-        The role whose interface the FMU must have; or several roles, of which it has the one that its
-        outputs tell, if they tell one. By default no interface is compared.
+        The role whose interface the FMU must have. Of several roles, the FMU has the one whose defining output
+        it has. By default no interface is compared.
     mapping
-        The FMU's names by ours, as for `orchestration.System.replace`.
+        The FMU's names of variables by the names in the role, as for `orchestration.System.replace`.
     trial
-        What to do at the end with an FMU that has a role and could be run.
+        Function that runs the FMU in its role at the end, if the FMU has a role and could be run.
     timeout
-        How long an experiment may take, s.
+        Longest time of an experiment, s.
 
     Raises
     ------
@@ -134,7 +134,7 @@ def _require_readable(path: Path) -> None:
 
 
 def _report(path: Path, role: Role | None, findings: list[Finding], facts: list[str]) -> Report:
-    """The worst first, each once."""
+    """Report the findings, the worst first and each once."""
     order = list(Severity)
     once = sorted(dict.fromkeys(findings), key=lambda finding: order.index(finding.severity))
     return Report(path, None if role is None else role.name, tuple(once), tuple(facts))

@@ -1,7 +1,7 @@
-"""What a check found: findings with the number of the rule, facts that were measured, and the report of both.
+"""Findings of a check of an FMU, each with the number of a rule, and the report that collects them.
 
-A finding is an error if it makes an importer or a master fail or go wrong, a warning if the standard or
-the checklist says otherwise but importers get along, a note if a user should merely know.
+A finding has one of three severities. An error makes an importer or a master fail or go wrong. A warning breaks the
+standard or the checklist, but most importers get along. A note tells the user something worth knowing.
 """
 
 import json
@@ -17,7 +17,7 @@ ROLE = "role"  # in the place of a rule's number: the interface of a role
 
 
 class Severity(StrEnum):
-    """How bad a finding is."""
+    """Severity of a finding, the worst first."""
 
     ERROR = "error"
     WARNING = "warning"
@@ -26,14 +26,14 @@ class Severity(StrEnum):
 
 @dataclass(frozen=True)
 class Finding:
-    """One broken rule.
+    """A rule that an FMU breaks, and how.
 
     Attributes
     ----------
     rule
-        Number in the checklist, 1 to 16, or a word for what has no number, such as `ROLE`.
+        Number in the checklist, 1 to 16, or a word such as `ROLE` for a rule without a number.
     message
-        A sentence that names what and where.
+        A sentence that names what is wrong and where.
     """
 
     rule: str
@@ -43,12 +43,12 @@ class Finding:
 
 @dataclass(frozen=True)
 class Report:
-    """All findings about a file.
+    """All findings of a check about one FMU file.
 
     Attributes
     ----------
     role
-        The role whose interface was compared, None if none was.
+        Name of the role whose interface was compared; None if no interface was compared.
     facts
         Sentences about what was measured or not examined.
     """
@@ -60,21 +60,21 @@ class Report:
 
     @property
     def failed(self) -> bool:
-        """Whether there is an error."""
+        """Whether any finding is an error."""
         return self.count(Severity.ERROR) > 0
 
     def count(self, severity: Severity) -> int:
-        """Number of findings of a severity."""
+        """Return the number of findings of a severity."""
         return sum(finding.severity == severity for finding in self.findings)
 
     def summary(self) -> str:
-        """One line: the file, its role, and how many findings of each severity."""
+        """Return one line with the file, its role, and the number of findings of each severity."""
         counts = ", ".join(f"{n} {s}{'' if n == 1 else 's'}" for s in Severity if (n := self.count(s)))
         role = f", {self.role}" if self.role else ""
         return f"{self.path.name}{role}: {counts or 'no findings'}"
 
     def json(self) -> str:
-        """Everything, as a JSON object."""
+        """Return the whole report as a JSON object."""
         content = {
             "file": str(self.path),
             "role": self.role,
@@ -86,22 +86,22 @@ class Report:
 
 
 def error(rule: str, message: str) -> Finding:
-    """A finding that makes an importer or a master fail."""
+    """Make a finding of severity error: it makes an importer or a master fail."""
     return Finding(rule, Severity.ERROR, message)
 
 
 def warning(rule: str, message: str) -> Finding:
-    """A finding that most importers get along with."""
+    """Make a finding of severity warning: most importers get along with it."""
     return Finding(rule, Severity.WARNING, message)
 
 
 def note(rule: str, message: str) -> Finding:
-    """A finding that a user should know of."""
+    """Make a finding of severity note: a user should know of it."""
     return Finding(rule, Severity.NOTE, message)
 
 
 def capped(findings: Iterable[Finding]) -> list[Finding]:
-    """At most `MOST_ALIKE` findings of one rule and severity, and the number of the others."""
+    """Keep at most `MOST_ALIKE` findings of one rule and severity, and add the number of the others."""
     kept: dict[Severity, list[Finding]] = {severity: [] for severity in Severity}
     counts = Counter[Severity]()
     for finding in findings:
@@ -116,13 +116,13 @@ def capped(findings: Iterable[Finding]) -> list[Finding]:
 
 
 def shown(text: object, most: int = LONGEST_NAME) -> str:
-    """A stranger's text in a message: printable, and short."""
+    """Return a text from an unknown FMU for use in a message: printable, and short."""
     printable = str(text)[: most + 1].encode(errors="backslashreplace").decode()
     printable = "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in printable)
     return printable if len(printable) <= most else f"{printable[: most - 3]}..."
 
 
 def listed(names: Sequence[str]) -> str:
-    """The first names of a list, and how many there are more."""
+    """Return the first names of a list as text, with the number of the other names."""
     more = f" and {len(names) - MOST_ALIKE} more" if len(names) > MOST_ALIKE else ""
     return ", ".join(map(shown, names[:MOST_ALIKE])) + more

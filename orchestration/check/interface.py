@@ -1,7 +1,7 @@
-"""Compares an FMU with a role, the interface that its place in a system asks for: names, units, types, causality.
+"""Compares the variables of an FMU with a role: the names, units, types and causalities that a system asks for.
 
-A role names the outputs that other components live on; an FMU without them is an error. An FMU may leave
-out inputs that it does not use. A lack of outputs that are merely read afterwards is worth a note.
+A role names the outputs that other components need. An FMU that lacks such an output is an error. An FMU may leave
+out inputs that it does not use. If an output is missing that is only read after a run, that is a note.
 """
 
 import re
@@ -39,12 +39,13 @@ class Signal:
     Attributes
     ----------
     unit
-        Its unit, a name in `UNITS`; empty for a number without a unit, None where each element has another.
+        Name of the signal's unit in `UNITS`. The name is empty for a number without a unit. None means that
+        elements have different units.
     size
-        Number of elements of an array; or `SCALAR`, no array; `COUNTED`, an array with as many elements as
-        the FMU has of what its role counts; `OPEN`, an array of any length.
+        Number of elements of an array. `SCALAR` is a scalar, `COUNTED` an array with one element for each thing that
+        the role counts, and `OPEN` an array of any length.
     type
-        Its FMI type.
+        FMI type of the signal.
     """
 
     unit: str | None
@@ -54,28 +55,28 @@ class Signal:
 
 @dataclass(frozen=True)
 class Role:
-    """The interface that a place in a system asks for.
+    """The interface that an FMU must have to take a certain place in a system.
 
     Attributes
     ----------
     name
-        What messages call an FMU in this role.
+        Name of the role in messages.
     defining
-        The output that tells the role, and whose elements are counted if its size is `COUNTED`.
+        Name of the output that only FMUs in this role have. Its elements are counted if its size is `COUNTED`.
     required, expected
-        Outputs without which the system does not close; outputs that are read afterwards.
+        Outputs that other components need, and outputs that are only read after a run.
     inputs
-        Inputs that the system can serve.
+        Inputs that the system can connect.
     optional
         Inputs that only some FMUs in the role have.
     sampled
         Whether the FMU works at a sampling period of its own, the parameter ``sample_time``.
     counted
-        What an element of a `COUNTED` signal stands for, such as a joint.
+        Name of the thing that an element of a `COUNTED` signal stands for, such as a joint.
     fewest
-        Fewest elements of a `COUNTED` signal.
+        Smallest allowed number of elements of a `COUNTED` signal.
     readers
-        Who reads the expected outputs, in the plural.
+        Readers of the expected outputs, a noun in the plural.
     """
 
     name: str
@@ -91,14 +92,14 @@ class Role:
 
 
 def told_role(document: Document, roles: Iterable[Role]) -> Role | None:
-    """The role whose defining output an FMU has; None if it has that of no role or of several."""
+    """Return the role whose defining output an FMU has; None if the FMU fits none of the roles, or several."""
     outputs = {_base(variable.name) for variable in document.of_causality("output")}
     fitting = [role for role in roles if role.defining in outputs]
     return fitting[0] if len(fitting) == 1 else None
 
 
 def count(document: Document, role: Role) -> int:
-    """How many elements the FMU's `COUNTED` signals have, at least `Role.fewest`."""
+    """Return the number of elements of the FMU's `COUNTED` signals, at least `Role.fewest`."""
     signals = {**role.inputs, **role.required}
     names = [v.name for v in document.variables if (s := signals.get(_base(v.name))) and s.size == COUNTED]
     defining = [name for name in names if _base(name) == role.defining] or names
@@ -106,7 +107,7 @@ def count(document: Document, role: Role) -> int:
 
 
 def mapping_finds(document: Document, mapping: Mapping[str, str]) -> Iterator[Finding]:
-    """Every name that is given for one of ours is that of a variable or an array."""
+    """Report every name in a mapping that the FMU has neither for a variable nor for an array."""
     names = {name for variable in document.variables for name in (variable.name, _base(variable.name))}
     for our, their in mapping.items():
         if their not in names:
@@ -114,7 +115,7 @@ def mapping_finds(document: Document, mapping: Mapping[str, str]) -> Iterator[Fi
 
 
 def interface_is_kept(document: Document, role: Role) -> Iterator[Finding]:
-    """Compare an FMU with its role."""
+    """Compare the variables of an FMU with its role and report what differs."""
     n = count(document, role)
     if n > LARGEST_COUNT:
         yield error(ROLE, f"{role.defining} has an element {n}; the {role.name} has one for each {role.counted}.")
@@ -134,7 +135,7 @@ def interface_is_kept(document: Document, role: Role) -> Iterator[Finding]:
 
 
 def _elements(base: str, signal: Signal, n: int, known: Mapping[str, Declared]) -> list[str]:
-    """Names of a signal's scalars."""
+    """Return the names of the scalar variables of a signal."""
     if signal.size == SCALAR:
         return [base]
     if signal.size == OPEN:
@@ -143,7 +144,7 @@ def _elements(base: str, signal: Signal, n: int, known: Mapping[str, Declared]) 
 
 
 def _missing(missing: list[str], present: list[Declared], signal: Signal, role: Role) -> Iterator[Finding]:
-    """What the lack of some elements means."""
+    """Report elements of a signal that the FMU lacks."""
     base, name, unit = _base(missing[0]), role.name, f" in {signal.unit}" if signal.unit else ""
     what = ", ".join(missing)
     if base in role.required:
@@ -157,7 +158,7 @@ def _missing(missing: list[str], present: list[Declared], signal: Signal, role: 
 
 
 def _compare(variable: Declared, signal: Signal, causality: str, document: Document, name: str) -> Iterator[Finding]:
-    """One scalar against its signal."""
+    """Compare a scalar variable with the signal that it belongs to."""
     what = f"{variable.name} of the {name}"
     if variable.causality != causality:
         yield error(ROLE, f"{what} has causality {variable.causality}; {causality} is needed.")
@@ -188,7 +189,7 @@ def _compare_units(variable: Declared, needed: str, document: Document, what: st
 
 
 def _strangers(document: Document, role: Role, n: int) -> Iterator[Finding]:
-    """Inputs that nothing in the system drives."""
+    """Report inputs that nothing in the system drives."""
     served = {element for base, signal in role.inputs.items() for element in _elements(base, signal, n, {})}
     for variable in document.of_causality("input"):
         if variable.name not in served:
@@ -197,7 +198,7 @@ def _strangers(document: Document, role: Role, n: int) -> Iterator[Finding]:
 
 
 def _sampling(document: Document, role: Role) -> Iterator[Finding]:
-    """The sampling period is a parameter in s, where there is one."""
+    """Report a sampled FMU whose sampling period is not a parameter in s."""
     found = [variable for variable in document.variables if variable.name == SAMPLE_TIME]
     if role.sampled and found:
         yield from _compare(found[0], Signal("s", SCALAR), "parameter", document, role.name)

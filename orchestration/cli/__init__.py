@@ -1,4 +1,4 @@
-"""The command line, ``adaptimp``."""
+"""The command line interface ``adaptimp``."""
 
 from orchestration.cli.app import main
 

@@ -1,4 +1,4 @@
-"""The commands of ``adaptimp`` and their options; a command imports what it needs when it runs.
+"""Defines the commands of ``adaptimp`` and their options; a command imports the modules it needs when it runs.
 
 Exit codes: 0 success, 1 a run failed, 2 the request cannot be carried out as it stands.
 """
@@ -14,7 +14,7 @@ from orchestration.cli.codes import INTERRUPTED
 
 
 class Interruptible(TyperGroup):
-    """A group of commands that say so when Ctrl-C ends them."""
+    """A group of commands that print a sentence when Ctrl-C ends them."""
 
     def invoke(self, ctx: Any) -> Any:
         """Run a command.
@@ -37,7 +37,7 @@ app = typer.Typer(
     no_args_is_help=True,
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
-    help="Adaptive impedance control (Lu & Meng 1991) as interchangeable FMI 2.0 co-simulation units.",
+    help="Adaptive impedance control (Lu & Meng 1991) as interchangeable FMUs (FMI 2.0, co-simulation).",
 )
 
 
@@ -45,7 +45,7 @@ app = typer.Typer(
 def build(
     files: Annotated[
         list[Path] | None,
-        typer.Argument(metavar="FILE.py", help="Python files that declare models.", show_default="every unit"),
+        typer.Argument(metavar="FILE.py", help="Python files that declare models.", show_default="every model"),
     ] = None,
     out: Annotated[Path, typer.Option(help="Folder for the .fmu files.")] = Path("build/fmus"),
     platform: Annotated[
@@ -56,7 +56,7 @@ def build(
         ),
     ] = None,
 ) -> None:
-    """Build the FMUs, or those of your own models; what is built already is taken from the cache."""
+    """Build the FMUs of the catalog or of your own models; binaries that exist already come from the cache."""
     from orchestration.cli.commands import build_fmus
 
     build_fmus(files or [], out, platform or [])
@@ -82,7 +82,11 @@ def run(
     ] = None,
     map_: Annotated[
         list[str] | None,
-        typer.Option("--map", metavar="OURS=THEIRS", help="Name in --controller of one of ours; may be repeated."),
+        typer.Option(
+            "--map",
+            metavar="OURS=THEIRS",
+            help="A name in the system and in the FMU; may be repeated.",
+        ),
     ] = None,
     set_: Annotated[
         list[str] | None,
@@ -92,7 +96,7 @@ def run(
         str, typer.Option(help="gauss-seidel, jacobi, iterative, newton or adaptive.")
     ] = "gauss-seidel",
     exchange: Annotated[
-        str | None, typer.Option(help="sequential or parallel, if not as the algorithm has it.")
+        str | None, typer.Option(help="sequential or parallel; by default that of the algorithm.")
     ] = None,
     input_order: Annotated[int | None, typer.Option(help="Degree, 0 to 2, of continuous inputs over a step.")] = None,
     tolerance: Annotated[
@@ -100,7 +104,7 @@ def run(
     ] = None,
     absolute: Annotated[
         list[str] | None,
-        typer.Option("--absolute", metavar="UNIT=VALUE", help="Absolute tolerance of a unit; may be repeated."),
+        typer.Option("--absolute", metavar="UNIT=VALUE", help="Absolute tolerance of a physical unit; repeatable."),
     ] = None,
     crossing: Annotated[
         list[str] | None,
@@ -169,14 +173,14 @@ def export(
 
 @app.command()
 def check(
-    fmu: Annotated[Path, typer.Argument(help="The FMU to examine, ours or any other.")],
+    fmu: Annotated[Path, typer.Argument(help="The FMU to examine, from any tool.")],
     role: Annotated[
         str | None,
         typer.Option(help="controller, plant, sensor, actuator or trajectory; guessed from the outputs by default."),
     ] = None,
     map_: Annotated[
         list[str] | None,
-        typer.Option("--map", metavar="OURS=THEIRS", help="Name in the FMU of one of ours; may be repeated."),
+        typer.Option("--map", metavar="OURS=THEIRS", help="A name in the role and in the FMU; may be repeated."),
     ] = None,
     json: Annotated[bool, typer.Option("--json", help="Print the report as JSON.")] = False,
 ) -> None:
@@ -187,7 +191,7 @@ def check(
 
 
 def main() -> None:
-    """Run the command line; an error of this package is one sentence on standard error, not a traceback."""
+    """Run the command line; an error of this package prints a sentence on standard error, not a traceback."""
     from orchestration.errors import InitializationError, OrchestrationError, SimulationError
 
     try:

@@ -9,7 +9,7 @@ from orchestration.system.system import System
 
 
 def print_assumptions(system: System) -> None:
-    """Print the assumed values of a system, those with the same reason together."""
+    """Print the assumed values of a system; values with the same reason are printed together."""
     reasons: dict[str, list[str]] = {}
     for path in sorted(system.assumptions):
         reasons.setdefault(system.assumptions[path], []).append(f"{path} = {_value(system, path)}")
@@ -25,7 +25,7 @@ def print_assumptions(system: System) -> None:
 
 
 def _value(system: System, path: str) -> str:
-    """The start value with its unit."""
+    """Return the start value of a variable with its unit, as text."""
     component, variable = system.resolve(path)
     value = component.start.get(variable.name, variable.start)
     if value is None:

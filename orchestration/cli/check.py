@@ -27,9 +27,9 @@ def run_check(path: Path, role: str | None = None, json: bool = False, mapping: 
     Parameters
     ----------
     role
-        The role whose interface the FMU must have; the one that its outputs tell if None.
+        The role whose interface the FMU must have; None takes the role whose defining output the FMU has.
     mapping
-        Texts OURS=THEIRS.
+        Texts OURS=THEIRS: a name of the role, and the FMU's name for the same variable.
     """
     try:
         names = dict(map(setting_of("--map"), mapping))

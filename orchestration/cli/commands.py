@@ -21,7 +21,7 @@ errors = Console(stderr=True, markup=False, highlight=False)
 
 
 def build_fmus(files: Sequence[Path], out: Path, platforms: Sequence[str]) -> None:
-    """Build the models of Python files into a folder, or every unit if there are no files."""
+    """Build the models of Python files into a folder, or every model of the catalog if no file is given."""
     from adaptimp_fmu import PLATFORMS
     from fmus.catalog import MODELS
     from orchestration.cli.models import models_of
@@ -61,7 +61,7 @@ def reproduce_paper(out: Path, image: str, *, fresh: bool) -> None:
 
 
 def require_folder(folder: Path) -> None:
-    """Make a folder for results; refuse one that nothing can be written to before any work is done."""
+    """Make a folder for results; a folder that nothing can be written to is refused before any work is done."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=folder):
@@ -87,7 +87,7 @@ def export_scenario(name: str, out: Path) -> None:
 
 
 def setting_of(option: str) -> Callable[[str], tuple[str, str]]:
-    """A function that splits the texts NAME=VALUE of an option."""
+    """Return a function that splits a text NAME=VALUE of an option."""
 
     def split(text: str) -> tuple[str, str]:
         match = _SETTING.fullmatch(text)

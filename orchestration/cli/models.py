@@ -1,6 +1,6 @@
 """Finds the models that a user's Python file declares, for ``adaptimp build FILE.py``.
 
-The file declares models at its top level; whatever it names there is built:
+The file declares models at its top level, and each of them is built:
 
     model = SampledModel("Mine", "What it does")
     model.output("tau_cmd", ...)
@@ -22,14 +22,14 @@ if TYPE_CHECKING:
 
 
 def models_of(files: Sequence[Path]) -> "list[Model]":
-    """The models that Python files name at their top level, in their order.
+    """Return the models that Python files name at their top level, in their order.
 
-    A model without documentation gets that of its file, the docstring.
+    A model without documentation gets the docstring of its file.
 
     Raises
     ------
     SystemDescriptionError
-        If there is no such file, one fails or names no model, or two models have one name.
+        If there is no such file, a file fails or does not name a model, or two models have the same name.
     """
     found: dict[str, tuple[Path, Model]] = {}
     for path in files:
@@ -45,7 +45,7 @@ def _models(path: Path) -> "list[Model]":
     from adaptimp_fmu import Model
 
     if path.suffix != ".py" or not path.is_file():
-        msg = f"{path}: there is no such Python file; build takes files that declare models, or none for every unit."
+        msg = f"{path}: there is no such Python file; build takes files that declare models, or none for all FMUs."
         raise SystemDescriptionError(msg)
     names = _run(path)
     models = [value for value in names.values() if isinstance(value, Model)]
@@ -60,7 +60,7 @@ def _models(path: Path) -> "list[Model]":
 
 
 def _run(path: Path) -> dict[str, object]:
-    """The names that a file defines when it is run; if it fails, the error is one sentence with the line."""
+    """Run a Python file and return the names that it defines; an error becomes a sentence with the line."""
     try:
         with _beside(path):
             return runpy.run_path(str(path))
@@ -74,14 +74,14 @@ def _run(path: Path) -> dict[str, object]:
 
 
 def _line(path: Path, error: Exception) -> int | None:
-    """The number of the innermost line of a file that an error came through."""
+    """Return the number of the innermost line of a file that an error came through."""
     lines = [frame.lineno for frame in traceback.extract_tb(error.__traceback__) if frame.filename == str(path)]
     return lines[-1] if lines else None
 
 
 @contextmanager
 def _beside(path: Path) -> Iterator[None]:
-    """Let a file import what lies beside it, as Python does for a script."""
+    """Let a file import its neighbours, as Python does for a script."""
     before = sys.path[:]
     sys.path.insert(0, str(path.parent.resolve()))
     try:

@@ -16,7 +16,13 @@ from rich.table import Column, Table
 from orchestration.cli.assumptions import print_assumptions
 from orchestration.cli.codes import INTERRUPTED
 from orchestration.cli.commands import console, errors, require_folder, setting_of
-from orchestration.errors import OrchestrationError, RunInterrupted, SimulationError, SystemDescriptionError
+from orchestration.errors import (
+    OrchestrationError,
+    RecordedRows,
+    RunInterrupted,
+    SimulationError,
+    SystemDescriptionError,
+)
 from orchestration.master.algorithm import Algorithm, Tolerance, find_algorithm
 from orchestration.master.options import Crossings
 from orchestration.master.options import Progress as Report
@@ -32,7 +38,7 @@ _SETTING = re.compile(r"([^=\s]+)=(.*)", re.DOTALL)
 
 @dataclass(frozen=True)
 class AlgorithmRequest:
-    """A co-simulation algorithm by name, and the options that are asked to differ from its own."""
+    """A co-simulation algorithm by name, with options that replace its own."""
 
     name: str
     exchange: str | None = None
@@ -41,7 +47,7 @@ class AlgorithmRequest:
     absolute: Sequence[str] = ()
 
     def algorithm(self) -> Algorithm:
-        """The algorithm asked for.
+        """Make the requested algorithm.
 
         Raises
         ------
@@ -110,9 +116,9 @@ def run_system(request: RunRequest) -> None:
         simulation = prepare(system, request.stop, step, algorithm, options=_options(request, report))
         if request.verdict:
             _warn(system, step, algorithm)
-        streams = request.out is not None and request.out.suffix == ".parquet"
-        if streams:
-            simulation.stream_to(request.out)
+        streamed = request.out if request.out is not None and request.out.suffix == ".parquet" else None
+        if streamed is not None:
+            simulation.stream_to(streamed)
         started = time.perf_counter()
         try:
             with simulation:
@@ -131,7 +137,7 @@ def run_system(request: RunRequest) -> None:
     if request.out is None:
         _print_summary(result)
     else:
-        if not streams:
+        if streamed is None:
             result.write(request.out)
         typer.echo(f"wrote {request.out}: {simulation.count} rows, {len(result.names)} columns")
     typer.echo(f"{simulation.steps_made} steps in {elapsed:.2f} s")
@@ -160,7 +166,7 @@ def _check_output(out: Path | None) -> None:
 
 
 def _warn(system: System, step: float, algorithm: Algorithm) -> None:
-    """Say so if the algorithm is unstable at the start; a system that cannot be judged is run anyway."""
+    """Print a warning if the algorithm is unstable at the start; a system that cannot be judged is run anyway."""
     from orchestration.analysis.stability.verdict import is_stable, stability
 
     try:
@@ -205,7 +211,7 @@ def _number(option: str, text: str, kind: type[T]) -> T:
     try:
         return kind(text)
     except ValueError:
-        msg = f"{option}: {text!r} is no {'integer' if kind is int else 'number'}."
+        msg = f"{option}: {text!r} is not {'an integer' if kind is int else 'a number'}."
         raise SystemDescriptionError(msg) from None
 
 
@@ -228,8 +234,8 @@ def _progress() -> Iterator[Report]:
             bar.stop()
 
 
-def _keep_partial(result: Result | None, out: Path | None, when: str) -> None:
-    """Write the complete rows of a run that ended early; those of a Parquet file are written already."""
+def _keep_partial(result: RecordedRows | None, out: Path | None, when: str) -> None:
+    """Write the complete rows of a run that ended early; rows in a Parquet file are already written."""
     if out is None or result is None:
         return
     partial = out.with_name(f"{out.stem}.partial{out.suffix}")

@@ -1,1 +1,1 @@
-"""One FMU: what it declares, its library, an instance of it."""
+"""Access to a single FMU: its description, its library and its instances."""

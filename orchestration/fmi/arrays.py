@@ -1,7 +1,7 @@
-"""Names and values of an FMU's variables as arrays: which variables form an array, and what fits a type.
+"""Treats an FMU's variables as arrays: which variables form an array, and which values fit a type.
 
-A name is that of a variable, ``tau[1]``, or of an array, ``tau``: all variables ``tau[i]`` in the order of i,
-which counts from 1, or from 0, without a hole.
+A name is that of a variable, ``tau[1]``, or of an array, ``tau``. An array consists of all variables ``tau[i]`` in
+the order of i, which counts from 1, or from 0, without a hole.
 """
 
 from collections import defaultdict
@@ -19,7 +19,7 @@ Value = float | str | Sequence[float] | np.ndarray
 
 
 def arrays(names: Iterable[str]) -> dict[str, list[str]]:
-    """Names of the elements of one-dimensional arrays, by the name of the array, in the order of their index."""
+    """Return the names of the elements of each one-dimensional array, by its name, in the order of their index."""
     names = tuple(names)
     whole = positions_of_arrays(names)
     return {
@@ -30,7 +30,7 @@ def arrays(names: Iterable[str]) -> dict[str, list[str]]:
 
 
 def listed(names: Iterable[str]) -> str:
-    """Names in their order, those of an array once: ``dt_max, tau (2), q_start (2)``."""
+    """Return names as a text that names each array once: ``dt_max, tau (2), q_start (2)``."""
     names = list(names)
     of_arrays = arrays(names)
     base_of = {element: base for base, elements in of_arrays.items() for element in elements}
@@ -40,19 +40,19 @@ def listed(names: Iterable[str]) -> str:
 
 
 def typed(fmu: str, variable: Variable, value: float | str) -> Any:
-    """The value as a call of its FMI type takes it, never rounded; texts become bytes.
+    """Convert a value to the FMI type of its variable without rounding; texts become bytes.
 
     Raises
     ------
     SignalError
-        If it does not fit.
+        If the value does not fit the type.
     """
     if isinstance(value, str) or variable.type == STRING:
         fits = isinstance(value, str) and variable.type == STRING
     else:
-        fits = variable.type == REAL or (value in (0, 1) if variable.type == BOOLEAN else value.is_integer())
+        fits = variable.type == REAL or (value in (0, 1) if variable.type == BOOLEAN else float(value).is_integer())
     if not fits:
-        msg = f"{fmu}: {variable.name} is of type {variable.type}, which {value!r} is not."
+        msg = f"{fmu}: {variable.name} is of type {variable.type}; {value!r} is not."
         raise SignalError(msg)
     if isinstance(value, str):
         return value.encode()
@@ -79,12 +79,12 @@ class Signals:
         }
 
     def elements(self, name: str) -> list[Variable]:
-        """The variables behind a name.
+        """Return the variables that a name of a variable or an array stands for.
 
         Raises
         ------
         SignalError
-            If there are none.
+            If the FMU has neither a variable nor an array of that name.
         """
         if name in self.variables:
             return [self.variables[name]]
@@ -120,7 +120,7 @@ class Signals:
         return array.reshape(len(array), -1)
 
     def calls(self, rows: Mapping[str, np.ndarray]) -> list[tuple[str, list[int], list[list[Any]]]]:
-        """What to set for arrays of shape (n, k) by name: type, value references and values by row.
+        """Prepare the set calls for arrays of shape (n, k) by name: type, value references and values by row.
 
         Raises
         ------
@@ -143,7 +143,7 @@ class Signals:
         ]
 
     def grouped(self, table: np.ndarray) -> dict[str, np.ndarray]:
-        """Outputs by name, arrays also by their base name, from a table of shape (n, number of outputs)."""
+        """Split a table of shape (n, number of outputs) into outputs by name, and arrays by their base name."""
         places = {variable.name: i for i, variable in enumerate(self.outputs)}
         found = {name: table[:, i].copy() for name, i in places.items()}
         for base, elements in self._arrays.items():

@@ -27,14 +27,14 @@ class Status(IntEnum):
 
 
 WORST_ACCEPTED = int(Status.WARNING)
-"""A call with a status up to this one did its work."""
+"""Worst status of a call that succeeded."""
 
 
 def accepted(status: int) -> bool:
-    """Whether a call did its work: its status is fmi2OK or fmi2Warning."""
+    """Whether a call succeeded: its status is fmi2OK or fmi2Warning."""
     return Status.OK <= status <= WORST_ACCEPTED
 
 
 def status_name(status: int) -> str:
-    """Name of a status in the standard; an unknown number is named by its value."""
+    """Return the name of a status in the standard; an unknown number is named by its value."""
     return str(Status(status)) if Status.OK <= status <= Status.PENDING else f"status {status}"

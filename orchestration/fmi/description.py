@@ -1,7 +1,7 @@
-"""What an FMU declares, as far as a co-simulation needs it: its variables, their units, its capabilities.
+"""Reads the variables, units and capabilities of an FMU that a co-simulation needs.
 
-`read_description` refuses what cannot be stepped safely. Formalities that change no value are left to
-`orchestration.check`.
+`read_description` refuses an FMU that cannot be stepped safely. Errors of form that do not change a value are left
+to `orchestration.check`.
 """
 
 from collections.abc import Mapping
@@ -46,7 +46,7 @@ class Variable:
     relative
         Whether the value is a difference, to which the offset of its unit does not apply.
     declared
-        Name in the FMU, if the component goes by another one; see `Description.renamed`.
+        Name in the FMU, if the variable has another name in the system; see `Description.renamed`.
     """
 
     name: str
@@ -69,7 +69,7 @@ class Variable:
 
 @dataclass(frozen=True, repr=False)
 class Description:
-    """What modelDescription.xml says, as far as a co-simulation needs it.
+    """The description of an FMU: the parts of its modelDescription.xml that a co-simulation needs.
 
     Attributes
     ----------
@@ -102,12 +102,12 @@ class Description:
         return defined(variable.unit, self.units)
 
     def renamed(self, names: Mapping[str, str]) -> "Description":
-        """The same FMU with other names for its variables, by the names in the FMU.
+        """Return the description with other names of variables, given by the names in the FMU.
 
         Raises
         ------
         SystemDescriptionError
-            If two variables get one name.
+            If two variables get the same name.
         """
         if not names:
             return self
@@ -124,12 +124,12 @@ class Description:
 
 
 def read_description(path: Path) -> Description:
-    """Screen an FMU and read its description; read again only when the file has changed.
+    """Screen an FMU and read its description; the file is read again only when it has changed.
 
     Raises
     ------
     ArchiveError
-        If the archive is unsafe, or no FMI 2.0 co-simulation FMU.
+        If the archive is unsafe, or not an FMI 2.0 FMU for co-simulation.
     """
     path = path.resolve()
     if not path.is_file():
@@ -146,10 +146,10 @@ def _read_description(path: Path, modified: int, size: int) -> Description:  # n
         document = _document(path)
         _require_consistent(document)
     except DocumentError as error:
-        msg = f"{path} is no valid FMU: {error}"
+        msg = f"{path} is not a valid FMU: {error}"
         raise ArchiveError(msg) from error
     if not IDENTIFIER.fullmatch(document.identifier):
-        msg = f"{path}: the model identifier {document.identifier!r} is no C identifier."
+        msg = f"{path}: the model identifier {document.identifier!r} is not a C identifier."
         raise ArchiveError(msg)
     direct = _direct(document)
     return Description(
@@ -168,7 +168,7 @@ def _document(path: Path) -> Document:
     root = parsed(read_bytes(path))
     version = root.get("fmiVersion")
     if root.tag != "fmiModelDescription" or version not in _VERSIONS:
-        msg = f"the root element is {root.tag} with the fmiVersion {version}, which is no version of FMI."
+        msg = f"the root element is {root.tag} with the fmiVersion {version}, which is not a version of FMI."
         raise DocumentError(msg)
     exchange = root.find("CoSimulation") is None and root.find("Implementation") is None
     if version != "2.0" or exchange:
@@ -180,7 +180,7 @@ def _document(path: Path) -> Document:
 
 
 def _require_consistent(document: Document) -> None:
-    """Names are unique, and what refers to a variable or a type refers to one that exists.
+    """Require that names are unique, and that every reference to a variable or a type has a target.
 
     Raises
     ------
@@ -197,7 +197,7 @@ def _require_consistent(document: Document) -> None:
             msg = f"{variable.name}: the type {variable.declared_type!r} is not declared."
             raise DocumentError(msg)
         if variable.derivative is not None and not 1 <= variable.derivative <= n:
-            msg = f"{variable.name}: derivative {variable.derivative} is no variable's index; there are {n}."
+            msg = f"{variable.name}: derivative {variable.derivative} is not the index of a variable; there are {n}."
             raise DocumentError(msg)
         if variable.name == SAMPLE_TIME and variable.causality == "parameter" and variable.number is None:
             msg = f"the parameter {SAMPLE_TIME} has no start value, so the sampling period is unknown."
@@ -206,7 +206,7 @@ def _require_consistent(document: Document) -> None:
         for row in document.unknowns(listing):
             for index in (row.index, *(row.dependencies or ())):
                 if not 1 <= index <= n:
-                    msg = f"{listing}: the index {index} is no variable's; there are {n}."
+                    msg = f"{listing}: the index {index} is not that of a variable; there are {n}."
                     raise DocumentError(msg)
 
 
@@ -220,7 +220,7 @@ def _direct(document: Document) -> set[int]:
 
 
 def _variable(declared: Declared, *, direct: bool) -> Variable:
-    """A variable as masters use it: only a Real can be continuous, whatever the default of the standard is."""
+    """Return a variable for use by a master: only a Real is continuous, whatever the default of the standard is."""
     unfit = declared.type != REAL and declared.variability == "continuous"
     return Variable(
         name=declared.name,
@@ -237,20 +237,20 @@ def _variable(declared: Declared, *, direct: bool) -> Variable:
 
 
 def parse_value(text: str | float, kind: str) -> float:
-    """A start value as a number; Booleans are 0 or 1.
+    """Convert the text of a start value to a number; Booleans are 0 or 1.
 
     Raises
     ------
     ValueError
-        If the text is no value of that type.
+        If the text is not a value of that type.
     KeyError
-        If the text is no Boolean.
+        If the text is not a Boolean.
     """
     if kind == BOOLEAN:
         values = {"true": 1.0, "1": 1.0, "1.0": 1.0, "false": 0.0, "0": 0.0, "0.0": 0.0}
         return values[str(text).strip().lower()]
     number = float(text)
     if kind == INTEGER and not (number.is_integer() and -(2**31) <= number < 2**31):
-        msg = f"{text!r} is no integer of 32 bits"  # ctypes would wrap a longer one
+        msg = f"{text!r} is not an integer of 32 bits"  # ctypes would wrap a longer one
         raise ValueError(msg)
     return number

@@ -1,7 +1,7 @@
-"""modelDescription.xml as it is written, with the defaults of the standard; nothing is refused but what cannot be read.
+"""Reads modelDescription.xml of an FMU and adds the defaults of the standard, without judging the contents.
 
-`Document` is one reading for all: `orchestration.fmi.description` makes of it what a master needs, the rules of
-`orchestration.check` judge it. Attributes have their types only if the XML is valid against FMI's schema.
+`orchestration.fmi.description` takes what a master needs from a `Document`, and the rules of `orchestration.check`
+judge it. Attributes have their types only if the XML is valid against FMI's schema.
 """
 
 import zipfile
@@ -25,29 +25,29 @@ _TRUE = ("true", "1")
 
 
 class DocumentError(ArchiveError):
-    """modelDescription.xml is missing or damaged; the message names no file."""
+    """The modelDescription.xml of an FMU is missing or damaged; the message does not name the FMU's file."""
 
 
 @dataclass(frozen=True)
 class Declared:
-    """A ScalarVariable.
+    """A ScalarVariable of modelDescription.xml, with the defaults of the standard.
 
     Attributes
     ----------
     index
         1-based place in ModelVariables.
     type
-        Of the values: that of an Enumeration is Integer.
+        FMI type of the values; the values of an Enumeration are Integers.
     variability, initial
-        With the standard's defaults; `initial` is None where there must be none.
+        The given value or the standard's default; `initial` is None where the standard forbids it.
     given
-        Names of the attributes that are written.
+        Names of the attributes that the file gives.
     start
-        The text that is written, None if there is none.
+        Text of the start value, None if the file does not give one.
     limits
-        Smallest and largest value, its own or those of the declared type.
+        Smallest and largest value, of the variable or else of its declared type.
     relative
-        Whether the variable, or else its declared type, says that it is a difference of values.
+        Whether the variable, or else its declared type, is declared as a difference of values.
     derivative
         Index of the state whose derivative the variable is.
     """
@@ -79,7 +79,7 @@ class Declared:
 
 @dataclass(frozen=True)
 class Unknown:
-    """A row of ModelStructure; indices are 1-based, `dependencies` is None if all are assumed."""
+    """A row of ModelStructure; indices are 1-based, and `dependencies` is None if the file does not give them."""
 
     index: int
     dependencies: tuple[int, ...] | None
@@ -87,14 +87,14 @@ class Unknown:
 
 
 class Document:
-    """What modelDescription.xml says.
+    """The contents of an FMU's modelDescription.xml.
 
     Parameters
     ----------
     root
         Root element, of lxml, valid against the schema.
     mapping
-        What the FMU calls variables, or whole arrays, by our names; what is not in it keeps its name.
+        Names in the FMU of variables, or of whole arrays, by the names in the system. Other variables keep their name.
     """
 
     def __init__(self, root: Any, mapping: Mapping[str, str] | None = None) -> None:
@@ -107,15 +107,15 @@ class Document:
         self.identifier: str = "" if self.co_simulation is None else self.co_simulation.get("modelIdentifier")
 
     def renamed(self, mapping: Mapping[str, str]) -> "Document":
-        """The same description with other names, by ours, for its variables."""
+        """Return the description with other names of variables; `mapping` gives the FMU's names by the new names."""
         return Document(self.root, mapping) if mapping else self
 
     def flag(self, name: str) -> bool:
-        """A capability of the co-simulation."""
+        """Whether a capability flag of the CoSimulation element is true."""
         return self.co_simulation is not None and self.co_simulation.get(name, "false").strip() in _TRUE
 
     def experiment(self, name: str) -> float | None:
-        """A number of DefaultExperiment, None if it is not given."""
+        """Return an attribute of DefaultExperiment as a number, None if it is not given."""
         element = self.root.find("DefaultExperiment")
         text = None if element is None else element.get(name)
         return None if text is None else float(text)
@@ -151,7 +151,7 @@ class Document:
         return [variable for variable in self.variables if variable.causality == causality]
 
     def _name(self, name: str) -> str:
-        """Our name for a variable, or for the array that it is an element of."""
+        """Return the new name of a variable, or of the array that it is an element of."""
         base, bracket, element = name.partition("[")
         return self._ours.get(name) or self._ours.get(base, base) + bracket + element
 
@@ -185,14 +185,14 @@ _TYPES = (REAL, INTEGER, BOOLEAN, STRING, "Enumeration")
 
 
 def read_bytes(path: Path, most: int = LARGEST) -> bytes:
-    """The bytes of modelDescription.xml in a screened archive.
+    """Read the bytes of modelDescription.xml in a screened archive.
 
     Raises
     ------
     DocumentError
-        If there is none, or it is larger than `most` bytes.
+        If the file is missing, or larger than `most` bytes.
     ArchiveError
-        If it cannot be unpacked.
+        If the file cannot be unpacked.
     """
     try:
         with zipfile.ZipFile(path) as archive:
@@ -211,12 +211,12 @@ def read_bytes(path: Path, most: int = LARGEST) -> bytes:
 
 
 def parsed(content: bytes) -> Any:
-    """The root element of a description; no entity is resolved, nothing is fetched.
+    """Parse a description and return its root element; entities are not resolved, and nothing is fetched.
 
     Raises
     ------
     DocumentError
-        If it is not well-formed.
+        If the XML is not well-formed.
     """
     from lxml import etree
 
@@ -224,17 +224,17 @@ def parsed(content: bytes) -> Any:
     try:
         return etree.fromstring(content, parser)
     except (etree.XMLSyntaxError, ValueError) as failed:
-        msg = f"{MODEL_DESCRIPTION} is no well-formed XML: {failed}."
+        msg = f"{MODEL_DESCRIPTION} is not well-formed XML: {failed}."
         raise DocumentError(msg) from failed
 
 
 def require_valid(root: Any) -> None:
-    """Compare a description of FMI 2.0 with the schema.
+    """Require that a description of FMI 2.0 is valid against the schema.
 
     Raises
     ------
     DocumentError
-        With the first violation, its line, and the number of all.
+        If it is not; the message has the first violation, its line, and the number of violations.
     """
     schema = _schema()
     if not schema.validate(root):
@@ -252,14 +252,14 @@ def _schema() -> Any:
 
 
 def default_initial(causality: str, variability: str) -> str | None:
-    """`initial` where it is not written, FMI 2.0.5 section 2.2.7."""
+    """Return the default of the attribute `initial` (FMI 2.0.5, section 2.2.7)."""
     if causality in ("input", "independent"):
         return None
     return EXACT if causality == "parameter" or variability == "constant" else CALCULATED
 
 
 def _integer(text: str) -> int:
-    """An integer of the schema; Python refuses one of 5000 digits, be they leading zeros."""
+    """Convert a text that the schema takes for an integer; Python refuses 5000 digits, even leading zeros."""
     sign = "-" if text.strip().startswith("-") else ""
     return int(sign + (text.strip().lstrip("+-0") or "0"))
 

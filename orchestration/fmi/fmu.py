@@ -1,4 +1,4 @@
-"""One FMU, opened and driven with arrays, without a system and without pytest.
+"""Opens a single FMU and drives it with arrays of inputs, without a system.
 
     from orchestration import Fmu
 
@@ -6,7 +6,7 @@
         rows = plant.drive(1e-3, {"tau": np.zeros((100, 2))})
         rows["q"]  # shape (100, 2)
 
-Any FMI 2.0 co-simulation FMU for this machine will do, whatever tool wrote it. A name is that of a variable,
+Any FMI 2.0 co-simulation FMU for this machine can be opened, whichever tool wrote it. A name is that of a variable,
 ``tau[1]``, or of an array, ``tau``; see `orchestration.fmi.arrays`.
 
 Over step k, from t_k to t_k + h, the inputs are those of row k, set at t_k; row k of the outputs is what the
@@ -40,7 +40,7 @@ _HEAD = struct.Struct("<16sddqq")  # of a saved state: which FMU; origin, step, 
 
 @dataclass(frozen=True)
 class SavedState:
-    """A state that the FMU cannot serialize: it is valid for the same open `Fmu` alone."""
+    """A saved state of an FMU that cannot serialize it; the state is valid for the same open `Fmu` only."""
 
     head: bytes
     owner: "Fmu" = field(repr=False)
@@ -73,7 +73,7 @@ class Fmu:
     Raises
     ------
     ArchiveError
-        If there is no such file, or it is no FMU for co-simulation with FMI 2.0 on this machine.
+        If there is no such file, or it is not an FMU for co-simulation with FMI 2.0 on this machine.
     InitializationError
         If the FMU refuses its start values.
     SignalError
@@ -269,11 +269,11 @@ class Fmu:
         self.close()
 
     def _key(self) -> bytes:
-        """What tells the states of one FMU from those of another."""
+        """Return a key that marks the states of this FMU, so that a state of another FMU is noticed."""
         return hashlib.sha256(self.description.guid.encode()).digest()[:16]
 
     def _number_of_steps(self, points: np.ndarray, lengths: Sequence[int]) -> int:
-        """From the communication points, which are checked, or else from the inputs."""
+        """Return the number of steps, from the communication points, which are checked, or else from the inputs."""
         if points.ndim == 0:
             self._require_step(float(points))
             if not lengths:

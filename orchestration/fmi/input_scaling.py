@@ -1,14 +1,14 @@
-"""Inputs in other units: functions that stand before an FMU's own and convert what is handed in.
+"""Converts inputs between units, by compiled functions that are called in place of an FMU's own.
 
-The loops copy an output to an input as it is, and call what they find in their table. Where a
+The compiled loops copy an output to an input unchanged, and call the addresses in their table. Where a
 connection scales, the table has a stand-in for the instance and functions of the same signatures:
 
     fmi2SetReal(v)                  v_i -> factor_i v_i + offset_i
     fmi2SetRealInputDerivatives(v)  v_i -> factor_i v_i
     fmi2GetDirectionalDerivative    with the seed times factor_i
 
-and then the FMU's own function. So every algorithm sees the input in the unit of its source, residuals
-and tolerances included, and a system without scaling runs the very same code as before.
+and then call the FMU's own function. So every algorithm sees the input in the unit of its source, also in residuals
+and tolerances. A system without scaling runs the same code as if this module did not exist.
 """
 
 from collections.abc import Callable, Mapping
@@ -20,7 +20,6 @@ import numpy as np
 from llvmlite import ir
 from numba import types
 from numba.core.ccallback import CFunc
-from numba.extending import intrinsic
 
 from orchestration.fmi.codes import Status
 from orchestration.fmi.machine_code import code_folder
@@ -31,6 +30,7 @@ from orchestration.fmi.native_calls import (
     emit_rates,
     emit_state,
     emit_transfer,
+    emitted,
     keep_machine_code,
 )
 from orchestration.fmi.units import Linear
@@ -53,16 +53,16 @@ _I64 = types.int64
 
 
 class ScaledInputs:
-    """The stand-in for an instance.
+    """A stand-in for an instance of an FMU that converts the Real inputs it receives.
 
     Parameters
     ----------
     handle
         Address of the instance.
     own
-        Gives the address of an FMU's own function.
+        Returns the address of an FMU's own function by its name.
     scales
-        By value reference of a Real input.
+        Conversion of each Real input, by value reference.
     n_inputs
         Number of the FMU's inputs.
     """
@@ -91,7 +91,7 @@ class ScaledInputs:
 
 @cache
 def _stand_in(function: str) -> int:
-    """Address of the compiled function for an FMI function; compiled when it is first needed."""
+    """Return the address of the compiled stand-in for an FMI function; it is compiled when it is first needed."""
     slot = _SLOTS[function]
     signature, body = {
         _DO_STEP: (types.int32(_I64, types.float64, types.float64, types.int32), _do_step),
@@ -111,7 +111,7 @@ def _stand_in(function: str) -> int:
 
 @cache
 def _folder() -> Path | None:
-    """Where the machine code is kept."""
+    """Return the folder that keeps the machine code of this module; None if nothing is kept."""
     return code_folder([Path(__file__), *SOURCES])
 
 
@@ -176,7 +176,7 @@ def _forward_state(slot: int) -> Callable:
 def _load(kind: Any, pointed: Any) -> Callable:
     """An intrinsic that reads the value at an address."""
 
-    @intrinsic
+    @emitted
     def load(typing: Any, address: Any) -> Any:  # noqa: ARG001 - numba gives both
         def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:  # noqa: ARG001
             return builder.load(builder.inttoptr(arguments[0], pointed.as_pointer()))
@@ -191,7 +191,7 @@ _reference = _load(types.uint32, ir.IntType(32))
 _real = _load(types.float64, ir.DoubleType())
 
 
-@intrinsic
+@emitted
 def _put(typing: Any, address: Any, value: Any) -> Any:  # noqa: ARG001 - numba gives all
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:  # noqa: ARG001
         builder.store(arguments[1], builder.inttoptr(arguments[0], ir.DoubleType().as_pointer()))

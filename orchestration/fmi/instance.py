@@ -1,4 +1,4 @@
-"""An instance of an FMU: calls with names and types before the loop, addresses of functions for the loop."""
+"""An instance of an FMU, which gives typed calls before a run and addresses of functions for the compiled loops."""
 
 import ctypes
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -35,22 +35,22 @@ class Instance:
     Parameters
     ----------
     library
-        A library that is loaded; `close` leaves it so. An instance from `open` unloads its own.
+        A loaded library. `close` does not unload it; an instance from `open` unloads its own library.
     name
-        Of the instance, used in messages.
+        Name of the instance, used in messages.
     identity
-        GUID and URL of the resources.
+        GUID of the FMU, and URL of its resources.
     messages
-        Where to put what the FMU logs; only the last texts are kept by default.
+        Receives the texts that the FMU logs; by default only the last texts are kept.
     announce
-        Told the name of each function before it is called, and an empty text behind it.
+        Receives the name of each function before the call, and an empty text after it.
 
     Attributes
     ----------
     worst
         Worst status that `status` returned.
     scaled
-        Stands before the FMU if inputs are converted on the way in; see `orchestration.fmi.input_scaling`.
+        Stand-in for the FMU if inputs are converted; see `orchestration.fmi.input_scaling`.
 
     Raises
     ------
@@ -59,7 +59,7 @@ class Instance:
     """
 
     description: Description
-    """What the FMU declares; only of an instance from `open`."""
+    """Description of the FMU; None unless the instance comes from `open`."""
 
     def __init__(
         self,
@@ -86,7 +86,7 @@ class Instance:
 
     @classmethod
     def open(cls, name: str, description: Description, folder: Path, *, messages: Messages | None = None) -> "Instance":
-        """Load the library of an FMU that is unpacked, and instantiate.
+        """Load the library of an unpacked FMU and create an instance.
 
         Raises
         ------
@@ -112,7 +112,7 @@ class Instance:
 
     @property
     def is_open(self) -> bool:
-        """Whether the instance is not freed yet."""
+        """Whether the instance has not been freed yet."""
         return self._handle is not None
 
     def address(self, function: str) -> int:
@@ -120,7 +120,7 @@ class Instance:
         return self.scaled.address(function) if self.scaled else self.library.address(function)
 
     def scale_inputs(self, scales: Mapping[int, Linear]) -> None:
-        """From now on convert Real inputs, by value reference, in what is called by address."""
+        """Convert Real inputs, given by value reference, in all later calls by address."""
         from orchestration.fmi.input_scaling import ScaledInputs
 
         n_inputs = len(self.description.of_causality("input"))
@@ -146,7 +146,7 @@ class Instance:
         return status
 
     def failure(self, function: str, status: int, where: str = "") -> str:
-        """The sentence that says which call returned what, and the instance's last message."""
+        """Return a sentence that names a call, its status and the instance's last message."""
         return f"{self.name}: {function} returned {status_name(status)}{where}; {self.messages.last()}."
 
     def set(self, kind: str, references: Sequence[int], values: Sequence[Any]) -> int:
@@ -155,13 +155,13 @@ class Instance:
         return self.status(f"fmi2Set{kind}", c_references(references), len(references), array)
 
     def get(self, kind: str, references: Sequence[int]) -> tuple[int, list[Any]]:
-        """The fmi2Status of a call for variables of a type by value reference, and their values."""
+        """Get variables of a type by value reference; returns the fmi2Status and the values."""
         array = (C_TYPES[kind] * len(references))()
         status = self.status(f"fmi2Get{kind}", c_references(references), len(references), array)
         return status, list(array)
 
     def set_up(self, start_time: float) -> None:
-        """Tell the start time, s, neither a stop time nor a tolerance.
+        """Set the start time, s, of the experiment, without a stop time and without a tolerance.
 
         Raises
         ------
@@ -170,12 +170,12 @@ class Instance:
         self.call("fmi2SetupExperiment", 0, 0.0, start_time, 0, 0.0)
 
     def save(self) -> Any:
-        """The state: bytes if the FMU serializes it, else its fmi2FMUstate, which `free_state` frees.
+        """Save the state: as bytes if the FMU serializes it, else as an fmi2FMUstate, which `free_state` frees.
 
         Raises
         ------
         SystemDescriptionError
-            If the FMU saves no state.
+            If the FMU does not save states.
         InitializationError
             If a call fails.
         """
@@ -195,7 +195,7 @@ class Instance:
             self.call("fmi2FreeFMUstate", ctypes.byref(state))
 
     def restore(self, state: Any) -> None:
-        """Go back to a state that `save` returned.
+        """Restore a state that `save` returned.
 
         Raises
         ------
@@ -218,9 +218,9 @@ class Instance:
             self.status("fmi2FreeFMUstate", ctypes.byref(state))
 
     def close(self) -> None:
-        """Free the instance, and unload the library if it is the instance's own; again does nothing.
+        """Free the instance, and unload the library if it is the instance's own; a second call does nothing.
 
-        After fmi2Fatal nothing is called any more, as FMI demands.
+        After fmi2Fatal the FMU is not called any more, as FMI demands.
         """
         handle, self._handle = self._handle, None
         try:
@@ -241,7 +241,7 @@ class Instance:
 
 
 def _loaded(name: str, description: Description, folder: Path) -> Library:
-    """The library for this machine in an unpacked FMU, which has all functions of FMI 2.0 for co-simulation."""
+    """Load the library for this machine in an unpacked FMU; it has all functions of FMI 2.0 for co-simulation."""
     try:
         library = Library(library_path(folder, description))
     except OSError as error:

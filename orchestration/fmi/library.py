@@ -1,11 +1,11 @@
-"""An FMU's shared library: where it lies for this machine, its functions, and their addresses."""
+"""Finds and loads the shared library of an FMU for this machine, and gives its functions and their addresses."""
 
 import ctypes
 import platform
 import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 from orchestration.errors import ArchiveError
 from orchestration.fmi import signatures
@@ -20,12 +20,12 @@ _PLATFORMS: dict[str, tuple[tuple[str, ...], tuple[str, ...], str]] = {
 
 
 def needed_to_run(entry: str) -> bool:
-    """Whether an archive's entry is used when the FMU runs; sources and documentation are not."""
+    """Whether a running FMU uses an entry of its archive; sources and documentation are not used."""
     return not entry.startswith(("sources/", "documentation/"))
 
 
 def host_folders() -> tuple[tuple[str, ...], str]:
-    """Folders below ``binaries/`` whose libraries this machine loads, the usual one first, and their extension.
+    """Return the folders below ``binaries/`` for this machine, the usual one first, and the extension of libraries.
 
     Raises
     ------
@@ -41,7 +41,7 @@ def host_folders() -> tuple[tuple[str, ...], str]:
 
 
 def library_names(identifier: str) -> list[str]:
-    """Entries of an archive that this machine would load, the usual one first.
+    """Return the libraries in an archive that this machine would load, the usual one first.
 
     Raises
     ------
@@ -53,12 +53,12 @@ def library_names(identifier: str) -> list[str]:
 
 
 def library_path(folder: Path, description: Description) -> Path:
-    """The shared library for this machine in an unpacked FMU.
+    """Return the path of the shared library for this machine in an unpacked FMU.
 
     Raises
     ------
     ArchiveError
-        Naming the platforms that the FMU has.
+        If the FMU has none; the message names the platforms that the FMU has.
     """
     for name in library_names(description.identifier):
         if (folder / name).is_file():
@@ -71,10 +71,10 @@ def library_path(folder: Path, description: Description) -> Path:
 
 
 class Library:
-    """A shared library that is loaded.
+    """A loaded shared library of an FMU.
 
-    Windows finds the libraries that it needs next to it, since its path is absolute; on other systems it says
-    itself where they are. So the working directory, which all threads share, stays as it is.
+    On Windows, the libraries that it needs are found next to it, since its path is absolute. On other systems the
+    library itself tells where they are. So the working directory, which all threads share, is not changed.
 
     Parameters
     ----------
@@ -116,10 +116,11 @@ class Library:
 
     def address(self, name: str) -> int:
         """Address of an FMI function."""
-        return int(ctypes.cast(self.function(name), ctypes.c_void_p).value or 0)
+        function = cast("Any", self.function(name))  # ctypes does not name the type of its functions
+        return int(ctypes.cast(function, ctypes.c_void_p).value or 0)
 
     def close(self) -> None:
-        """Unload the library, so that its file can be removed; again does nothing."""
+        """Unload the library, so that its file can be removed; a second call does nothing."""
         if self._dll is not None:
             handle, self._dll = self._dll._handle, None
             self._functions.clear()

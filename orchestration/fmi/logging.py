@@ -1,8 +1,8 @@
-"""What FMUs log: one logger serves all instances of a process.
+"""Collects the messages that FMUs log, with one logger for all instances of a process.
 
-A message of FMI is a printf format with arguments that Python cannot see. A small library in fmpy's package
-formats them before it calls the logger. Where it does not exist (Linux on ARM) or does not load, texts stay
-as the FMU wrote them.
+A message of FMI is a printf format with arguments that Python cannot read. A small library in fmpy's package
+formats the message before it calls the logger. Where the library does not exist (Linux on ARM) or does not load,
+a text stays as the FMU wrote it.
 """
 
 import ctypes as ct
@@ -27,13 +27,13 @@ _PROXIES = {
 
 
 class Messages(deque[str]):
-    """The last texts that an instance logged, the newest last; `None` as length keeps all."""
+    """The last texts that an instance of an FMU logged, the newest last; `None` as length keeps all."""
 
     def __init__(self, most: int | None = KEPT_MESSAGES) -> None:
         super().__init__(maxlen=most)
 
     def last(self) -> str:
-        """The newest text as part of a sentence."""
+        """Return the newest text as a part of a sentence."""
         return f'its last message: "{self[-1]}"' if self else "it logged nothing"
 
 
@@ -43,7 +43,7 @@ _heard: WeakValueDictionary[int, Messages] = WeakValueDictionary()
 
 @Logger
 def _log(environment: Any, name: Any, status: int, category: Any, message: Any) -> None:  # noqa: ARG001
-    """Keep a text for the instance that the component environment tells; nothing may be raised into C."""
+    """Keep a text for the instance that the component environment names; an error must not reach the C code."""
     with suppress(Exception):
         messages = _heard.get(environment or 0)
         if messages is not None:
@@ -51,7 +51,7 @@ def _log(environment: Any, name: Any, status: int, category: Any, message: Any) 
 
 
 def callbacks(messages: Messages) -> Callbacks:
-    """Callbacks for a new instance, which must live as long as it does; `messages` gets what it logs."""
+    """Return the callbacks for a new instance, which must live as long as it; `messages` receives its texts."""
     environment = next(_environments)
     _heard[environment] = messages
     found = Callbacks(_log, *_memory(), None, environment)
@@ -61,14 +61,14 @@ def callbacks(messages: Messages) -> Callbacks:
 
 
 def listen() -> None:
-    """Let the proxy call our logger again: it knows one at a time, and another tool may have set its own."""
+    """Set the logger that fmpy's library calls; it knows one logger, and another tool may have set its own."""
     if (proxy := _proxy()) is not None:
         proxy.addLoggerProxy(ct.byref(Callbacks(_log)))
 
 
 @cache
 def _proxy() -> Any:
-    """The library that formats messages; None if this machine has none."""
+    """Load the library that formats messages; None if this machine has none."""
     if sys.platform not in _PROXIES:
         return None
     with suppress(ArchiveError, OSError):

@@ -1,6 +1,6 @@
-"""Where compiled functions are kept between processes: a folder named by all that decides their machine code.
+"""Keeps compiled functions between processes, in a folder named by everything that decides their machine code.
 
-numba looks at the source of a function alone, and runs old code when a function that it calls has changed. So
+numba compares the source of a function only, and runs old code when a function that it calls has changed. So
 the folder's name is a hash of every source that is compiled, and of the versions of Python and the compilers:
 machine code of other sources is in another folder, and cannot be run by mistake.
 
@@ -27,19 +27,19 @@ _DAY = 86400.0  # s
 
 
 def code_folder(sources: Iterable[Path]) -> Path | None:
-    """A folder for the machine code of these sources, in ``$ADAPTIMP_CACHE`` or the user's cache folder.
+    """Return a folder for the machine code of source files, in ``$ADAPTIMP_CACHE`` or the user's cache folder.
 
-    A folder that is new takes the place of those that have not been used for `UNUSED_DAYS`.
+    When a folder is made, folders that have not been used for `UNUSED_DAYS` are removed.
 
     Parameters
     ----------
     sources
-        Every file from which something is compiled.
+        All files whose functions are compiled.
 
     Returns
     -------
     Path or None
-        None where nothing can be written, or a source cannot be read: then nothing is kept.
+        None if nothing can be written, or a source cannot be read. Then no machine code is kept.
     """
     home = Path(os.environ.get("ADAPTIMP_CACHE") or platformdirs.user_cache_path("adaptimp"))
     if not home.expanduser().is_absolute() and "ADAPTIMP_CACHE" not in os.environ:

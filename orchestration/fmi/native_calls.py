@@ -1,7 +1,7 @@
 """Calls of C functions by address, from compiled and from plain Python code.
 
-Compiled by numba, a call costs what it costs in C. Not compiled, the same names go through ctypes:
-so the loop that uses them also runs undecorated, as a slow oracle of itself. Addresses are
+Compiled by numba, a call costs as much as in C. Without compilation the same functions go through ctypes,
+so a loop that uses them also runs as plain Python, as a slow oracle of itself. Addresses are
 arguments, never constants, so that machine code can be kept from one process to the next.
 """
 
@@ -10,7 +10,7 @@ import pickle
 from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
-from typing import Any
+from typing import Any, Concatenate, ParamSpec, cast
 
 import numpy as np
 from llvmlite import ir
@@ -19,7 +19,9 @@ from numba.core import caching, cgutils
 from numba.extending import intrinsic, overload
 
 SOURCES = (Path(__file__), Path(__file__).with_name("codes.py"))
-"""What is compiled into everything that calls by address."""
+"""Sources that are compiled into every function that calls by address."""
+
+Arguments = ParamSpec("Arguments")
 
 _TRANSFER = ctypes.CFUNCTYPE(ctypes.c_int32, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_size_t, ctypes.c_void_p)
 _DO_STEP = ctypes.CFUNCTYPE(ctypes.c_int32, ctypes.c_void_p, ctypes.c_double, ctypes.c_double, ctypes.c_int32)
@@ -35,7 +37,7 @@ _I8P, _I32, _I64, _F64 = ir.IntType(8).as_pointer(), ir.IntType(32), ir.IntType(
 
 
 def call_transfer(function: int, component: int, references: int, n: int, values: int) -> int:
-    """Call fmi2GetReal or one of its like; all arguments but `n` are addresses.
+    """Call fmi2GetReal or another get or set function; all arguments but `n` are addresses.
 
     Returns
     -------
@@ -49,7 +51,7 @@ def call_transfer(function: int, component: int, references: int, n: int, values
 def call_do_step(function: int, component: int, t: float, h: float) -> int:
     """Call fmi2DoStep at t s with step h s; returns the fmi2Status.
 
-    noSetFMUStatePriorToCurrentPoint is true: fixed-step algorithms never go back.
+    The argument noSetFMUStatePriorToCurrentPoint is true, because fixed-step algorithms never go back.
     """
     return _DO_STEP(int(function))(int(component), t, h, 1)
 
@@ -90,7 +92,7 @@ def call_direction(function: int, component: int, unknowns: int, n: int, known: 
     return _DIRECTION(int(function))(int(component), int(unknowns), int(n), int(known), 1, int(seed), int(values))
 
 
-def copy_run(source: np.ndarray, first: int, rows: np.ndarray, row: int, column: int, n: int) -> None:
+def copy_run(source: np.ndarray, first: int, rows: np.ndarray, row: int | np.uint64, column: int, n: int) -> None:
     """Copy n doubles from `first` on into a row from `column` on; both arrays are contiguous."""
     rows[row, int(column) : int(column + n)] = source[int(first) : int(first + n)]
 
@@ -106,9 +108,9 @@ def keep_machine_code(compiled: Any, function: Callable[..., Any], folder: Path 
     Parameters
     ----------
     compiled
-        What numba made of `function`: by ``njit``, or a ``CFunc`` before it is compiled.
+        numba's object for `function`: from ``njit``, or a ``CFunc`` that is not compiled yet.
     folder
-        From `orchestration.fmi.machine_code.code_folder`; nothing is kept if it is None.
+        A folder from `orchestration.fmi.machine_code.code_folder`; nothing is kept if it is None.
 
     Returns
     -------
@@ -121,7 +123,7 @@ def keep_machine_code(compiled: Any, function: Callable[..., Any], folder: Path 
 
 
 def _cache_in(folder: Path, function: Callable[..., Any]) -> caching.FunctionCache:
-    """A cache of numba's that lies in a folder, whose name stands for the sources."""
+    """Return numba's cache in a folder whose name stands for the sources."""
 
     class Locator(caching._CacheLocator):
         _py_file = function.__code__.co_filename  # numba's warnings name it
@@ -164,7 +166,18 @@ def _cache_in(folder: Path, function: Callable[..., Any]) -> caching.FunctionCac
     return Cache(function)
 
 
-@intrinsic
+def emitted(emit: Callable[Concatenate[Any, Arguments], Any]) -> Callable[Arguments, Any]:
+    """Let compiled functions call what numba's ``intrinsic`` makes of a function.
+
+    Parameters
+    ----------
+    emit
+        Receives numba's typing context, which the caller does not give, and the types of the arguments.
+    """
+    return cast("Callable[Arguments, Any]", intrinsic(emit))
+
+
+@emitted
 def emit_transfer(typing: Any, function: Any, component: Any, references: Any, n: Any, values: Any) -> Any:
     """What `call_transfer` compiles to."""
     signature = types.int32(types.int64, types.int64, types.int64, types.int64, types.int64)
@@ -179,7 +192,7 @@ def emit_transfer(typing: Any, function: Any, component: Any, references: Any, n
     return signature, generate
 
 
-@intrinsic
+@emitted
 def emit_do_step(typing: Any, function: Any, component: Any, t: Any, h: Any) -> Any:
     """What `call_do_step` compiles to."""
     signature = types.int32(types.int64, types.int64, types.float64, types.float64)
@@ -194,7 +207,7 @@ def emit_do_step(typing: Any, function: Any, component: Any, t: Any, h: Any) -> 
     return signature, generate
 
 
-@intrinsic
+@emitted
 def emit_state(typing: Any, function: Any, component: Any, state: Any) -> Any:
     """What `call_state` compiles to."""
     signature = types.int32(types.int64, types.int64, types.int64)
@@ -208,7 +221,7 @@ def emit_state(typing: Any, function: Any, component: Any, state: Any) -> Any:
     return signature, generate
 
 
-@intrinsic
+@emitted
 def emit_rates(typing: Any, function: Any, component: Any, references: Any, n: Any, orders: Any, values: Any) -> Any:
     """What `call_rates` compiles to."""
     signature = types.int32(*[types.int64] * 6)
@@ -223,7 +236,7 @@ def emit_rates(typing: Any, function: Any, component: Any, references: Any, n: A
     return signature, generate
 
 
-@intrinsic
+@emitted
 def emit_direction(
     typing: Any, function: Any, component: Any, unknowns: Any, n: Any, known: Any, seed: Any, values: Any
 ) -> Any:
@@ -240,7 +253,7 @@ def emit_direction(
     return signature, generate
 
 
-@intrinsic
+@emitted
 def _copy_run(typing: Any, source: Any, first: Any, rows: Any, row: Any, column: Any, n: Any) -> Any:
     signature = types.void(source, first, rows, row, column, n)
 
@@ -257,7 +270,7 @@ def _copy_run(typing: Any, source: Any, first: Any, rows: Any, row: Any, column:
     return signature, generate
 
 
-@intrinsic
+@emitted
 def _copy_bytes(typing: Any, source: Any, target: Any, n: Any) -> Any:
     signature = types.void(types.int64, types.int64, types.int64)
 

@@ -1,4 +1,4 @@
-"""A pytest fixture for those who test an FMU of their own: it opens FMUs, and closes them after the test.
+"""A pytest fixture for tests of an FMU: it opens FMUs, and closes them after the test.
 
 pytest_plugins = ["orchestration.fmi.testing"]  # in the test file or the outermost conftest.py
 

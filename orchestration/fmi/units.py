@@ -1,6 +1,6 @@
-"""Physical units, and what a number in one of them is in another.
+"""Physical units, and the conversion of numbers from one unit to another.
 
-A unit says how its numbers become numbers in SI base units (FMI 2.0.4, 2.2.2; SSP 1.0, 4.4.2):
+A unit defines how its numbers become numbers in SI base units (FMI 2.0.4, 2.2.2; SSP 1.0, 4.4.2):
 
     base value = factor * value + offset
 """
@@ -8,6 +8,12 @@ A unit says how its numbers become numbers in SI base units (FMI 2.0.4, 2.2.2; S
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, TypeVar
+
+if TYPE_CHECKING:
+    import numpy as np
+
+Value = TypeVar("Value", float, "np.ndarray")
 
 BASE_UNITS = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
 UNCHANGED = (1.0, 0.0)
@@ -15,12 +21,12 @@ UNCHANGED = (1.0, 0.0)
 
 @dataclass(frozen=True)
 class Unit:
-    """What a physical unit means: exponents of the SI base units, factor and offset to them.
+    """The definition of a physical unit: exponents of the SI base units, and factor and offset to base units.
 
     Attributes
     ----------
     exponents
-        Those that are not zero, in the order of `BASE_UNITS`.
+        Exponents that are not zero, in the order of `BASE_UNITS`.
     """
 
     exponents: tuple[tuple[str, int], ...] = ()
@@ -40,13 +46,13 @@ class Unit:
         return math.isfinite(self.factor) and self.factor != 0 and math.isfinite(self.offset)
 
     def without_angle(self) -> "Unit":
-        """The same with the radian taken for a number."""
+        """Return the unit with the radian taken for a number."""
         return Unit(tuple(power for power in self.exponents if power[0] != "rad"), self.factor, self.offset)
 
 
 @dataclass(frozen=True)
 class UnitDefinition:
-    """A physical unit by name; its meaning is None if nothing but the name is known."""
+    """A physical unit with its name; its definition is None if only the name is known."""
 
     name: str
     meaning: Unit | None = Unit()
@@ -58,22 +64,22 @@ class UnitDefinition:
 
 @dataclass(frozen=True)
 class Linear:
-    """target = factor * source + offset."""
+    """A linear conversion of numbers: target = factor * source + offset."""
 
     factor: float = 1.0
     offset: float = 0.0
 
-    def __call__(self, value: float) -> float:
-        """The target's value; the very same one if nothing changes."""
+    def __call__(self, value: Value) -> Value:
+        """Convert a value; a conversion that changes nothing returns the same object."""
         return value if self.trivial else self.factor * value + self.offset
 
     @property
     def trivial(self) -> bool:
-        """Whether nothing changes."""
+        """Whether the conversion changes no value."""
         return (self.factor, self.offset) == UNCHANGED
 
     def then(self, after: "Linear") -> "Linear":
-        """What both do, the other one last."""
+        """Return the conversion that does this one and then the other one."""
         if self.trivial or after.trivial:
             return after if self.trivial else self
         return Linear(after.factor * self.factor, after.factor * self.offset + after.offset)
@@ -85,14 +91,14 @@ AS_IS = Linear()
 def conversion(
     source: UnitDefinition | None, target: UnitDefinition | None, *, relative: bool = False
 ) -> tuple[float, float] | None:
-    """Factor and offset with target = factor * source + offset; None if there are none.
+    """Return factor and offset with target = factor * source + offset; None if the units cannot be converted.
 
     Parameters
     ----------
     source, target
-        An end without a unit (None) agrees with all.
+        Units of both ends; None, no unit, agrees with every unit.
     relative
-        Whether the value is a difference, such as one of temperatures: offsets do not count.
+        Whether the value is a difference, such as one of temperatures. Then offsets do not apply.
     """
     if source is None or target is None:
         return UNCHANGED
@@ -109,7 +115,7 @@ def conversion(
 
 
 def defined(name: str | None, units: Mapping[str, UnitDefinition]) -> UnitDefinition | None:
-    """A unit by name: None if there is no name, a bare name if it has no definition."""
+    """Return the unit of a name: None if the name is empty, a unit without definition if the name is unknown."""
     if not name:
         return None
     return units.get(name) or UnitDefinition(name, None)

@@ -1,4 +1,4 @@
-"""Whether a system allows an algorithm, multirate steps and crossings; said before a run begins."""
+"""Checks before a run whether a system allows an algorithm, steps of several lengths, and located crossings."""
 
 from collections.abc import Mapping
 
@@ -10,12 +10,12 @@ from orchestration.system.system import Component, System
 
 
 def check_crossings(system: System, crossings: Crossings) -> None:
-    """Refuse names that are not Real outputs.
+    """Refuse crossings of variables that are not Real outputs.
 
     Raises
     ------
     SystemDescriptionError
-        Naming the variable, its type and its causality.
+        If a variable is not a Real output; the message names its type and causality.
     """
     for name in crossings.outputs:
         variable = system.resolve(name)[1]
@@ -25,7 +25,7 @@ def check_crossings(system: System, crossings: Crossings) -> None:
 
 
 def check_capabilities(system: System, algorithm: Algorithm, crossings: Crossings, ratios: Mapping[str, int]) -> None:
-    """Refuse what the components, or the choices together, do not allow.
+    """Refuse a run that needs a capability which a component lacks, or whose choices exclude each other.
 
     Parameters
     ----------
@@ -35,7 +35,7 @@ def check_capabilities(system: System, algorithm: Algorithm, crossings: Crossing
     Raises
     ------
     SystemDescriptionError
-        Naming the component that lacks a capability, or the choices that exclude each other.
+        If so; the message names the component that lacks a capability, or the choices that exclude each other.
     """
     for component in system.components:
         if crossings.outputs or algorithm.control is not None or (algorithm.rolls_back and component.continuous):

@@ -1,4 +1,4 @@
-"""Sentences for the failures of the compiled loops."""
+"""Words the failures of the compiled loops as sentences for a user."""
 
 import math
 from collections.abc import Sequence
@@ -16,7 +16,7 @@ def failure_message(
     instances: Sequence[Instance],
     assembly: Assembly,
 ) -> str:
-    """The sentence for a failure; `where` says time and step."""
+    """Return the sentence for a failure of a compiled loop; `where` gives time and step."""
     subject, call, status = failure
     if status == Reason.NOT_CONVERGED:
         return _not_converged(subject, where, layout, assembly)
@@ -35,7 +35,7 @@ def failure_message(
 
 
 def _given(component: str, assembly: Assembly) -> str:
-    """A sentence that names the outputs that gave a component a value that is not finite; empty if there are none."""
+    """Return a sentence about outputs that gave a component a value that is not finite; empty if there are none."""
     names = dict.fromkeys(f"{c.source}.{c.output}" for c in assembly.real_connections if c.target == component)
     values = ((name, assembly.plan.reals[assembly.real_outputs[name]]) for name in names)
     wrong = [f"{name} = {value:g}" for name, value in values if not math.isfinite(value)]

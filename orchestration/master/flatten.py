@@ -1,4 +1,4 @@
-"""The flat form of a system: buffers of values, addresses of functions, and what is copied where."""
+"""Turns a system into its flat form for the compiled loops: buffers, addresses of functions, and lists of copies."""
 
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field
@@ -35,11 +35,11 @@ class Assembly:
     columns
         Recorded variables as ``component.variable``.
     real_outputs
-        Place of each fetched Real output among the plan's reals, by ``component.variable``.
+        Index of each fetched Real output in the plan's buffer of reals, by ``component.variable``.
     real_connections, discrete_connections
-        The connection of each link.
+        Connection of each Real link, and of each discrete link.
     alive
-        Arrays of value references; the plan has only their addresses.
+        Arrays of value references, which must outlive the plan because it has only their addresses.
     """
 
     plan: Plan
@@ -51,7 +51,7 @@ class Assembly:
     alive: tuple[np.ndarray, ...]
 
     def record(self, row: np.ndarray) -> None:
-        """Copy the recorded outputs, as they are now, into a row of shape (n_columns,)."""
+        """Copy the present values of the recorded outputs into a row of shape (n_columns,)."""
         flat_system.record(self.plan, row[None, :], np.uint64(0))
 
 
@@ -66,7 +66,7 @@ class _Buffers:
     discretes: dict[Key, int] = field(default_factory=dict)
 
     def of(self, kind: str) -> dict[Key, int]:
-        """Places in the buffer of a type; Integers and Booleans share one."""
+        """Return the places in the buffer of a type; Integers and Booleans share a buffer."""
         return self.reals if kind == REAL else self.discretes
 
 
@@ -88,7 +88,7 @@ def assemble(
     record: Collection[str] | None,
     fetched: Collection[str] = (),
 ) -> Assembly:
-    """Flatten a system for a run; instances are in the order of the components.
+    """Flatten a system for a run, with its instances in the order of the components.
 
     Outputs in `fetched` are fetched even if they are neither recorded nor connected.
 
@@ -129,7 +129,7 @@ def assemble(
 
 
 def _calls(system: System, wanted: dict[str, set[Path]], buffers: _Buffers) -> list[_Call]:
-    """The calls of all components, giving each variable its place."""
+    """Return the set and get calls of all components, and give each variable its place in a buffer."""
     calls = []
     for causality, kind in _CALLS:
         places = buffers.of(kind)
@@ -145,7 +145,7 @@ def _calls(system: System, wanted: dict[str, set[Path]], buffers: _Buffers) -> l
 def _table(
     instances: Sequence[Instance], calls: Sequence[_Call], reals: np.ndarray, discretes: np.ndarray
 ) -> tuple[np.ndarray, list[np.ndarray]]:
-    """The table without ranges of links, and the arrays of value references it points to."""
+    """Return the table of components, without ranges of links, and the arrays of value references behind it."""
     table = np.zeros((len(instances), N_COLUMNS), np.int64)
     for row, instance in zip(table, instances, strict=True):
         row[Column.INSTANCE] = instance.component
@@ -165,7 +165,7 @@ def _table(
 
 
 def _recorded_paths(system: System, record: Collection[str] | None) -> list[Path]:
-    """All outputs if `record` is None, else what its names and patterns choose, in their order."""
+    """Return the recorded variables: all outputs if `record` is None, else what its names and patterns choose."""
     outputs = {
         f"{component.name}.{variable.name}": (component.name, variable.name)
         for component in system.components
@@ -191,7 +191,7 @@ def _path(system: System, name: str) -> Path:
 
 
 def _names(component: Component, causality: str, kind: str, wanted: Collection[Path]) -> list[str]:
-    """A component's variables that are set or fetched by one call."""
+    """Return the variables of a component that a single call sets or gets."""
     return [
         variable.name
         for variable in component.description.of_causality(causality)
@@ -206,9 +206,9 @@ def _links(
     table: np.ndarray,
     column: int,
 ) -> tuple[np.ndarray, tuple[Connection, ...]]:
-    """(source, target) indices by component, and what they connect.
+    """Return the (source, target) indices in the order of the components, and their connections.
 
-    Writes each component's range into the table.
+    The range of each component is written into the table.
     """
     links: list[tuple[int, int]] = []
     connections = []
@@ -224,7 +224,7 @@ def _links(
 
 
 def _recorded(columns: dict[Path, int], places: dict[Key, int]) -> np.ndarray:
-    """(index, column) of the recorded outputs in one buffer."""
+    """Return (index, column) of the recorded outputs in one buffer."""
     pairs = [
         (place, columns[name, variable])
         for (causality, name, variable), place in places.items()
@@ -234,7 +234,7 @@ def _recorded(columns: dict[Path, int], places: dict[Key, int]) -> np.ndarray:
 
 
 def _runs(pairs: np.ndarray) -> np.ndarray:
-    """(index, column, number) of the runs in which both go up by one."""
+    """Return (index, column, number) of the runs in which index and column both go up by one."""
     runs: list[list[int]] = []
     for place, column in pairs.tolist():
         if runs and place == runs[-1][0] + runs[-1][2] and column == runs[-1][1] + runs[-1][2]:

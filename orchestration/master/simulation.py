@@ -1,4 +1,4 @@
-"""A system in the middle of a run, which can be saved, taken back, branched and continued.
+"""A running simulation of a system, which can be saved, taken back, branched and continued.
 
     with prepare(system, stop_time=2.0, step=1e-4) as simulation:
         simulation.run(until=1.0)
@@ -9,9 +9,9 @@
         simulation.run()                              # another second half
         result = simulation.result()
 
-Algorithms that extrapolate, correct or control nothing take the short loop of `kernel.fixed_step`;
-the others that of `kernel.step_control`. Both are called for about a tenth of a second at a time, so
-that interrupts and progress get through.
+An algorithm that neither extrapolates nor corrects inputs nor controls its step uses the short loop of
+`kernel.fixed_step`. Other algorithms use the loop of `kernel.step_control`. A loop is called for about a tenth of a
+second at a time, so that interrupts are noticed and progress is shown.
 """
 
 import json
@@ -59,25 +59,25 @@ _CHUNK_VALUES = 2**17  # recorded in a chunk: they are checked while they are in
 
 
 class Simulation:
-    """A run; a context manager that opens and initializes the units, and frees them at the end.
+    """A run of a system; a context manager that opens and initializes the FMUs, and frees them at the end.
 
     Parameters
     ----------
     system
-        Its order is the order of stepping.
+        The system to run. Components step in the order of the system.
     grid
         See `orchestration.master.time_grid`.
     algorithm, options
         See `orchestration.simulate`.
     metadata
-        Of the result.
+        Metadata of the result.
 
     Raises
     ------
     SystemDescriptionError
-        If the system cannot be run so.
+        If the system does not allow the algorithm or the options.
     InitializationError
-        On entry, if a unit refuses its start values.
+        On entry, if a component refuses its start values.
     """
 
     def __init__(
@@ -108,7 +108,7 @@ class Simulation:
         return f"<Simulation of {self.system.name} with {self.algorithm.name}: {at}>"
 
     def __enter__(self) -> Self:
-        """Open and initialize the units; row 0 is recorded."""
+        """Open and initialize the components; row 0 is recorded."""
         with ExitStack() as stack:
             self._instances: list[Instance] = stack.enter_context(opened(self.system))
             fetched = self.options.crossings.outputs
@@ -133,12 +133,12 @@ class Simulation:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        """Terminate the units, and free them.
+        """Terminate and free the components.
 
         Raises
         ------
         SimulationError
-            If a unit fails to terminate after a run that went well.
+            If a component does not terminate after a run without errors.
         """
         self._block.end()
         try:
@@ -152,7 +152,7 @@ class Simulation:
         self._stack.__exit__(kind, error, trace)
 
     def stream_to(self, path: Path) -> None:
-        """Write rows to a Parquet file instead of keeping them; to be said before the block begins."""
+        """Write rows to a Parquet file instead of keeping them; call this before the ``with`` block begins."""
         self._path = path
 
     @property
@@ -163,7 +163,7 @@ class Simulation:
 
     @property
     def time(self) -> float:
-        """Where the run is, s."""
+        """Time that the run has reached, s."""
         self._block.require_begun()
         return float(self._state.time)
 
@@ -174,7 +174,7 @@ class Simulation:
         return int(self._state.steps_made)
 
     def run(self, until: float | None = None) -> None:
-        """Go on.
+        """Run on from the present time to a communication point.
 
         Parameters
         ----------
@@ -184,9 +184,9 @@ class Simulation:
         Raises
         ------
         SystemDescriptionError
-            If it is no communication point ahead.
+            If `until` is not a communication point after the present time.
         SimulationError
-            If a unit fails, the run diverges or an iteration does not converge; ``error.result`` has
+            If a component fails, the run diverges or an iteration does not converge; ``error.result`` has
             the rows until then.
         RunInterrupted
             A KeyboardInterrupt, with the rows until then.
@@ -205,7 +205,7 @@ class Simulation:
             raise RunInterrupted(self.result()) from interrupt
 
     def result(self) -> Result:
-        """What is recorded so far; views of the run's memory where that is possible."""
+        """Return the rows recorded so far; the arrays are views of the run's memory where that is possible."""
         self._block.require_begun()
         times, rows = self._recorder.rows()
         assembly = self._assembly
@@ -215,7 +215,7 @@ class Simulation:
 
     @property
     def steps_per_tick(self) -> dict[str, int]:
-        """Rows per sampling period, by component; empty where rows do not keep pace."""
+        """Rows per sampling period, by component; empty if rows do not fall on the ticks."""
         every = self.options.every
         if self.algorithm.control is not None or self.options.crossings.outputs:
             return {}
@@ -229,7 +229,7 @@ class Simulation:
         SystemDescriptionError
             If a name or value is wrong.
         SimulationError
-            If the unit refuses, for example because the parameter is fixed.
+            If the component refuses, for example because the parameter is fixed.
         """
         self._block.require_open()
         changed = System("_", self.system.components).set(values)
@@ -241,12 +241,12 @@ class Simulation:
             self._changes += [[self.time, f"{component.name}.{name}", component.start[name]] for name in named]
 
     def save(self) -> Snapshot:
-        """The state of everything.
+        """Save the state of the whole run.
 
         Raises
         ------
         SystemDescriptionError
-            If a unit saves no state, or rows go to a file.
+            If a component does not save states, or rows go to a file.
         """
         self._block.require_open()
         if self._recorder.streams:
@@ -260,11 +260,11 @@ class Simulation:
         arrays |= {"times": times.copy(), "rows": rows.copy(), "changes": np.array(json.dumps(self._changes))}
         snapshot = Snapshot(self.time, self._identity(), arrays, states)
         if not all(isinstance(state, bytes) for state in states):
-            self._kept.append(snapshot)  # its states live in the units, and are freed with them
+            self._kept.append(snapshot)  # its states live in the FMUs, and are freed with them
         return snapshot
 
     def restore(self, snapshot: Snapshot) -> None:
-        """Go to a state that was saved, here or in another run of the same system.
+        """Restore a state that was saved, here or in another run of the same system.
 
         Raises
         ------
@@ -275,12 +275,12 @@ class Simulation:
         if snapshot.identity != self._identity():
             msg = (
                 f"System {self.system.name}: the snapshot at t = {snapshot.time:.9g} s is of another run;"
-                " units, connections, algorithm, points and recorded outputs must be the same."
+                " components, connections, algorithm, points and recorded outputs must be the same."
             )
             raise SystemDescriptionError(msg)
         whole = all(isinstance(state, bytes) for state in snapshot.states)
         if not whole and not any(snapshot is mine for mine in self._kept):
-            msg = "The snapshot has states that live in another run; their units do not serialize."
+            msg = "The snapshot has states that live in another run; their FMUs do not serialize states."
             raise SystemDescriptionError(msg)
         for instance, state in zip(self._instances, snapshot.states, strict=True):
             instance.restore(state)
@@ -291,7 +291,7 @@ class Simulation:
         self._recorder.reset(snapshot.arrays["times"], snapshot.arrays["rows"])
 
     def _described(self) -> dict[str, str]:
-        """The metadata, what was set on the way, and what the algorithm needed."""
+        """Return the metadata, with values set during the run and the effort of the algorithm."""
         described, state = dict(self._metadata), self._state
         if self._changes:
             described["changes"] = json.dumps(self._changes)
@@ -312,20 +312,13 @@ class Simulation:
         return self._stream
 
     def _lay_out(self) -> Layout:
-        times = self.grid.times
-        experiment = Experiment(
-            self.grid.step,
-            float(np.max(self.grid.lengths)),
-            float(times[-1] - times[0]),
-            self.options.ratios,
-            self.options.crossings,
-        )
+        experiment = Experiment.of(self.grid, self.options)
         found = layout(self.system, self._instances, self._assembly, self.algorithm, experiment)
-        found.start(self._assembly.plan.reals, float(times[0]))
+        found.start(self._assembly.plan.reals, float(self.grid.times[0]))
         return found
 
     def _run_plain(self, last: int) -> None:
-        """A chunk of the short loop."""
+        """Run a part of the steps in the loop for fixed steps."""
         state, every = self._state, self.options.every
         done = int(state.interval)
         room = self._recorder.room()[1]
@@ -344,7 +337,7 @@ class Simulation:
             self._fail((int(failed.subject), int(failed.call), status))
 
     def _run_general(self, last: int) -> None:
-        """A chunk of the loop for all algorithms."""
+        """Run a part of the steps in the loop for all algorithms."""
         from orchestration.master.kernel import step_control
 
         count, failure = step_control.run(
@@ -359,7 +352,7 @@ class Simulation:
             self._fail(failure)
 
     def _finish_rows(self, times: np.ndarray, rows: np.ndarray) -> None:
-        """Refuse rows with values that are not finite; those before stay."""
+        """Refuse rows with values that are not finite; rows before them stay."""
         first = self._recorder.count - len(times)
         if fault := not_finite(self._assembly.columns, times, rows, first=first):
             self._recorder.drop(len(times) - fault[0])
@@ -395,7 +388,7 @@ class Simulation:
         return {name: float(period) for name, period in periods.items() if period is not None}
 
     def _identity(self) -> str:
-        """What a snapshot must share with a run."""
+        """Return the values that a run must share with a snapshot that it restores."""
         options = self.options
         chosen = (repr(self.algorithm), options.every, sorted(options.ratios.items()), repr(options.crossings))
         return identity(self.system, self._assembly.columns, self.grid.times, chosen)

@@ -1,4 +1,4 @@
-"""The arrays of a run of any algorithm, made from the algorithm, the system and its flat form."""
+"""Makes the arrays that a co-simulation algorithm needs in a run, from the algorithm, the system and its flat form."""
 
 import ctypes
 from collections.abc import Mapping, Sequence
@@ -23,7 +23,9 @@ from orchestration.master.kernel.codes import (
     Row,
 )
 from orchestration.master.kernel.coupling import Coupling
-from orchestration.master.options import Crossings
+from orchestration.master.kernel.records import Method, Records, Watched
+from orchestration.master.options import Crossings, Options
+from orchestration.master.time_grid import Grid
 from orchestration.system.system import Component, Connection, System
 
 SMALLEST_SHARE = 1e-6  # of the system's step: the smallest step, if none is given
@@ -31,18 +33,18 @@ SMALLEST_SHARE = 1e-6  # of the system's step: the smallest step, if none is giv
 
 @dataclass(frozen=True)
 class Layout:
-    """The arrays of a run, and what they mean to a reader.
+    """The arrays of a run for the compiled loop, and the names behind their rows.
 
     Attributes
     ----------
     state
-        The array of the coupling's record of the same name, shape (1,).
+        Array of shape (1,) whose record is the `state` of the coupling.
     connections
-        The connection of each Real link, then of each discrete one.
+        Connection of each Real link, then of each discrete link.
     watched
         Names of the values under step control.
     alive
-        Arrays to which others hold addresses.
+        Arrays that must outlive the run, because other arrays hold their addresses.
     """
 
     coupling: Coupling
@@ -60,17 +62,17 @@ class Layout:
             states[:] = 0
 
     def start(self, reals: np.ndarray, time: float) -> None:
-        """Begin a run at a time, s, with these Real values as the only past."""
+        """Begin a run at a time, s, with the given Real values as the only past."""
         history, state = self.coupling.history, self.coupling.state
         history[Row.LAST, :-1], history[Row.LAST, -1] = reals, time
         state.n_past, state.time, state.next_step = 1, time, self.coupling.method.first_step
 
     def save(self) -> dict[str, np.ndarray]:
-        """Copies of all that changes in a run, besides the values in the buffers."""
+        """Return copies of all arrays that change in a run, without the buffers of values."""
         return {name: array.copy() for name, array in self._changing().items()}
 
     def restore(self, arrays: Mapping[str, np.ndarray]) -> None:
-        """Go back to what `save` returned."""
+        """Restore the arrays that `save` returned."""
         for name, array in self._changing().items():
             array[...] = arrays[name]
 
@@ -83,14 +85,14 @@ class Layout:
 
 @dataclass(frozen=True)
 class Experiment:
-    """What a layout needs to know of a run.
+    """The times of a run, and the steps of its components.
 
     Attributes
     ----------
     step, interval, duration
-        The communication step, the time between two points that steps must end on, the run, s.
+        Communication step, time between two points that steps must end on, and duration of the run, s.
     ratios
-        Communication steps per step of a component, by name; 1 where none is given.
+        Communication steps per step of a component, by name; a component that is missing has 1.
     """
 
     step: float
@@ -98,6 +100,12 @@ class Experiment:
     duration: float
     ratios: Mapping[str, int]
     crossings: Crossings
+
+    @classmethod
+    def of(cls, grid: Grid, options: Options) -> "Experiment":
+        """The experiment of a run with these communication points and options."""
+        duration = float(grid.times[-1] - grid.times[0])
+        return cls(grid.step, float(np.max(grid.lengths)), duration, options.ratios, options.crossings)
 
 
 def layout(
@@ -107,7 +115,7 @@ def layout(
     algorithm: Algorithm,
     experiment: Experiment,
 ) -> Layout:
-    """Lay out the arrays for a run; `orchestration.master.capabilities` has passed."""
+    """Make the arrays for a run; `orchestration.master.capabilities` has accepted the run before."""
     plan, n = assembly.plan, len(instances)
     connections = (*assembly.real_connections, *assembly.discrete_connections)
     links, n_rates = _links(system, assembly, algorithm, experiment.ratios)
@@ -148,11 +156,11 @@ def layout(
 def _links(
     system: System, assembly: Assembly, algorithm: Algorithm, ratios: Mapping[str, int]
 ) -> tuple[np.recarray, int]:
-    """The links without addresses, and the number of input derivatives."""
+    """Return the links, still without addresses, and the number of input derivatives."""
     plan, position = assembly.plan, {component.name: i for i, component in enumerate(system.components)}
     links = np.zeros(len(plan.real_links), LINK).view(np.recarray)
     links.source, links.target = plan.real_links[:, 0], plan.real_links[:, 1]
-    links.rate = links.curvature = -1
+    links["rate"] = links["curvature"] = -1
     links.absolute, links.relative = _tolerances(
         [_source_unit(system, x) for x in assembly.real_connections], algorithm.correction
     )
@@ -183,7 +191,7 @@ def _fill_table(
     ratios: Mapping[str, int],
     moving: tuple[np.recarray, np.ndarray, np.ndarray],
 ) -> list[np.ndarray]:
-    """Fill the columns of the table that the loop of all algorithms needs; returns arrays that it points to.
+    """Fill the columns of the table that the loop of all algorithms needs; returns the arrays behind addresses.
 
     `moving` holds the links, the value references of their inputs, and the input derivatives.
     """
@@ -211,11 +219,11 @@ def _fill_table(
     return alive
 
 
-def _method(system: System, algorithm: Algorithm, links: np.recarray, experiment: Experiment) -> np.record:
-    """The algorithm as numbers; the estimated error is of the order of inputs that are merely held."""
+def _method(system: System, algorithm: Algorithm, links: np.recarray, experiment: Experiment) -> Method:
+    """Return the algorithm as numbers; the order of the estimated error is that of held inputs."""
     correction, control = algorithm.correction, algorithm.control or StepControl()
     savable = all(x.description.can(SAVES_STATE) for x in system.components if x.continuous)
-    method = np.zeros(1, METHOD).view(np.recarray)[0]
+    method: Method = np.zeros(1, METHOD).view(np.recarray)[0]
     method.sequential = algorithm.exchange == SEQUENTIAL
     method.order = algorithm.order
     if correction is not None:
@@ -235,13 +243,13 @@ def _method(system: System, algorithm: Algorithm, links: np.recarray, experiment
 
 
 def _exact(system: System, assembly: Assembly) -> np.ndarray:
-    """The discrete links into continuous components."""
+    """Return the discrete links into continuous components."""
     targets = [_target(system, connection)[0] for connection in assembly.discrete_connections]
     return np.array([j for j, component in enumerate(targets) if component.continuous], np.int64)
 
 
-def _watched(system: System, assembly: Assembly, names: Sequence[str], control: StepControl | None) -> np.recarray:
-    """The values under step control; errors of outputs with direct feedthrough do not add up."""
+def _watched(system: System, assembly: Assembly, names: Sequence[str], control: StepControl | None) -> Records[Watched]:
+    """Return the values under step control; errors of outputs with direct feedthrough do not add up."""
     watched = np.zeros(len(names), WATCHED).view(np.recarray)
     watched.index = [assembly.real_outputs[x] for x in names]
     watched.accumulates = [not system.resolve(x)[1].direct for x in names]
@@ -250,7 +258,7 @@ def _watched(system: System, assembly: Assembly, names: Sequence[str], control: 
 
 
 def _tolerances(units: Sequence[str], owner: Correction | StepControl | None) -> np.ndarray:
-    """Absolute and relative tolerance for values of these units, shape (2, n)."""
+    """Return the absolute and relative tolerances for values in the given physical units, shape (2, n)."""
     if owner is None:
         return np.ones((2, len(units)))
     tolerance = owner.tolerance

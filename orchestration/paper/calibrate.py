@@ -150,7 +150,7 @@ def _row(name: str, value: str, total: float, found: Mapping[str, float]) -> str
 
 def main() -> None:
     """Do what the command line asks for."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
     parser.add_argument("--search", action="store_true", help="search for the values of Figs. 5 to 7")
     parser.add_argument("--periods", action="store_true", help="compare sampling periods")
     parser.add_argument("--nudges", action="store_true", help="nudge the start and compare the torque limits")

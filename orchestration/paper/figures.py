@@ -5,7 +5,7 @@ They are drawn without pyplot, each on an Agg canvas of its own: a caller's back
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import matplotlib as mpl
 import numpy as np
@@ -20,7 +20,10 @@ from orchestration.paper.scenarios import SCENARIOS
 from orchestration.paper.theory import wall_points
 from orchestration.results.result import Result
 
-STYLE: dict[str, Any] = {
+if TYPE_CHECKING:
+    from matplotlib.typing import RcKeyType
+
+STYLE: "dict[RcKeyType, Any]" = {
     "font.size": 9,
     "axes.grid": True,
     "grid.alpha": 0.3,
@@ -188,7 +191,7 @@ def _wall(axis: Axes, *, labels: bool = True) -> None:
     axis.axvspan(-3, -WALL_OFFSET, color=WALL, lw=0, label="wall" if labels else None, zorder=0)
     for point, name, offset in zip(wall_points(), "ab", ((6, 3), (6, -9)), strict=True):
         axis.plot(*point, "o", color="tab:red", ms=4, zorder=5)
-        axis.annotate(name, point, textcoords="offset points", xytext=offset, color="tab:red")
+        axis.annotate(name, (point[0], point[1]), textcoords="offset points", xytext=offset, color="tab:red")
 
 
 def _time_axis(axis: Axes, result: Result, title: str, ylabel: str) -> None:

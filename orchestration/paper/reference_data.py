@@ -12,6 +12,7 @@ without inputs has no ``NAME_in.csv``.
 import argparse
 from collections.abc import Mapping
 from pathlib import Path
+from typing import Any, cast
 
 import fmpy
 import numpy as np
@@ -54,7 +55,7 @@ def _simulate(name: str, stimulus: Stimulus, inputs: np.ndarray | None) -> np.nd
         step_size=stimulus.step,
         output_interval=stimulus.step,
         fmi_type="CoSimulation",
-        input=inputs,
+        input=cast("Any", inputs),  # fmpy takes None too, which its annotation forgets
         output=[variable.name for variable in variables if variable.causality == "output"],
     )
 

@@ -1,4 +1,4 @@
-"""Runs a job in a child process, which may crash or hang without harm, and says what the job wrote and how it ended."""
+"""Runs a job in a child process that may crash or hang without harm, and reports what it wrote and how it ended."""
 
 import json
 import os
@@ -21,18 +21,18 @@ PRINTED = 200  # bytes of what was printed that are read
 
 @dataclass(frozen=True)
 class Ending:
-    """What a job left; `function` and `printed` are texts of a stranger, of any characters.
+    """How a job in a child process ended, and what it left; `function` and `printed` may hold any characters.
 
     Attributes
     ----------
     lines
-        The objects that the job wrote.
+        JSON objects that the job wrote.
     how
         Empty if the job came to its end, else the end of a sentence, such as ``dies of SIGSEGV``.
     function
-        What the job had announced last when the process ended before the job did; empty if nothing.
+        Last announcement of a job whose process ended too early; empty if the job had announced nothing.
     printed
-        The beginning of what went to standard output.
+        The beginning of the process's standard output.
     """
 
     lines: Sequence[Mapping[str, Any]]
@@ -47,13 +47,13 @@ def work(job: str, plan: Mapping[str, Any], folder: Path, *, timeout: float, mem
     Parameters
     ----------
     job
-        ``module:function``; how the function is called, says `orchestration.sandbox.worker`.
+        The job's function as ``module:function``; `orchestration.sandbox.worker` describes its arguments.
     plan
-        What the job has to know, as JSON can hold it; written to `folder`, where the results go too.
+        Data for the job that JSON can hold. The plan is written to `folder`, and so are the results.
     timeout
-        How long the job may write nothing, s; the start of the process does not count.
+        Longest time that the job may write nothing, s; the start of the process does not count.
     memory
-        Bytes of addresses that the process may take; as many as it likes if None.
+        Bytes of addresses that the process may take; None sets no limit.
     """
     results, trace, printed = folder / "results", folder / "trace", folder / "printed"
     results.write_bytes(b"")
@@ -86,7 +86,7 @@ def work(job: str, plan: Mapping[str, Any], folder: Path, *, timeout: float, mem
 
 
 def _wait(process: subprocess.Popen[bytes], results: Path, timeout: float) -> bool:
-    """Whether the worker was silent for too long."""
+    """Wait for the end of a process; returns whether the process wrote nothing for too long."""
     size, heard = -1, time.monotonic()
     while process.poll() is None:
         now = results.stat().st_size if results.exists() else 0
@@ -99,7 +99,7 @@ def _wait(process: subprocess.Popen[bytes], results: Path, timeout: float) -> bo
 
 
 def _beginning(path: Path, most: int) -> str:
-    """The first bytes of a file, empty if the binary removed it."""
+    """Return the first bytes of a file as text; empty if the binary removed the file."""
     try:
         with path.open("rb") as file:
             return file.read(most).rstrip(b"\0").decode(errors="replace")
@@ -108,7 +108,7 @@ def _beginning(path: Path, most: int) -> str:
 
 
 def _lines(path: Path) -> list[dict[str, Any]]:
-    """The lines that are whole."""
+    """Return the objects in the complete lines of the results."""
     found = []
     for line in path.read_text(encoding="utf-8", errors="replace").splitlines() if path.exists() else ():
         try:

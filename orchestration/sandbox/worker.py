@@ -1,13 +1,12 @@
-"""The program of a child process that a stranger's binary runs in: ``python -m orchestration.sandbox.worker PLAN``.
+"""The program of a child process that runs an untrusted binary: ``python -m orchestration.sandbox.worker PLAN``.
 
 The plan, a JSON file, names a job, ``module:function``; the child process imports it and calls it:
 
     job(plan, write, announce)
 
 `write` appends one JSON object, given as keyword arguments, to the file of results. `announce` leaves a
-short text in a small shared file; a job announces each function of the binary before it calls it. So the
-parent process knows what happened even if this process dies or never comes back, and whatever the binary
-prints.
+short text in a small shared file. A job announces each function of the binary before the call. So the parent
+process knows what happened even if the child process dies or hangs, whatever the binary prints.
 """
 
 import json
@@ -54,7 +53,7 @@ def main() -> None:
 
 
 def _limit(memory: int | None) -> None:
-    """Bound what the process may write and take, where the system can."""
+    """Limit the file size and the memory of the process, where the system can."""
     with suppress(ImportError, ValueError, OSError):
         import resource
 

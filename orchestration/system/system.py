@@ -1,6 +1,6 @@
-"""A system: components, their start values, and connections between their variables.
+"""A system of FMUs that are simulated together: components, start values, and connections between variables.
 
-A `System` is a value: its methods return changed copies. Everything is checked when it is made, so
+A `System` is a value: its methods return changed copies. A system is checked completely when it is made, so
 a system that exists can be run.
 """
 
@@ -37,19 +37,19 @@ RATIO_TOLERANCE = 1e-9  # by which a quotient of two times may miss an integer
 
 @dataclass(frozen=True, repr=False)
 class System:
-    """Components in their order, and connections.
+    """A set of components and the connections between them, which a master runs together.
 
     Attributes
     ----------
     step, stop_time
-        Communication step and stop time of a run that asks for no others, s. A system may have none: then
-        every run must say its own. They are not taken from the FMUs' default experiments, for an FMU
-        knows nothing of what it is coupled with; an SSP package carries them in its own default experiment.
+        Communication step and stop time of a run that does not ask for others, s. If a system has None, every run
+        must give its own. The default experiments of the FMUs are not used, because an FMU does not know the
+        components that it is coupled with. An SSP package has a default experiment of its own.
     notices
-        What happened to the system that its user should know, for example dropped connections; history,
-        which does not count when systems are compared.
+        Sentences that the user should know about the making of the system, for example dropped connections. A
+        comparison of systems ignores notices.
     assumptions
-        Sentences on values that were assumed, by ``component.variable``; packages carry them along.
+        Sentences about values that were assumed, by ``component.variable``. SSP packages keep them.
     """
 
     name: str
@@ -126,14 +126,14 @@ class System:
         step: float | None = None,
         stop_time: float | None = None,
     ) -> "System":
-        """Connect every input to the output of the same name.
+        """Make a system from FMU files and connect every input to the output of the same name.
 
         Parameters
         ----------
         fmus
-            Component name to FMU file; their order is the order of the components.
+            FMU files by component name, in the order of the components.
         step, stop_time
-            Those of runs that ask for no others, s.
+            Communication step and stop time of runs that do not ask for others, s.
 
         Raises
         ------
@@ -192,12 +192,12 @@ class System:
         return [component.name for component in self.components]
 
     def component(self, name: str) -> Component:
-        """A component by name.
+        """Return the component of a name.
 
         Raises
         ------
         SystemDescriptionError
-            Listing the known names.
+            If there is no such component; the message lists the known names.
         """
         for component in self.components:
             if component.name == name:
@@ -207,7 +207,9 @@ class System:
         raise SystemDescriptionError(msg)
 
     def set(self, values: "Mapping[str, float | bool | str | Sequence[float]]") -> "System":
-        """Give start values; another value than the assumed one is not assumed.
+        """Return the system with other start values.
+
+        A value that differs from an assumed value is no longer marked as assumed.
 
         Parameters
         ----------
@@ -217,7 +219,7 @@ class System:
         Raises
         ------
         SystemDescriptionError
-            If a name is unknown, the variable cannot be set, or the value is none of its type.
+            If a name is unknown, the variable cannot be set, or the value does not have the variable's type.
         """
         changed: dict[str, dict[str, float]] = {}
         for path, value in self._elementwise(values).items():
@@ -245,18 +247,18 @@ class System:
         return found
 
     def replace(self, name: str, fmu: str | Path, mapping: Mapping[str, str] | None = None) -> "System":
-        """Put another FMU in the place of a component.
+        """Return the system with another FMU in the place of a component.
 
-        Start values and connections of variables that the new FMU has are kept, converted to its units;
-        connections to inputs that it lacks are dropped, and its further inputs connected to outputs of
-        the same name, with a notice each.
+        Start values and connections of variables that the new FMU has are kept and converted to its units.
+        Connections to inputs that the new FMU lacks are dropped, each with a notice. Further inputs of the new FMU
+        are connected to outputs of the same name, each with a notice.
 
         Parameters
         ----------
         mapping
-            The FMU's names by ours, of scalars or of whole arrays: ``{"tau_cmd": "Torque"}`` makes
-            ``tau_cmd[1]`` what the FMU calls ``Torque[1]``. The component keeps our names, so that
-            connections, start values, records and results do.
+            Names in the new FMU by names in the system, of scalars or of whole arrays: with
+            ``{"tau_cmd": "Torque"}`` the variable ``tau_cmd[1]`` is ``Torque[1]`` of the FMU. The component keeps
+            the names of the system, and so do connections, start values and results.
 
         Raises
         ------
@@ -267,7 +269,7 @@ class System:
         return replaced(self, name, Path(fmu), mapping or {})
 
     def ordered(self, names: Sequence[str]) -> "System":
-        """The same system with its components in another order.
+        """Return the system with its components in another order.
 
         Raises
         ------
@@ -281,17 +283,17 @@ class System:
         return replace(self, components=tuple(self.component(name) for name in names))
 
     def with_sample_time(self, sample_time: float) -> "System":
-        """Set the step and every ``sample_time``, s."""
+        """Return the system with another communication step, s, which is also every ``sample_time``."""
         values = {f"{c.name}.{SAMPLE_TIME}": sample_time for c in self.components if c.sample_time is not None}
         return replace(self.set(values), step=sample_time)
 
     def run_step(self, asked: float | None = None) -> float:
-        """The communication step of a run, s: the one that is asked for, else the system's own.
+        """Return the communication step of a run, s: the given one, or else the system's.
 
         Raises
         ------
         SystemDescriptionError
-            If there is neither.
+            If neither the run nor the system has a step.
         """
         step = self.step if asked is None else asked
         if step is None:
@@ -300,12 +302,12 @@ class System:
         return step
 
     def run_stop_time(self, asked: float | None = None) -> float:
-        """The stop time of a run, s: the one that is asked for, else the system's own.
+        """Return the stop time of a run, s: the given one, or else the system's.
 
         Raises
         ------
         SystemDescriptionError
-            If there is neither.
+            If neither the run nor the system has a stop time.
         """
         stop_time = self.stop_time if asked is None else asked
         if stop_time is None:
@@ -316,11 +318,11 @@ class System:
     def stability(
         self, step: float | None = None, algorithm: "str | Algorithm" = "gauss-seidel", *, at: float = 0.0
     ) -> "Verdict":
-        """Whether an algorithm is stable at a step, s, around a time, s; see `orchestration.analysis.stability`."""
+        """Judge the stability of an algorithm at a step, s, near a time, s; see `orchestration.analysis.stability`."""
         return analysis("stability")(self, step, algorithm, at=at)
 
     def unconnected_inputs(self) -> list[str]:
-        """Inputs that keep their start value, as ``component.input``."""
+        """Return the inputs without a source, which keep their start value, as ``component.input``."""
         driven = {(c.target, c.input) for c in self.connections}
         return [
             f"{component.name}.{variable.name}"
@@ -330,23 +332,23 @@ class System:
         ]
 
     def resolve(self, path: str) -> tuple[Component, Variable]:
-        """Component and variable of ``component.variable``."""
+        """Return the component and the variable that ``component.variable`` names."""
         name, dot, variable = path.partition(".")
         if not dot:
             first = self.components[0]
             example = f"{first.name}.{next(iter(first.description.variables), 'x')}"
-            msg = f"{path!r} is no component.variable, such as {example}."
+            msg = f"{path!r} is not of the form component.variable, such as {example}."
             raise SystemDescriptionError(msg)
         component = self.component(name)
         return component, component.variable(variable)
 
     def steps_per_tick(self, step: float) -> dict[str, int]:
-        """How many steps each sampled component's period takes.
+        """Return the number of communication steps per sampling period, by sampled component.
 
         Raises
         ------
         SystemDescriptionError
-            If a period is no integer multiple of the step.
+            If a period is not an integer multiple of the step.
         """
         ratios = {}
         for component in self.components:
@@ -361,7 +363,7 @@ class System:
             if nearest < 1 or abs(ratio - nearest) > RATIO_TOLERANCE * ratio:
                 below = period / max(1, -(-period // step))
                 msg = (
-                    f"{component.name}: sample time {period:g} s is no multiple of the step {step:g} s;"
+                    f"{component.name}: sample time {period:g} s is not a multiple of the step {step:g} s;"
                     f" use a step of {below:.6g} s, or a sample time of {max(1, nearest) * step:.6g} s."
                 )
                 raise SystemDescriptionError(msg)

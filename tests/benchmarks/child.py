@@ -4,7 +4,7 @@
     python -m tests.benchmarks.child simulate FMU ALGORITHM
     python -m tests.benchmarks.child memory FMU N_ROWS [PARQUET]
 
-FMU is a unit of `tests.benchmarks.trivial`. Nothing but the standard library is imported at first.
+FMU is a model of `tests.benchmarks.trivial`. Nothing but the standard library is imported at first.
 """
 
 import json
@@ -32,7 +32,7 @@ def time_import(module: str) -> dict[str, float]:
 
 
 def time_simulate(fmu: str, algorithm: str) -> dict[str, float]:
-    """Time of imports, and of the first and the second `simulate` of two units, s; of the first also processor time."""
+    """Time of imports, and of the first and the second `simulate` of two FMUs, s; of the first also processor time."""
     begin = perf_counter()
     import_module("orchestration.master.kernel.step_control")  # which the first run would import
     import_module("orchestration.master.simulation")
@@ -70,7 +70,7 @@ def measure_memory(fmu: str, n_rows: str, parquet: str | None = None) -> dict[st
 
 
 def chain(fmu: str, n_units: int) -> Any:
-    """Units of one FMU, each output to the next unit; every unit has as many inputs as outputs."""
+    """Components of one FMU, each output to the next component; every component has as many inputs as outputs."""
     from orchestration.fmi.description import read_description
     from orchestration.system.system import Component, Connection, System
 

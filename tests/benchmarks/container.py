@@ -1,6 +1,6 @@
 """A system packed into one FMU by fmu_manipulation_toolbox, and the system of that one FMU.
 
-The container steps its units one after the other, in their order, in a C loop of its own; all their
+The container steps its FMUs one after the other, in their order, in a C loop of its own; all their
 outputs are outputs of the container.
 """
 
@@ -14,7 +14,7 @@ PREFIX = "shown."  # of the outputs; the container has a local variable for each
 
 
 def contained(system: System, folder: Path) -> System:
-    """Pack a system whose units have no start values of their own.
+    """Pack a system whose FMUs have no start values of their own.
 
     Parameters
     ----------
@@ -26,7 +26,7 @@ def contained(system: System, folder: Path) -> System:
     logging.getLogger("fmu_manipulation_toolbox").setLevel(logging.CRITICAL)  # an open input is no news
     node = AssemblyNode(
         "container.fmu",
-        step_size=system.step,
+        step_size=system.run_step(),
         sequential=True,
         auto_link=False,
         auto_input=False,

@@ -141,7 +141,7 @@ def _measures(b: Bench, system: System, folder: Path) -> Mapping[str, Measure]:
         "c-silent": partial(b.time_c, every=NEVER),
         "ours-silent": partial(b.time_ours, every=NEVER),
         "fmpy": b.time_fmpy,
-        "ecospy": lambda n: np.array([time_ecospy(ssp, system.step, n)]),
+        "ecospy": lambda n: np.array([time_ecospy(ssp, system.run_step(), n)]),
         "libcosimpy": lambda n: np.array([time_libcosim(ssp, step_ns, n)]),
     }
 

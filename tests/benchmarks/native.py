@@ -1,6 +1,6 @@
 """The C programs to compare with: compiled by zig with the FMUs' flags, called through ctypes.
 
-The bare functions come from the FMUs' own ``sources/``: each unit is compiled with ``bare_unit.c``
+The bare functions come from the FMUs' own ``sources/``: each FMU is compiled with ``bare_unit.c``
 in place of its runtime.
 """
 
@@ -48,7 +48,7 @@ class _PlanStruct(ctypes.Structure):
 
 
 class BareUnits:
-    """The generated functions of the five units, called by a C loop without FMI.
+    """The generated functions of the five FMUs, called by a C loop without FMI.
 
     Parameters
     ----------
@@ -74,7 +74,7 @@ class BareUnits:
         self._library.bare_outputs.restype = ctypes.POINTER(_F64)
 
     def start(self, values: Mapping[str, np.ndarray], t0: float) -> None:
-        """Go to the start; `values` are all variables of each unit, by value reference."""
+        """Go to the start; `values` are all variables of each FMU, by value reference."""
         for i, name in enumerate(COMPONENTS):
             self._library.bare_start(_I64(i), _address(values[name]), _F64(t0))
 
@@ -87,12 +87,12 @@ class BareUnits:
         self._library.bare_copies(_I64(n))
 
     def replay(self, name: str, times: np.ndarray, h: float, inputs: np.ndarray, step: bool) -> None:
-        """Copy the given rows of inputs to one unit; with `step`, step it after each."""
+        """Copy the given rows of inputs to one FMU; with `step`, step it after each."""
         index, count = _I64(COMPONENTS.index(name)), _I64(len(inputs))
         self._library.bare_replay(index, _address(times), _F64(h), count, _address(inputs), _I32(step))
 
     def outputs(self, name: str, count: int) -> np.ndarray:
-        """The outputs a unit shows now, shape (count,)."""
+        """The outputs an FMU shows now, shape (count,)."""
         pointer = self._library.bare_outputs(_I64(COMPONENTS.index(name)))
         return np.ctypeslib.as_array(pointer, (count,)).copy()
 
@@ -158,7 +158,7 @@ def _address(array: np.ndarray) -> Any:
 
 
 def _compile(sources: Sequence[Path], output: Path, *flags: str) -> ctypes.CDLL:
-    """Compile C files into one library, as the toolchain does with a unit, and load it."""
+    """Compile C files into one library, as the toolchain does with an FMU, and load it."""
     target = host_platform()
     library = output.with_suffix(target.extension)
     command = [

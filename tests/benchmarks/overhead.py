@@ -1,4 +1,4 @@
-"""What the master costs: time per communication step of five units that compute next to nothing.
+"""What the master costs: time per communication step of five FMUs that compute next to nothing.
 
     python -m tests.benchmarks.overhead [--json FILE] [--repetitions N] [--steps N]
 
@@ -150,7 +150,7 @@ def _engines(system: System, folder: Path) -> Mapping[str, Measure]:
     ssp = system.write(folder / f"{system.name}.ssp")
     step_ns = round(system.run_step() * 1e9)
     return {
-        "ecospy": lambda n: np.array([time_ecospy(ssp, system.step, n)]),
+        "ecospy": lambda n: np.array([time_ecospy(ssp, system.run_step(), n)]),
         "libcosimpy": lambda n: np.array([time_libcosim(ssp, step_ns, n)]),
     }
 

@@ -1,7 +1,7 @@
 """Any system, initialized, and the loops over it that run in this process.
 
 Every loop starts from the same saved states and buffers, restored outside the measured time; where
-units save no state, from fresh instances.
+FMUs save no state, from fresh instances.
 """
 
 import ctypes
@@ -57,15 +57,15 @@ class Rig:
     c: CLoop
 
     def __init__(self, system: System, n_steps: int, record: Collection[str] | None = None, piece: int = PIECE) -> None:
-        self.system, self.step, self.piece = system, system.step, piece
-        self.times = np.arange(n_steps + 1) * system.run_step()
+        self.system, self.step, self.piece = system, system.run_step(), piece
+        self.times = np.arange(n_steps + 1) * self.step
         self._n_rows, self._record = n_steps + 1, record
         self._saves = all(c.description.can(SAVES_STATE) for c in system.components)
         self._saved: list[ctypes.c_void_p] = []
         self._stack = ExitStack()
 
     def __enter__(self) -> Self:
-        """Open and initialize the units."""
+        """Open and initialize the FMUs."""
         self._open()
         self.rows = np.zeros((self._n_rows, len(self.assembly.columns)))
         return self
@@ -73,7 +73,7 @@ class Rig:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        """Free the units."""
+        """Free the FMUs."""
         self._stack.close()
 
     def restore(self) -> None:

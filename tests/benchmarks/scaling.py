@@ -3,7 +3,7 @@
     python -m tests.benchmarks.scaling [--json FILE] [--repetitions N] [--work N]
 
 Rings of `tests.benchmarks.trivial`. First `c`, a C loop of the same FMI calls, and `ours`, the compiled
-loop, over units and variables, with all outputs recorded and with none. Then `simulate`, a whole
+loop, over FMUs and variables, with all outputs recorded and with none. Then `simulate`, a whole
 `Simulation.run` in fresh memory with all its checks, over the number of steps of a ring of five. What
 is asserted is that `c` records what `ours` records, bit by bit.
 """
@@ -26,10 +26,10 @@ from tests.benchmarks.trivial import ring
 
 UNITS, WIDTHS, STEPS = (2, 4, 8, 16, 32, 64), (1, 10, 100), (1_000, 10_000, 100_000, 1_000_000)
 REPETITIONS = 9
-WORK = 2_000_000  # values that a repetition moves: steps x units x variables, within the next two
+WORK = 2_000_000  # values that a repetition moves: steps x FMUs x variables, within the next two
 FEWEST_STEPS, MOST_STEPS = 500, 20_000
 PIECE_VALUES = 200_000  # that are moved in the steps timed together
-RING = (5, 2)  # units and variables of the runs of many steps
+RING = (5, 2)  # FMUs and variables of the runs of many steps
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -58,8 +58,8 @@ def run(
     Returns
     -------
     dict
-        ``size``: a record per number of units and variables: ns per step of `c` and `ours`, recorded
-        and silent, their ratios, and ns per unit and step; ``length``: a record per number of steps;
+        ``size``: a record per number of FMUs and variables: ns per step of `c` and `ours`, recorded
+        and silent, their ratios, and ns per FMU and step; ``length``: a record per number of steps;
         ``machine`` and ``versions``.
 
     Raises

@@ -1,7 +1,7 @@
-"""Units that compute next to nothing, and systems of them: what is left is the master's work.
+"""Models that compute next to nothing, and systems of their FMUs: what remains is the work of the master.
 
-A unit of width n has inputs u[1..n] and outputs y = t - u. In a ring every output feeds the next
-unit, so all values change at every step.
+An FMU of width n has inputs u[1..n] and outputs y = t - u. In a ring every output feeds the next
+FMU, so all values change at every step.
 """
 
 from functools import cache
@@ -16,7 +16,7 @@ STEP = 2.0**-10  # s: a power of two, so that k STEP is exact
 
 @cache
 def unit(width: int) -> Path:
-    """The FMU of a unit, from the cache or built now."""
+    """The FMU of a trivial model, from the cache or built now."""
     model = SampledModel(f"Trivial{width}", "Subtracts its inputs from the time", sample_time=STEP)
     u = model.input("u", [0.0] * width, description="Signals")
     model.output("y", model.time - u, description="t - u")
@@ -24,7 +24,7 @@ def unit(width: int) -> Path:
 
 
 def ring(n_units: int, width: int, *, closed: bool = True) -> System:
-    """Units one behind the other; if not `closed`, the first has no sources."""
+    """FMUs one behind the other; if not `closed`, the first has no sources."""
     names = [f"unit{i + 1}" for i in range(n_units)]
     description = read_description(unit(width))
     links = tuple(

@@ -1,4 +1,4 @@
-"""The paper's five units in a rig, and the same as bare generated functions."""
+"""The paper's five FMUs in a rig, and the same as bare generated functions."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -39,7 +39,7 @@ class Bench(Rig):
         super().__init__(system, n_steps)
 
     def __enter__(self) -> Self:
-        """Open the units; compile the C programs."""
+        """Open the FMUs; compile the C programs."""
         super().__enter__()
         fmus = {c.name: c.description.path for c in self.system.components}
         saturation = "saturated[1]" in self.system.component("controller").description.variables
@@ -49,7 +49,7 @@ class Bench(Rig):
         return self
 
     def restore(self) -> None:
-        """Back to the state after initialization, bare units too."""
+        """Back to the state after initialization, bare FMUs too."""
         super().restore()
         self.bare.start(self._values, float(self.times[0]))
 
@@ -59,7 +59,7 @@ class Bench(Rig):
         return self.pieces(n, lambda first, last: self.bare.run(self.times, self.step, first, last))
 
     def time_bare_copies(self, n: int) -> np.ndarray:
-        """Measure the copying from outputs to inputs between the bare units."""
+        """Measure the copying from outputs to inputs between the bare FMUs."""
         self.restore()
         return self.pieces(n, lambda first, last: self.bare.copy(last - first))
 
@@ -69,7 +69,7 @@ class Bench(Rig):
         return self.pieces(n, lambda first, last: self.c.copy(last - first, self.rows[first + 1 :], links, records))
 
     def time_unit(self, name: str, inputs: Inputs, step: bool) -> np.ndarray:
-        """Measure one bare unit with given inputs: copying, and steps."""
+        """Measure one bare FMU with given inputs: copying, and steps."""
         self.restore()
 
         def run(first: int, last: int) -> None:
@@ -100,7 +100,7 @@ class Bench(Rig):
         return int(np.argmax(touched)) if touched.any() else len(records)
 
     def check_bare(self, records: np.ndarray) -> int:
-        """Compare the bare units with the real run, bit by bit, up to the last row of `records`.
+        """Compare the bare FMUs with the real run, bit by bit, up to the last row of `records`.
 
         Returns
         -------

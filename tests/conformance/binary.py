@@ -118,7 +118,7 @@ class Binary:
         self.interpolates = bool(self.description.coSimulation.canInterpolateInputs)
         fmpy.extract(str(fmu), unzipdir=str(folder))
         categories = etree.parse(folder / "modelDescription.xml").iterfind("LogCategories/Category")
-        self.log_categories = {category.get("name") for category in categories}
+        self.log_categories = {category.attrib["name"] for category in categories}
         self.path = folder / "binaries" / fmpy.platform / f"{self.name}{fmpy.sharedLibraryExtension}"
         self.library = ct.CDLL(str(self.path))
         for function, arguments in ARGUMENTS.items():

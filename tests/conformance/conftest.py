@@ -1,4 +1,4 @@
-"""Fixtures: each unit's binary, loaded once, and its instances."""
+"""Fixtures: each FMU's binary, loaded once, and its instances."""
 
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -12,7 +12,7 @@ from tests.conformance.binary import Binary, Instance
 
 @pytest.fixture(scope="session")
 def load(fmu_folder: Path, tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Binary]:
-    """Loads a unit's binary, once."""
+    """Loads an FMU's binary, once."""
     loaded: dict[str, Binary] = {}
 
     def load_once(name: str) -> Binary:
@@ -25,19 +25,19 @@ def load(fmu_folder: Path, tmp_path_factory: pytest.TempPathFactory) -> Callable
 
 @pytest.fixture(params=list(MODELS))
 def unit(request: pytest.FixtureRequest) -> str:
-    """Name of each unit in turn."""
+    """Name of each FMU in turn."""
     return request.param
 
 
 @pytest.fixture
 def fmu(fmu_folder: Path, unit: str) -> Path:
-    """File of each unit in turn."""
+    """File of each FMU in turn."""
     return fmu_folder / f"{unit}.fmu"
 
 
 @pytest.fixture
 def binary(load: Callable[[str], Binary], unit: str) -> Binary:
-    """Binary of each unit in turn."""
+    """Binary of each FMU in turn."""
     return load(unit)
 
 

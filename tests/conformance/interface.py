@@ -1,6 +1,6 @@
-"""The units' interface as DESIGN fixes it: names, shapes, units and start values, as data.
+"""The interfaces of the FMUs as data: names, shapes, units and start values.
 
-Only units that exist are tested; a start of None is not fixed by the design.
+Only FMUs that exist are tested; a start of None is not fixed by the design.
 """
 
 import math
@@ -26,7 +26,7 @@ class Signal(NamedTuple):
 
 @dataclass(frozen=True)
 class Interface:
-    """What a unit shows: inputs are complete, outputs too unless open, `parameters` are the main ones."""
+    """What an FMU shows: inputs are complete, outputs too unless open, `parameters` are the main ones."""
 
     inputs: dict[str, Signal]
     outputs: dict[str, Signal]

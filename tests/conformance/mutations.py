@@ -2,7 +2,7 @@
 
     python -m tests.conformance.mutations [--only NAME] [--json FILE]
 
-Every fault gets a copy of the project that knows four units, and a cache of its own that holds their
+Every fault gets a copy of the project that knows four FMUs, and a cache of its own that holds their
 unchanged binaries. The tests run there until one fails, those that ought to notice first. The copy
 without a fault, the control, has to pass all of them. Prints what noticed each fault, and the rate.
 """

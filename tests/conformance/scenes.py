@@ -1,13 +1,13 @@
-"""Start values that bring each unit's equations to life: contact, noise, limits, friction.
+"""Start values that bring each FMU's equations to life: contact, noise, limits, friction.
 
-A unit that is not listed is tested with its defaults.
+An FMU that is not listed is tested with its defaults.
 """
 
 import numpy as np
 
 from tests.conformance.binary import OK, Binary, Instance
 
-H = 1e-4  # s, one tick of every unit
+H = 1e-4  # s, one tick of every FMU
 # Steps in ticks: within one, across several, and off the grid.
 STEPS = (1.0, 0.5, 0.7, 2.0, 3.3, 0.25)
 # The tip starts 1 cm inside a wall at x1 <= 1.51 m; with 1e5 N/m it leaves it within about 5 ms.
@@ -38,7 +38,7 @@ _ACTUATOR = {  # commands just past their limits
     "tau_cmd[3]": -3.01,
 }
 
-# Of a scene, a unit uses what it has.
+# Of a scene, an FMU uses what it has.
 SCENES: dict[str, dict[str, float]] = {
     "Plant": _PLANT,
     "Plant3R": _PLANT,
@@ -55,7 +55,7 @@ SCENES: dict[str, dict[str, float]] = {
 
 
 def scene(binary: Binary) -> dict[str, float]:
-    """Start values of a unit's scene."""
+    """Start values of an FMU's scene."""
     return {name: v for name, v in SCENES.get(binary.name, {}).items() if name in binary.variables}
 
 

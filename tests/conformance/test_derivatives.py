@@ -42,7 +42,7 @@ MOVED = {
 
 
 def moved(binary: Binary) -> dict[str, float]:
-    """Those of `MOVED` that the unit has, and parameters that start at their bound moved off it."""
+    """Those of `MOVED` that the FMU has, and parameters that start at their bound moved off it."""
     starts = binary.starts("input", "parameter")
     bounded = {
         name: starts[name] + 0.1
@@ -107,7 +107,7 @@ def test_16_directional_derivatives_during_initialization(binary: Binary, create
 
 
 def test_16_directional_derivatives_between_steps(binary: Binary, create: Create) -> None:
-    """Of a continuous unit the direct feedthrough; of a sampled one zero, since its outputs belong to the tick."""
+    """Of a continuous FMU the direct feedthrough; of a sampled one zero, since its outputs belong to the tick."""
     unknowns, knowns = binary.names("output", type="Real"), binary.names("input", type="Real")
     instance = create(binary, start=moved(binary)).initialize()
     assert instance.step(1e-4) == OK
@@ -184,7 +184,7 @@ def test_16_output_derivatives(binary: Binary, create: Create) -> None:
 
 
 def plants(binary: Binary) -> bool:
-    """Whether the unit integrates its inputs."""
+    """Whether the FMU integrates its inputs."""
     return binary.interpolates
 
 

@@ -1,4 +1,4 @@
-"""Events of the runtime that no unit of ours provokes: checklist 11, never a hang."""
+"""Events of the runtime that no FMU of ours provokes: checklist 11, never a hang."""
 
 from collections.abc import Callable
 from pathlib import Path

@@ -20,7 +20,7 @@ Load = Callable[[str], Binary]
 
 
 def real_inputs() -> list[tuple[str, str]]:
-    """Each unit's first and last Real input."""
+    """Each FMU's first and last Real input."""
     pairs = []
     for unit, declare in MODELS.items():
         names = [v.name for v in declare().variables if v.role.name == "INPUT" and v.type.name == "REAL"]
@@ -132,7 +132,7 @@ def test_11_divergence_is_reported_and_not_shown(load: Load, create: Create, wal
 
 
 def controllers() -> list[str]:
-    """Units that command a torque from joint angles."""
+    """FMUs that command a torque from joint angles."""
     return [name for name, declare in MODELS.items() if {"tau_cmd[1]", "q[2]"} <= {v.name for v in declare().variables}]
 
 

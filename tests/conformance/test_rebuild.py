@@ -1,4 +1,4 @@
-"""The FMU's sources, compiled by others: without a warning, and to a unit that behaves the same (checklist 7)."""
+"""The FMU's sources, compiled by others: without a warning, and to an FMU that behaves the same (checklist 7)."""
 
 import os
 import shutil
@@ -74,7 +74,7 @@ def stripped(fmu: Path, folder: Path) -> Path:
 def test_07_fmpy_rebuilds_a_stripped_fmu(
     name: str, fmu_folder: Path, tmp_path: Path, open_fmu: Callable[..., Driver]
 ) -> None:
-    """With other compiler and flags, the unit still reproduces its reference data."""
+    """With other compiler and flags, the FMU still reproduces its reference data."""
     fmu = stripped(fmu_folder / f"{name}.fmu", tmp_path)
     command = [sys.executable, "-m", "fmpy", "compile", str(fmu), "--all-warnings", "--warning-as-error"]
     run = subprocess.run(command, env=os.environ | {"PATH": PATH}, capture_output=True, text=True, check=False)

@@ -13,7 +13,7 @@ from tests.conformance.binary import Binary
 from tests.conformance.replay import assert_reproduces, options, table
 from tests.driver import Driver
 
-LARGEST = 30_000  # bytes per unit
+LARGEST = 30_000  # bytes per FMU
 
 
 def test_every_unit_has_a_reference() -> None:

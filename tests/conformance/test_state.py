@@ -68,7 +68,7 @@ def test_13_state_replays_bitwise(binary: Binary, create: Create) -> None:
 
 
 def test_13_state_holds_what_is_prepared(tmp_path: Path, create: Create) -> None:
-    """What depends on states alone is prepared for the next step; in a unit with events they would renew it."""
+    """What depends on states alone is prepared for the next step; in an FMU with events they would renew it."""
     model = ContinuousModel("Prepared", "A pendulum without events", dt_max=H)
     u = model.input("u", 2.0, description="Weight")
     z = model.state("z", 1.0)
@@ -229,7 +229,7 @@ def test_13_foreign_blobs_are_refused(binary: Binary, create: Create, load: Load
 
 
 def test_13_foreign_states_are_refused(binary: Binary, create: Create, load: Load) -> None:
-    """A state is only a pointer: of another unit it points to less, or to other, memory."""
+    """A state is only a pointer: of another FMU it points to less, or to other, memory."""
     instance, size = started(binary, create), ct.c_size_t()
     before = instance.blob()
     buffer = ct.create_string_buffer(2**16)
@@ -255,7 +255,7 @@ def test_13_foreign_states_are_refused(binary: Binary, create: Create, load: Loa
 
 
 def sampled_units() -> list[str]:
-    """Units with a sample time."""
+    """FMUs with a sample time."""
     return [name for name, declare in MODELS.items() if "sample_time" in {v.name for v in declare().variables}]
 
 

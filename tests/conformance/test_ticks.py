@@ -24,7 +24,7 @@ Create = Callable[..., Instance]
 
 
 def counter() -> SampledModel:
-    """A unit that counts: n becomes n + 1 at each tick; it shows n, its time, and what the input was."""
+    """A model that counts: n becomes n + 1 at each tick; it shows n, its time, and what the input was."""
     model = SampledModel("Counter", "Counts its ticks")
     u = model.input("u", 0.0, description="Sampled at each tick")
     n = model.state("n", u * 0)

@@ -4,6 +4,7 @@ import re
 import sys
 import zipfile
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -71,7 +72,7 @@ def test_without_a_docstring_there_is_no_documentation_of_the_equations(adaptimp
 def test_the_same_model_in_python_is_the_same_file(adaptimp: Command, tmp_path: Path) -> None:
     (tmp_path / "gain.py").write_text(GAIN.partition("\n")[2], encoding="utf-8")
     assert adaptimp("build", "gain.py", "--out", ".").code == 0
-    names: dict[str, object] = {}
+    names: dict[str, Any] = {}
     exec(GAIN, names)
     assert build(names["model"], tmp_path / "python").read_bytes() == (tmp_path / "Gain.fmu").read_bytes()
 

@@ -174,7 +174,7 @@ def _text(svg: etree._Element, kind: str, x: float, y: float, text: str) -> None
 
 def main() -> None:
     """Compare or draw."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
     parser.add_argument("--write", action="store_true", help="draw the picture anew")
     if parser.parse_args().write:
         PICTURE.write_bytes(draw())

@@ -1,4 +1,4 @@
-"""The interface of two units, one of each kind: XML and C tables, without the equations."""
+"""The interface of two FMUs, one of each kind: XML and C tables, without the equations."""
 
 import re
 from collections.abc import Callable

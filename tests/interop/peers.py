@@ -87,7 +87,7 @@ def run_ecospy(
     Raises
     ------
     PeerError
-        If ecos refuses the package. Failures of units during the run cannot be seen.
+        If ecos refuses the package. Failures of FMUs during the run cannot be seen.
     """
     values = np.empty((n_steps + 1, len(columns)))
     with _unpacked(ssp) as folder, _ecos(folder, step) as simulation:
@@ -120,7 +120,7 @@ def run_libcosim(
         Communication step [ns].
     workers : int or None, default 0
         Threads of the engine, named by an annotation in a copy of the package. With 0 a step of
-        small units is about 20 times faster, and an error during initialization is an exception;
+        small FMUs is about 20 times faster, and an error during initialization is an exception;
         with threads it ends the process. None runs the package as it is. Same values each way.
 
     Returns

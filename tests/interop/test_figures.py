@@ -3,7 +3,7 @@
 50 steps of each of the paper's systems, with the wall moved before the arm's start; then the whole of the
 adaptive ones as they are, 100,000 steps with contact, noise and saturation. ``test_jacobi.py`` compares the
 whole of fig2, ``tests.interop.matrix`` that of all six. ecos sums its times
-and libcosim rounds them to nanoseconds, on which no value of these units depends by more than the last
+and libcosim rounds them to nanoseconds, on which no value of these FMUs depends by more than the last
 bits of a trajectory; agreement is asked to 1e-9 of each signal's size, and bitwise equality is the rule.
 """
 
@@ -60,7 +60,7 @@ def assert_agree(values: np.ndarray, rows: np.ndarray) -> None:
 def test_ecos_agrees(fmu_folder: Path, figure: str, tmp_path: Path) -> None:
     system = figure_system(fmu_folder, figure)
     result = ours(system)
-    values = run_ecospy(system.write(tmp_path / "figure.ssp"), system.step, STEPS, result.names)
+    values = run_ecospy(system.write(tmp_path / "figure.ssp"), system.run_step(), STEPS, result.names)
     assert_agree(values, result.rows)
 
 
@@ -92,7 +92,8 @@ def test_ecos_agrees_to_the_end(fmu_folder: Path, figure: str, tmp_path: Path) -
     system, package, steps = whole(fmu_folder, figure, tmp_path)
     result = simulate(system, algorithm="jacobi")
     assert np.abs(result["plant.F_ext[1]"]).max() > 100  # N, in contact
-    assert_agree(run_ecospy(package, system.step, steps, WATCHED), np.column_stack([result[name] for name in WATCHED]))
+    values = run_ecospy(package, system.run_step(), steps, WATCHED)
+    assert_agree(values, np.column_stack([result[name] for name in WATCHED]))
 
 
 @adaptive_figures
@@ -121,7 +122,7 @@ def scaled(fmu_folder: Path) -> System:
 def test_ecos_scales_as_we_do(fmu_folder: Path, tmp_path: Path) -> None:
     system = scaled(fmu_folder)
     result = ours(system)
-    values = run_ecospy(system.write(tmp_path / "scaled.ssp"), system.step, STEPS, result.names)
+    values = run_ecospy(system.write(tmp_path / "scaled.ssp"), system.run_step(), STEPS, result.names)
     assert_agree(values, result.rows)
 
 

@@ -1,6 +1,6 @@
 """Evidence that every FMU is usable elsewhere: it loads and steps in fmpy, ecos and libcosim.
 
-With its default parameters and inputs every unit runs alone; each tool must show finite outputs, and
+With its default parameters and inputs every FMU runs alone; each tool must show finite outputs, and
 the two engines exactly what our own master shows.
 """
 
@@ -24,7 +24,7 @@ pytestmark = pytest.mark.parametrize("unit", list(MODELS))
 
 
 def alone(fmu: Path) -> System:
-    """A system of one unit with one start value: ecos wants a parameter set to apply."""
+    """A system of one FMU with one start value: ecos wants a parameter set to apply."""
     description = read_description(fmu)
     name = "sample_time" if "sample_time" in description.variables else "dt_max"
     return System("alone", (Component("unit", description, {name: STEP}),))
@@ -51,6 +51,7 @@ def test_fmpy_steps_one_instance(fmu_folder: Path, unit: str, tmp_path: Path) ->
     fmu = fmu_folder / f"{unit}.fmu"
     folder = extract(str(fmu), unzipdir=str(tmp_path))
     description = read_model_description(folder)
+    assert description.coSimulation is not None
     slave = FMU2Slave(
         guid=description.guid,
         unzipDirectory=folder,

@@ -1,6 +1,6 @@
 """docs/interop.md says what is measured: a slice of it is measured again, the rest is complete and current.
 
-The slice is two units and the first 200 steps of fig2, in every tool of the development environment; the
+The slice is two FMUs and the first 200 steps of fig2, in every tool of the development environment; the
 others need environments of their own, which these tests do not make. What they compare is bitwise or a
 message, so there is no tolerance but that of `tests.interop.matrix.compare`.
 """
@@ -34,7 +34,7 @@ NEEDS = {"ecospy": "ecospy", "ecos_cli": "ecospy", "libcosim": "libcosimpy"}
 
 @pytest.fixture(scope="module")
 def fmus(fmu_folder: Path) -> dict[str, Path]:
-    """All units' files."""
+    """All FMUs' files."""
     return {unit: fmu_folder / f"{unit}.fmu" for unit in MODELS}
 
 

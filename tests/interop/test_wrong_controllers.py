@@ -1,6 +1,6 @@
 """Evidence that a controller with a mistake is told so by `check`, and cannot spoil a run of Fig. 5 in silence.
 
-A controller that ends the process, or never returns, is not run here: a master calls units in its own process,
+A controller that ends the process, or never returns, is not run here: a master calls FMUs in its own process,
 dies or waits with them, and nothing can be asserted afterwards. One such run is made in a process of its own;
 this is what `check`, whose workers may die, is for. Where a mistake is in what a plain run never uses (states,
 reset), the run must be the right one, bitwise; where the numbers alone are wrong, only the loop can tell.

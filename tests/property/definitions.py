@@ -1,4 +1,4 @@
-"""The equations of a unit, as declared in fmus/, evaluated at many samples: no FMU, no time stepping."""
+"""The equations of a model, as declared in fmus/, evaluated at many samples: no FMU, no time stepping."""
 
 from functools import cache
 
@@ -11,7 +11,7 @@ from fmus.catalog import MODELS
 
 
 def outputs(identifier: str, **columns: np.ndarray) -> dict[str, np.ndarray]:
-    """Outputs of a unit at given states, inputs and parameters.
+    """Outputs of a model at given states, inputs and parameters.
 
     Parameters
     ----------

@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -32,7 +33,7 @@ def system(name: str, changes: Mapping[str, float] | None = None) -> System:
     return {**SCENARIOS, **VARIANTS}[name].system(files()).set(changes or {})
 
 
-def run(given: System, **options: object) -> Result:
+def run(given: System, **options: Any) -> Result:
     """A run in which an unconnected input is an error."""
     return simulate(given, options=Options(strict=True, **options))
 

@@ -1,1 +1,1 @@
-"""One unit at a time."""
+"""Tests of one module at a time, without other tools and without long runs."""

@@ -1,1 +1,1 @@
-"""Experiments with the binary of an FMU, in a process of their own."""
+"""Experiments with the binary of an FMU, which run in a process of their own."""

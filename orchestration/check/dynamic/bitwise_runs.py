@@ -1,4 +1,4 @@
-"""Runs of a unit that experiments compare bit by bit."""
+"""Short runs of an FMU whose outputs the experiments of a check compare bit by bit."""
 
 import math
 import random
@@ -13,7 +13,7 @@ Yield = Iterator[Finding | str]  # what an experiment yields: findings, and sent
 
 
 def moves(binary: Binary) -> bool:
-    """Whether the unit takes inputs that differ a little from their start values; found out once."""
+    """Whether the FMU accepts inputs that differ a little from their start values; found out once."""
     if "moves" not in binary.plan:
         try:
             trace(binary, moved=True)
@@ -25,14 +25,14 @@ def moves(binary: Binary) -> bool:
 
 
 def trace(binary: Binary, moved: bool, seed: int = 1) -> Rows:
-    """Outputs of a fresh instance."""
+    """Return the outputs of a fresh instance over some steps."""
     with Instance(binary) as instance:
         instance.initialize()
         return run(instance, moved, seed, first=True)
 
 
 def run(instance: Instance, moved: bool, seed: int = 1, *, first: bool = False) -> Rows:
-    """Outputs after each of some steps, and before the first."""
+    """Return the outputs of an instance before the first step and after each step."""
     generator = random.Random(seed)
     rows = [instance.outputs()] if first else []
     for _ in range(STEPS):
@@ -43,7 +43,7 @@ def run(instance: Instance, moved: bool, seed: int = 1, *, first: bool = False) 
 
 
 def move(instance: Instance, generator: random.Random, *, moved: bool) -> None:
-    """Inputs about 1 % and 0.01 off their start values, within their limits."""
+    """Set the inputs to values that differ by about 1 % and 0.01 from their start values, within their limits."""
     values = {}
     for name, start in instance.binary.starts().items():
         row = instance.binary.variables[name]
@@ -59,14 +59,14 @@ def move(instance: Instance, generator: random.Random, *, moved: bool) -> None:
 
 
 def infinite(binary: Binary, values: Sequence[float], when: str) -> Iterator[Finding]:
-    """A finding that names the outputs that are NaN or infinite."""
+    """Yield a finding that names the outputs that are NaN or infinite, if there are any."""
     wrong = not_finite(binary.names("output"), values)
     if wrong:
         yield error("11", f"Outputs are not finite {when}: {listed(wrong)}.")
 
 
 def same(binary: Binary, expected: Rows, found: Rows, rule: str, when: str, otherwise: str) -> Iterator[Finding]:
-    """A finding that names the first output that differs in a bit."""
+    """Yield a finding that names the first output that differs in a bit, if there is one."""
     for k, (row, other) in enumerate(zip(expected, found, strict=True)):
         for name, a, b in zip(binary.names("output"), row, other, strict=True):
             if bits([a]) != bits([b]):

@@ -1,4 +1,4 @@
-"""Rules 9 to 12 at run time: calls that must be refused, each in an instance of its own."""
+"""Experiments on rules 9 to 12: calls that an FMU must refuse, each made in an instance of its own."""
 
 import ctypes as ct
 import math
@@ -16,14 +16,14 @@ from orchestration.fmi.logging import Messages
 
 
 def guid(binary: Binary) -> Yield:
-    """Rule 9: another GUID is refused."""
+    """Try rule 9: the FMU refuses a GUID that is not its own."""
     with suppress(InitializationError):
         binary.create(Messages(), guid="{00000000-0000-0000-0000-000000000000}").close()
         yield warning("9", "fmi2Instantiate accepts a wrong GUID: a binary of another version is not noticed.")
 
 
 def unknown_reference(binary: Binary) -> Yield:
-    """Rule 10."""
+    """Try rule 10: fmi2GetReal refuses an unknown value reference."""
     taken = {row["reference"] for row in binary.plan["variables"]}
     reference = next(n for n in range(2**32 - 2, 0, -1) if n not in taken)
     with Instance(binary) as instance:
@@ -33,27 +33,27 @@ def unknown_reference(binary: Binary) -> Yield:
 
 
 def backward_step(binary: Binary) -> Yield:
-    """Rule 11."""
+    """Try rule 11: a step of negative length is refused."""
     yield from _bad_step(binary, -binary.plan["step"])
 
 
 def step_without_length(binary: Binary) -> Yield:
-    """Rule 11."""
+    """Try rule 11: a step whose length is NaN is refused."""
     yield from _bad_step(binary, math.nan)
 
 
 def set_output(binary: Binary) -> Yield:
-    """Rule 12."""
+    """Try rule 12: an output cannot be set."""
     yield from _bad_set(binary, "output", "")
 
 
 def set_fixed_parameter(binary: Binary) -> Yield:
-    """Rule 12."""
+    """Try rule 12: a fixed parameter cannot be set after initialization."""
     yield from _bad_set(binary, "parameter", "fixed")
 
 
 def input_not_a_number(binary: Binary) -> Yield:
-    """Rule 11: NaN as input may be refused or pass through; nothing else is looked at than survival."""
+    """Try rule 11: the FMU survives NaN as an input; it may refuse NaN or pass it on."""
     for name in binary.names("input", "Real")[:8]:
         with Instance(binary) as instance:
             instance.initialize()
@@ -65,7 +65,7 @@ def input_not_a_number(binary: Binary) -> Yield:
 
 
 def _accepted(status: int, rule: str, what: str) -> Iterator[Finding]:
-    """A finding if a bad call went well."""
+    """Yield a finding if a bad call was accepted."""
     if accepted(status):
         yield warning(rule, f"{what} returns {status_name(status)}; an error is due.")
 
@@ -77,7 +77,7 @@ def _bad_step(binary: Binary, h: float) -> Yield:
 
 
 def _bad_set(binary: Binary, causality: str, variability: str) -> Yield:
-    """Set a Real variable to the value it has, after initialization, when it cannot be set."""
+    """Set a Real variable to its present value after initialization, which the FMU must refuse."""
     rows: list[Any] = [binary.variables[name] for name in binary.names(causality, "Real")]
     rows = [row for row in rows if not variability or row["variability"] == variability]
     if not rows:

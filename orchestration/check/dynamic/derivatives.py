@@ -1,10 +1,10 @@
-"""Rule 16 at run time: directional derivatives against central differences, in initialization mode.
+"""Experiment on rule 16: compares directional derivatives with central differences, in initialization mode.
 
     (y(u + d) - y(u - d)) / 2 d,    d = 1e-5 max(1, |u|)
 
 Truncation is d^2 times third derivatives, rounding EPS |y| / d, both far below the 1e-3 that is allowed.
-Where the two one-sided differences disagree there is a kink, and nothing is judged; an FMU whose
-outputs do not follow its inputs in initialization mode cannot be judged either.
+Where the two one-sided differences disagree, the output has a kink and is not judged. An FMU whose outputs
+do not follow its inputs in initialization mode is not judged either.
 """
 
 import ctypes as ct
@@ -21,7 +21,7 @@ MOST = 16  # inputs, and outputs, that are looked at
 
 
 def derivatives(binary: Binary) -> Yield:
-    """Compare the derivative of each output along each continuous input."""
+    """Try rule 16: compare the derivative of each output along each continuous input with a difference."""
     outputs = binary.names("output", "Real")[:MOST]
     known = [n for n in binary.names("input", "Real") if binary.variables[n]["variability"] == "continuous"][:MOST]
     if not moves(binary):
@@ -49,7 +49,7 @@ def derivatives(binary: Binary) -> Yield:
 
 
 def _directional(instance: Instance, outputs: list[str], name: str) -> list[float]:
-    """Derivatives of the outputs along one input."""
+    """Return the directional derivatives of the outputs along one input."""
     numbers = [instance.binary.variables[output]["reference"] for output in outputs]
     found = reals([0.0] * len(outputs))
     instance.call(
@@ -65,7 +65,7 @@ def _directional(instance: Instance, outputs: list[str], name: str) -> list[floa
 
 
 def _shifted(instance: Instance, outputs: list[str], name: str) -> list[tuple[float, float, float, float]]:
-    """Each output below, at and above the value of one input, and the shift."""
+    """Return the outputs below, at and above the value of one input, and the shift of the input."""
     value = instance.binary.starts()[name]
     d = SHIFT * max(1.0, abs(value))
     rows = []

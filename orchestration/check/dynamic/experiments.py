@@ -1,6 +1,7 @@
-"""Rules 8 to 16 at run time: each experiment is a function of the binary that yields findings and measurements.
+"""Experiments on rules 8 to 16: each is a function that calls an FMU's binary and yields findings and measurements.
 
-They run in the worker, in this order. If one of `BASE` finds an error, the others make no sense.
+The experiments run in a child process, in the order of this file. If an experiment of `BASE` finds an error, the
+experiments after it are not tried.
 """
 
 from collections.abc import Callable, Mapping
@@ -24,7 +25,7 @@ Experiment = Callable[[Binary], Yield]
 
 
 def loading(binary: Binary) -> Yield:
-    """Rules 8 and 10."""
+    """Try rules 8 and 10: the library exports the functions of FMI and names its version and platform."""
     lacking = binary.lacks()
     if lacking and not binary.plan["exports_known"]:
         yield error("8", f"The library does not export {listed(lacking)}.")
@@ -35,20 +36,20 @@ def loading(binary: Binary) -> Yield:
 
 
 def instantiation(binary: Binary) -> Yield:
-    """Rule 9: the GUID of the description is accepted."""
+    """Try rule 9: the FMU accepts the GUID of its description."""
     with Instance(binary):
         yield from ()
 
 
 def initialization(binary: Binary) -> Yield:
-    """Rule 11: outputs are finite after initialization with the start values."""
+    """Try rule 11: outputs are finite after initialization with the start values."""
     with Instance(binary) as instance:
         instance.initialize()
         yield from infinite(binary, instance.outputs(), "after initialization with the start values")
 
 
 def stepping(binary: Binary) -> Yield:
-    """Rule 11: steps work, on the start values of the inputs, and outputs stay finite."""
+    """Try rule 11: the FMU makes steps on the start values of its inputs, and outputs stay finite."""
     with Instance(binary) as instance:
         instance.initialize()
         for _ in range(STEPS):
@@ -60,7 +61,7 @@ def stepping(binary: Binary) -> Yield:
 
 
 def repetition(binary: Binary) -> Yield:
-    """Rule 13: the same calls give the same outputs; later comparisons need it."""
+    """Try rule 13: the same calls give the same outputs, which later comparisons need."""
     moved = moves(binary)
     if trace(binary, moved) != trace(binary, moved):
         yield warning("13", SAME_CALLS)
@@ -70,7 +71,7 @@ def repetition(binary: Binary) -> Yield:
 
 
 def termination(binary: Binary) -> Yield:
-    """Rule 10: fmi2Terminate works after steps."""
+    """Try rule 10: fmi2Terminate works after steps."""
     with Instance(binary) as instance:
         instance.initialize()
         instance.step()
@@ -79,7 +80,7 @@ def termination(binary: Binary) -> Yield:
 
 
 def lives(binary: Binary) -> Yield:
-    """Rule 14: many instances, one after the other."""
+    """Try rule 14: the FMU can be instantiated and freed many times, one after the other."""
     for _ in range(LIVES):
         with Instance(binary):
             pass
@@ -121,11 +122,11 @@ _NEEDS = {
 
 
 def chosen(capable: Callable[[str], bool]) -> list[str]:
-    """Names of the experiments that a unit's capabilities ask for, in their order."""
+    """Return the names of the experiments that an FMU's capabilities ask for, in their order."""
     further = [name for name in FURTHER if name not in _NEEDS or capable(_NEEDS[name])]
     return [*BASE, *(name for name in further if name != "two instances" or not capable(ONLY_ONCE))]
 
 
 def experiment(name: str) -> Experiment:
-    """An experiment by name."""
+    """Return the experiment of a name."""
     return BASE[name] if name in BASE else FURTHER[name]

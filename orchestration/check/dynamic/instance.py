@@ -1,6 +1,6 @@
-"""A stranger's binary and its instances, called through ctypes; every call is announced before it is made.
+"""Calls the binary of an unknown FMU through ctypes; every call is announced before it is made.
 
-Runs in the worker's process only: a call may crash, hang or print.
+The module runs in a child process only, since a call may crash, hang or print.
 """
 
 import ctypes as ct
@@ -26,25 +26,25 @@ Values = Mapping[str, float | str]
 
 
 class RefusedError(Exception):
-    """A call that ought to work returned something else."""
+    """The FMU refused a call that FMI 2.0 allows."""
 
 
 class MissingError(Exception):
-    """The library lacks a function."""
+    """The FMU's library does not export a function."""
 
 
 class Binary:
-    """The library.
+    """The shared library of an FMU under check.
 
     Parameters
     ----------
     plan
-        What `orchestration.check.dynamic.supervision` wrote down about the FMU.
+        Facts about the FMU that `orchestration.check.dynamic.supervision` wrote down.
     announce
-        Told the name of each function before it is called.
+        Receives the name of each function before the call.
     """
 
-    def __init__(self, plan: Mapping[str, Any], announce: Callable[[str], None]) -> None:
+    def __init__(self, plan: dict[str, Any], announce: Callable[[str], None]) -> None:
         self.plan, self._announce = plan, announce
         self._library = Library(Path(plan["library"]))
         self.variables = {row["name"]: row for row in plan["variables"]}
@@ -54,7 +54,7 @@ class Binary:
         return self._library.lacks()
 
     def ask(self, function: str) -> Any:
-        """The answer of a function without arguments.
+        """Return the answer of a function without arguments.
 
         Raises
         ------
@@ -68,7 +68,7 @@ class Binary:
         return answer
 
     def create(self, messages: Messages, *, guid: str | None = None, name: str = "checked") -> Component:
-        """A new component.
+        """Create an instance.
 
         Raises
         ------
@@ -81,18 +81,18 @@ class Binary:
             return Component(self._library, name, identity, messages=messages, announce=self._announce)
 
     def names(self, causality: str, *types: str) -> list[str]:
-        """Variables of a causality and of types, of any but String if there are none."""
+        """Return the variables of a causality and of the given types; without types, all but String variables."""
         rows = self.variables.values()
         chosen = types or (REAL, INTEGER, BOOLEAN)
         return [row["name"] for row in rows if row["causality"] == causality and row["type"] in chosen]
 
     def starts(self) -> dict[str, float]:
-        """Start values of inputs."""
+        """Return the start values of the inputs."""
         return {name: self.variables[name]["start"] or 0.0 for name in self.names("input")}
 
 
 class Instance:
-    """A component that keeps its time; a context manager that frees it."""
+    """An instance of an FMU that keeps its time; a context manager that frees the instance."""
 
     _numbers = itertools.count(1)
 
@@ -105,27 +105,27 @@ class Instance:
             raise RefusedError(msg) from refused
 
     def __enter__(self) -> Self:
-        """The instance itself."""
+        """Return the instance itself."""
         return self
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        """Free the component."""
+        """Free the instance."""
         self.free()
 
     def free(self) -> None:
-        """Free the component, once."""
+        """Free the instance; a second call does nothing."""
         with _naming_what_is_missing():
             self.component.close()
 
     def status(self, function: str, *arguments: Any) -> int:
-        """Status that a function returns."""
+        """Call a function with the instance and return its fmi2Status."""
         with _naming_what_is_missing():
             return self.component.status(function, *arguments)
 
     def call(self, function: str, *arguments: Any) -> None:
-        """Call a function that ought to work.
+        """Call a function with the instance that FMI 2.0 allows in this state.
 
         Raises
         ------
@@ -137,31 +137,31 @@ class Instance:
             raise RefusedError(msg)
 
     def enter(self) -> Self:
-        """Go to initialization mode; no stop time, as ecos and libcosim have it."""
+        """Enter initialization mode without a stop time, as ecos and libcosim do."""
         self.time = self.binary.plan["start_time"]
         self.call("fmi2SetupExperiment", 0, 0.0, self.time, 0, 0.0)
         self.call("fmi2EnterInitializationMode")
         return self
 
     def initialize(self) -> Self:
-        """Go to where steps are made."""
+        """Initialize the instance, so that steps can be made."""
         self.enter().call("fmi2ExitInitializationMode")
         return self
 
     def step(self, h: float | None = None) -> None:
-        """A step, of the usual length by default."""
+        """Make a step, by default of the length that the plan proposes."""
         length = self.binary.plan["step"] if h is None else h
         self.call("fmi2DoStep", self.time, length, 1)
         self.time += length
 
     def set(self, values: Values) -> None:
-        """Set variables by name, one call each."""
+        """Set variables by name, each with a call of its own."""
         for name, value in values.items():
             row = self.binary.variables[name]
             self.call(f"fmi2Set{row['type']}", c_references([row["reference"]]), 1, _pointer(row["type"], value))
 
     def get(self, names: Iterable[str]) -> tuple[float, ...]:
-        """Values by name."""
+        """Return the values of variables by name."""
         found = []
         for name in names:
             row = self.binary.variables[name]
@@ -171,7 +171,7 @@ class Instance:
         return tuple(found)
 
     def outputs(self) -> tuple[float, ...]:
-        """All outputs but strings."""
+        """Return the values of all outputs but strings, by name."""
         return self.get(self.binary.names("output"))
 
     def _said(self) -> str:
@@ -179,17 +179,17 @@ class Instance:
 
 
 def reals(numbers: Sequence[float]) -> Any:
-    """C array of doubles."""
+    """Return a C array of doubles."""
     return (ct.c_double * len(numbers))(*numbers)
 
 
 def bits(values: Sequence[float]) -> bytes:
-    """What makes two outputs the same: every bit."""
+    """Return the bits of a value; two outputs are the same if all bits are."""
     return struct.pack(f"<{len(values)}d", *values)
 
 
 def not_finite(names: Sequence[str], values: Sequence[float]) -> list[str]:
-    """Names with their values that are NaN or infinite."""
+    """Return the names, with values, of the outputs that are NaN or infinite."""
     return [f"{name} = {value:g}" for name, value in zip(names, values, strict=True) if not math.isfinite(value)]
 
 

@@ -1,4 +1,4 @@
-"""What the child process of a check does: it runs experiments with a binary and writes down what each one finds."""
+"""The job of a check's child process: it runs experiments with a binary and writes down what each one finds."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -14,8 +14,8 @@ KNOWN = ("random", "moves")
 def run_experiments(plan: Mapping[str, Any], write: Write, announce: Announce) -> None:
     """Run the experiments that the plan lists, in its order.
 
-    Lines tell which experiment begins and ends, what it found or measured, and what it learned for those
-    that follow. An experiment of `BASE` that fails is the last one.
+    The lines that it writes tell which experiment begins and ends, what the experiment found or measured, and what
+    later experiments need to know. If an experiment of `BASE` fails, it is the last one.
     """
     announce("loading the library")
     try:

@@ -1,4 +1,4 @@
-"""Rules 13 and 14 at run time: reset, states, serialized states, split steps, several instances."""
+"""Experiments on rules 13 and 14: reset, saved states, serialized states, split steps, several instances."""
 
 import ctypes as ct
 import random
@@ -12,7 +12,7 @@ LARGEST_STATE = 1024**3  # bytes
 
 
 def reset(binary: Binary) -> Yield:
-    """Rule 13: fmi2Reset leads back to a fresh instance, bitwise."""
+    """Try rule 13: after fmi2Reset an instance behaves like a fresh one, bit by bit."""
     moved = moves(binary)
     fresh = trace(binary, moved)
     with Instance(binary) as instance:
@@ -26,7 +26,7 @@ def reset(binary: Binary) -> Yield:
 
 
 def rollback(binary: Binary) -> Yield:
-    """Rule 13: a state that is set again replays bitwise, twice."""
+    """Try rule 13: from a saved state the same steps give the same bits, twice."""
     moved = moves(binary)
     with Instance(binary) as instance:
         instance.initialize()
@@ -46,7 +46,7 @@ def rollback(binary: Binary) -> Yield:
 
 
 def serialization(binary: Binary) -> Yield:
-    """Rule 13: a serialized state continues bitwise in another instance; half of it is refused."""
+    """Try rule 13: from a serialized state another instance gives the same bits; half of the state is refused."""
     moved = moves(binary)
     with Instance(binary) as instance:
         instance.initialize()
@@ -65,7 +65,7 @@ def serialization(binary: Binary) -> Yield:
 
 
 def torn_state(binary: Binary) -> Yield:
-    """Rule 13: a serialized state that is cut off is refused."""
+    """Try rule 13: a serialized state that is cut off is refused."""
     with Instance(binary) as instance:
         blob, state = _serialized(instance.initialize()), ct.c_void_p()
         half = blob[: len(blob) // 2]
@@ -74,7 +74,7 @@ def torn_state(binary: Binary) -> Yield:
 
 
 def splitting(binary: Binary) -> Yield:
-    """Rule 14: a step and its two halves; the same bits are demanded of sampled units only."""
+    """Try rule 14: compare a step with its two halves; only a sampled FMU must give the same bits."""
     h, rows = binary.plan["step"], []
     for parts in (1, 2):
         with Instance(binary) as instance:
@@ -88,7 +88,7 @@ def splitting(binary: Binary) -> Yield:
     if binary.plan["random"]:
         return
     if binary.plan["sampled"]:
-        difference = list(same(binary, *rows, "14", "With each step split in two", "with whole steps"))
+        difference = list(same(binary, rows[0], rows[1], "14", "With each step split in two", "with whole steps"))
         yield from (warning(found.rule, found.message) for found in difference)
     else:
         pairs = [(a, b) for one, two in zip(*rows, strict=True) for a, b in zip(one, two, strict=True)]
@@ -97,7 +97,7 @@ def splitting(binary: Binary) -> Yield:
 
 
 def instances(binary: Binary) -> Yield:
-    """Rule 14: interleaved instances are independent."""
+    """Try rule 14: two instances that step in turn do not influence each other."""
     moved = moves(binary)
     alone = [trace(binary, moved, seed) for seed in (1, 4)]
     with Instance(binary) as one, Instance(binary) as two:

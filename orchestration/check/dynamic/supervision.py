@@ -1,6 +1,7 @@
-"""Rules 8 to 16 at run time, seen from outside: what becomes of the workers that run the experiments.
+"""Supervises the child processes that run the experiments of a check, and turns their deaths into findings.
 
-A crash, a hang or an exit is a finding about the experiment under way; a new worker goes on behind it.
+A crash, a hang or an exit of a child process is a finding about the experiment under way. A new process goes on
+with the next experiment.
 """
 
 import tempfile
@@ -53,16 +54,16 @@ MISTAKES = (
 
 @dataclass
 class Outcome:
-    """What all workers found.
+    """What the experiments with an FMU found, in all their processes.
 
     Attributes
     ----------
     usable
-        Whether the unit loads, initializes and steps.
+        Whether the FMU loads, initializes and steps.
     deaths
-        Workers that died.
+        Number of processes that died.
     printed
-        The beginning of what a worker wrote to its standard output.
+        The beginning of what a process wrote to its standard output.
     """
 
     findings: list[Finding] = field(default_factory=list)
@@ -73,9 +74,10 @@ class Outcome:
 
 
 def experiment_on(package: Package, timeout: float = TIMEOUT) -> Outcome:
-    """Run every experiment that the FMU's capabilities ask for, the mistakes last and in other processes.
+    """Run every experiment that the FMU's capabilities ask for.
 
-    A unit that is damaged by a host's mistake may crash much later, in a call that is right.
+    Experiments that make mistakes on purpose run last and in other processes, because an FMU that a mistake has
+    damaged may crash much later, in a call that is right.
     """
     outcome, untried = Outcome(), list[str]()
     names = chosen(package.document.flag)
@@ -100,7 +102,7 @@ def experiment_on(package: Package, timeout: float = TIMEOUT) -> Outcome:
 
 
 def _work_off(left: list[str], plan: dict[str, Any], folder: Path, timeout: float, outcome: Outcome) -> list[str]:
-    """Run experiments, behind each death in a new worker; returns those that were given up."""
+    """Run experiments, after each death in a new process; returns the experiments that were given up."""
     while left and outcome.deaths < MOST_DEATHS:
         ending = work(JOB, {**plan, "experiments": left}, folder, timeout=timeout, memory=MOST_MEMORY)
         outcome.printed = outcome.printed or shown(ending.printed)
@@ -114,7 +116,7 @@ def _work_off(left: list[str], plan: dict[str, Any], folder: Path, timeout: floa
 
 
 def step_of(package: Package) -> float:
-    """The step to use, s: the one proposed, a sampling period, or a thousandth of the experiment."""
+    """Return a step for experiments, s: the proposed one, a sampling period, or a thousandth of the run."""
     document = package.document
     periods = [v.number for v in document.variables if v.name == SAMPLE_TIME and v.type == "Real"]
     candidates = [document.experiment("stepSize"), *periods]
@@ -122,7 +124,7 @@ def step_of(package: Package) -> float:
 
 
 def _plan(package: Package, folder: Path) -> dict[str, Any]:
-    """What the worker has to know."""
+    """Return the facts about the FMU that a child process needs."""
     document = package.document
     outputs = document.of_causality("output")
     sampled = bool(outputs) and all(v.variability == "discrete" for v in outputs)
@@ -150,7 +152,7 @@ def _plan(package: Package, folder: Path) -> dict[str, Any]:
 
 
 def _known(lines: Iterable[Mapping[str, Any]]) -> dict[str, Any]:
-    """What experiments told those that follow."""
+    """Return what earlier experiments left for later ones."""
     known: dict[str, Any] = {}
     for line in lines:
         known |= line.get("known", {})
@@ -158,7 +160,7 @@ def _known(lines: Iterable[Mapping[str, Any]]) -> dict[str, Any]:
 
 
 def _read(ending: Ending, outcome: Outcome) -> str:
-    """Collect what a worker wrote; returns the experiment under way when it ended, empty if it was done."""
+    """Collect what a process wrote; returns the experiment under way at its end, empty if all were done."""
     under_way = ""
     for line in ending.lines:
         under_way = line.get("begin", "" if "end" in line else under_way)

@@ -1,1 +1,1 @@
-"""Rules about the files in an FMU, which nothing of it is run for."""
+"""Rules about the files in an FMU, which are checked without running the FMU."""

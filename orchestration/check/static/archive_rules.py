@@ -1,4 +1,4 @@
-"""Rules 1 and 7: the archive is safe, and holds a description that is valid against FMI's schema."""
+"""Checks rules 1 and 7: an FMU's archive is safe, complete, and holds a description that FMI's schema accepts."""
 
 import posixpath
 import re
@@ -19,7 +19,7 @@ _INCLUDE = re.compile(rb'^[ \t]*#[ \t]*include[ \t]*"([^"\n]{1,200})"', re.MULTI
 
 
 class UnreadableError(Exception):
-    """Nothing further can be read; `finding` says why."""
+    """An FMU cannot be examined any further; `finding` says why."""
 
     def __init__(self, finding: Finding) -> None:
         super().__init__(finding.message)
@@ -28,18 +28,18 @@ class UnreadableError(Exception):
 
 @dataclass(frozen=True)
 class Package:
-    """An FMU: its file, the names in the archive and the description."""
+    """An FMU file under check: its path, the names in the archive and the description."""
 
     path: Path
     names: frozenset[str]
     document: Document
 
     def read(self, name: str, most: int) -> bytes:
-        """The first bytes of an entry; empty if it cannot be read."""
+        """Return the first bytes of an entry of the archive; empty if the entry cannot be read."""
         return next((content for _, content in self.contents([name], most)), b"")
 
     def contents(self, names: Sequence[str], most: int) -> Iterator[tuple[str, bytes]]:
-        """Entries that can be read, with their first bytes, until `most` bytes of all are read."""
+        """Iterate over readable entries of the archive with their first bytes, until `most` bytes are read."""
         with suppress(*UNREADABLE), zipfile.ZipFile(self.path) as archive:  # opened once: it may have 20,000 entries
             for name in names:
                 with suppress(*UNREADABLE), archive.open(name) as file:
@@ -51,7 +51,7 @@ class Package:
 
 
 def open_package(path: Path) -> Package:
-    """Screen, read and validate.
+    """Screen an FMU's archive, read its description and validate it.
 
     Raises
     ------
@@ -72,7 +72,7 @@ def open_package(path: Path) -> Package:
 
 
 def sources_are_complete(package: Package) -> Iterator[Finding]:
-    """Rule 7: every source file is there, and so is what it includes with quotes."""
+    """Check rule 7: the archive holds every declared source file, and every file that one includes with quotes."""
     names = package.names
     compiled_here = not any(name.startswith("binaries/") for name in names)
     for file in package.document.root.iterfind("CoSimulation/SourceFiles/File"):
@@ -90,13 +90,13 @@ def sources_are_complete(package: Package) -> Iterator[Finding]:
 
 
 def tool_is_not_needed(package: Package) -> Iterator[Finding]:
-    """Rule 7: an FMU that needs its tool runs on machines that have it."""
+    """Check rule 7: the FMU runs without the tool that exported it."""
     if package.document.flag("needsExecutionTool"):
         yield note("7", "needsExecutionTool: the FMU runs only where the tool that exported it is installed.")
 
 
 def _document(path: Path) -> Document:
-    """A valid description."""
+    """Return the description if it is valid."""
     try:
         root = parsed(read_bytes(path))
         version = root.get("fmiVersion")

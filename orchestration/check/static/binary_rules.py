@@ -1,4 +1,4 @@
-"""Rules 6 and 8: there is a binary for this machine, named after the model, that exports FMI's functions."""
+"""Checks rules 6 and 8: an FMU has a binary for this machine, named after the model, that exports FMI's functions."""
 
 import re
 from collections.abc import Iterator
@@ -22,7 +22,7 @@ _SYSTEM = re.compile(r"(lib(c|m|dl|pthread|rt|gcc_s)|ld-linux[\w-]*)\.so(\.\d+)*
 
 
 def binary_is_for_this_machine(package: Package) -> Iterator[Finding]:
-    """Rule 6: a library named after the modelIdentifier, in a folder of this machine."""
+    """Check rule 6: a folder for this machine holds a library that is named after the modelIdentifier."""
     if host_library(package):
         return
     try:
@@ -44,7 +44,7 @@ def binary_is_for_this_machine(package: Package) -> Iterator[Finding]:
 
 
 def binaries_are_named_after_the_model(package: Package) -> Iterator[Finding]:
-    """Rule 6: every platform has a file of that name."""
+    """Check rule 6: the folder of every platform has a file that is named after the modelIdentifier."""
     identifier = package.document.identifier
     here = {PurePosixPath(name).parts[1] for name in _host_names(identifier)}
     for folder in sorted(_platforms(package) - here):
@@ -54,7 +54,7 @@ def binaries_are_named_after_the_model(package: Package) -> Iterator[Finding]:
 
 
 def functions_are_exported(package: Package) -> Iterator[Finding]:
-    """Rule 8: the 34 functions, for the right processor, and nothing that other machines lack."""
+    """Check rule 8: the library exports the 34 functions, suits the processor, and needs nothing uncommon."""
     for folder, machine in _ELF_FOLDERS.items():
         name = f"binaries/{folder}/{package.document.identifier}.so"
         if name not in package.names:
@@ -62,19 +62,19 @@ def functions_are_exported(package: Package) -> Iterator[Finding]:
         try:
             library = read(package.read(name, LARGEST))
         except ElfError as failed:
-            yield error("8", f"{shown(name)} is no library: {failed}.")
+            yield error("8", f"{shown(name)} is not a shared library: {failed}.")
         else:
             yield from _judge(name, machine, library)
             yield from _interpreter(package, name, library)
 
 
 def host_library(package: Package) -> str | None:
-    """Name of the archive's entry that this machine loads; None if there is none."""
+    """Return the name of the archive's entry that this machine loads; None if there is none."""
     return next((name for name in _host_names(package.document.identifier) if name in package.names), None)
 
 
 def _host_names(identifier: str) -> list[str]:
-    """Entries that this machine would load; none where no library runs, as `binary_is_for_this_machine` says."""
+    """Return the entries that this machine would load; none where FMI has no name for the platform."""
     try:
         return library_names(identifier)
     except ArchiveError:
@@ -82,7 +82,7 @@ def _host_names(identifier: str) -> list[str]:
 
 
 def _interpreter(package: Package, name: str, library: Library) -> Iterator[Finding]:
-    """A library that takes Python from its host does not load, or crashes, in one that has none."""
+    """Report a library that needs Python from its host: in a host without Python it does not load, or crashes."""
     calls = sorted(symbol for symbol in library.undefined if symbol.startswith(_PYTHON))
     if not calls or any(needed.startswith("libpython") for needed in library.needed):
         return
@@ -114,6 +114,6 @@ def _judge(name: str, machine: str, library: Library) -> Iterator[Finding]:
 
 
 def _platforms(package: Package) -> set[str]:
-    """Folders below ``binaries/`` that hold files."""
+    """Return the folders below ``binaries/`` that hold files."""
     paths = (PurePosixPath(name).parts for name in package.names if not name.endswith("/"))
     return {parts[1] for parts in paths if len(parts) > 2 and parts[0] == "binaries"}

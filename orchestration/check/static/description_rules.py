@@ -1,4 +1,4 @@
-"""Rules 2, 3, 5 and 6: variables, units, limits and capabilities as the description declares them."""
+"""Checks rules 2, 3, 5 and 6: variables, units, limits and capabilities that an FMU's description declares."""
 
 import math
 import re
@@ -36,13 +36,13 @@ _STRUCTURED = re.compile(rf"{_PATH}|der\({_PATH}(?:,\d+)?\)", re.ASCII)  # secti
 
 
 def combinations_are_legal(package: Package) -> Iterator[Finding]:
-    """Rule 2."""
+    """Check rule 2: causality, variability and `initial` of each variable go together."""
     for variable in package.document.variables:
         pair = (variable.causality, variable.variability)
         name = shown(variable.name)
         if variable.type != REAL and variable.variability == "continuous":
             how = "declares" if "variability" in variable.given else "has, by default,"
-            yield error("2", f"{name} is no Real, but {how} variability continuous; discrete is usual.")
+            yield error("2", f"{name} is not a Real, but {how} variability continuous; discrete is usual.")
         elif pair not in LEGAL:
             yield error("2", f"{name}: causality {pair[0]} and variability {pair[1]} exclude each other.")
         elif LEGAL[pair] and variable.initial not in LEGAL[pair]:
@@ -51,7 +51,7 @@ def combinations_are_legal(package: Package) -> Iterator[Finding]:
 
 
 def starts_are_where_needed(package: Package) -> Iterator[Finding]:
-    """Rule 3."""
+    """Check rule 3: variables have a start value where FMI demands one, and only where FMI allows one."""
     for variable in package.document.variables:
         name, kind = shown(variable.name), variable.causality
         if kind in ("input", "independent") and "initial" in variable.given:
@@ -66,7 +66,7 @@ def starts_are_where_needed(package: Package) -> Iterator[Finding]:
 
 
 def names_are_unique_and_structured(package: Package) -> Iterator[Finding]:
-    """Rule 5."""
+    """Check rule 5: names are unique and follow the grammar of structured names."""
     seen: set[str] = set()
     for variable in package.document.variables:
         if variable.name in seen:
@@ -77,7 +77,7 @@ def names_are_unique_and_structured(package: Package) -> Iterator[Finding]:
 
 
 def units_are_declared(package: Package) -> Iterator[Finding]:
-    """Rule 5."""
+    """Check rule 5: units, display units and types are declared, and every unit has a BaseUnit that converts."""
     document = package.document
     for name, unit in document.units.items():
         if unit is None:
@@ -91,11 +91,11 @@ def units_are_declared(package: Package) -> Iterator[Finding]:
         elif unit and unit not in document.units:
             yield error("5", f"{name}: the unit {shown(unit)} is not declared in UnitDefinitions.")
         elif variable.display_unit and variable.display_unit not in document.display_units.get(unit, ()):
-            yield error("5", f"{name}: the display unit {shown(variable.display_unit)} is none of {shown(unit)}.")
+            yield error("5", f"{name}: the display unit {shown(variable.display_unit)} is not one of {shown(unit)}.")
 
 
 def limits_hold(package: Package) -> Iterator[Finding]:
-    """Rule 5."""
+    """Check rule 5: start values lie within the limits of their variables."""
     for variable in package.document.variables:
         low, high = (bound if bound is not None else default for bound, default in _bounds(variable))
         start, name = variable.number, shown(variable.name)
@@ -106,7 +106,7 @@ def limits_hold(package: Package) -> Iterator[Finding]:
 
 
 def experiment_makes_sense(package: Package) -> Iterator[Finding]:
-    """Rule 5."""
+    """Check rule 5: times and tolerance of the default experiment make sense."""
     names = ("startTime", "stopTime", "stepSize", "tolerance")
     start, stop, step, tolerance = map(package.document.experiment, names)
     first = 0.0 if start is None else start
@@ -119,12 +119,12 @@ def experiment_makes_sense(package: Package) -> Iterator[Finding]:
 
 
 def capabilities_agree(package: Package) -> Iterator[Finding]:
-    """Rule 6."""
+    """Check rule 6: capability flags and identifiers agree with each other."""
     document = package.document
     if document.flag(SERIALIZES_STATE) and not document.flag("canGetAndSetFMUstate"):
         yield error("6", f"{SERIALIZES_STATE} is true, but canGetAndSetFMUstate false: there is no state to serialize.")
     if not IDENTIFIER.fullmatch(document.identifier):
-        yield error("6", f"The modelIdentifier {shown(document.identifier)!r} is no C identifier.")
+        yield error("6", f"The modelIdentifier {shown(document.identifier)!r} is not a C identifier.")
     exchange = document.root.find("ModelExchange")
     other = document.identifier if exchange is None else exchange.get("modelIdentifier")
     if other != document.identifier:

@@ -1,7 +1,7 @@
-"""What a shared library of Linux exports and needs, from the dynamic section of its ELF file (64 bit, little-endian).
+"""Reads which symbols and libraries a shared library of Linux exports and needs, from its ELF file.
 
-System V ABI, chapters 4 and 5, and the GNU hash table: enough to answer without binutils, and without
-loading what is examined.
+The file must be of 64 bits and little-endian. The reader follows the System V ABI, chapters 4 and 5, and knows the
+GNU hash table. It needs no binutils and does not load the library.
 """
 
 import struct
@@ -17,21 +17,21 @@ _MOST = 200_000  # symbols, entries, headers: more are a damaged table
 
 
 class ElfError(ValueError):
-    """A file is no library that can be read so."""
+    """A file is not a 64-bit little-endian ELF library, or is damaged."""
 
 
 @dataclass(frozen=True)
 class Library:
-    """Names in the dynamic section.
+    """Names in the dynamic section of a shared library.
 
     Attributes
     ----------
     machine
         Processor, such as ``x86_64``.
     exported, undefined
-        Dynamic symbols that are defined and visible; those that others must define.
+        Dynamic symbols that the library defines for others, and symbols that other libraries must define.
     needed, search_paths
-        Libraries it loads, and its RPATH and RUNPATH.
+        Libraries that the library loads, and its RPATH and RUNPATH.
     """
 
     machine: str
@@ -42,14 +42,14 @@ class Library:
 
 
 def read(data: bytes) -> Library:
-    """Read a shared library.
+    """Read the dynamic section of a shared library.
 
     Raises
     ------
     ElfError
     """
     if data[:6] != b"\x7fELF\x02\x01":
-        msg = "it is no 64-bit little-endian ELF file"
+        msg = "it is not a 64-bit little-endian ELF file"
         raise ElfError(msg)
     try:
         return _read(data)
@@ -90,7 +90,7 @@ def _read(data: bytes) -> Library:
 
 
 def _segments(data: bytes) -> tuple[list[tuple[int, int, int]], tuple[int, int]]:
-    """Address, size and file offset of what is loaded; offset and size of the dynamic section."""
+    """Return address, size and file offset of each loaded segment, and offset and size of the dynamic section."""
     start, size, count = (struct.unpack_from("<Q", data, 32)[0], *struct.unpack_from("<HH", data, 54))
     loads, dynamic = [], None
     for i in range(count):
@@ -122,7 +122,7 @@ def _offset(loads: list[tuple[int, int, int]], address: int) -> int:
 
 
 def _count(data: bytes, loads: list[tuple[int, int, int]], tags: dict[int, int]) -> int:
-    """Number of dynamic symbols, from either hash table."""
+    """Return the number of dynamic symbols, from either hash table."""
     if _HASH in tags:
         count = struct.unpack_from("<I", data, _offset(loads, tags[_HASH]) + 4)[0]
     else:
@@ -134,7 +134,7 @@ def _count(data: bytes, loads: list[tuple[int, int, int]], tags: dict[int, int])
 
 
 def _gnu_count(data: bytes, table: int) -> int:
-    """The end of the last chain of the GNU hash table."""
+    """Return the end of the last chain of the GNU hash table."""
     buckets, first, words, _ = struct.unpack_from("<IIII", data, table)
     if buckets > _MOST:
         msg = f"its hash table has {buckets} buckets"

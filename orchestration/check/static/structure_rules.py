@@ -1,4 +1,4 @@
-"""Rule 4: ModelStructure lists every output and initial unknown, with what they depend on."""
+"""Checks rule 4: ModelStructure lists every output and initial unknown, and the variables that they depend on."""
 
 from collections.abc import Iterator
 
@@ -10,26 +10,27 @@ _COMPUTED = (APPROX, CALCULATED)
 
 
 def indices_exist(package: Package) -> Iterator[Finding]:
-    """Indices of unknowns, dependencies and states are those of variables."""
+    """Check rule 4: every index of an unknown, a dependency or a state belongs to a variable."""
     document = package.document
     n = len(document.variables)
     for listing in (OUTPUTS, DERIVATIVES, INITIAL_UNKNOWNS):
         for row in document.unknowns(listing):
             wrong = [i for i in (row.index, *(row.dependencies or ())) if not 1 <= i <= n]
             if wrong:
-                yield error("4", f"{listing}: the index {wrong[0]} is no variable's; there are {n}.")
+                yield error("4", f"{listing}: the index {wrong[0]} is not that of a variable; there are {n}.")
     for variable in document.variables:
         if variable.derivative is not None and not 1 <= variable.derivative <= n:
-            yield error("4", f"{shown(variable.name)}: derivative {variable.derivative} is no variable's index.")
+            name = shown(variable.name)
+            yield error("4", f"{name}: derivative {variable.derivative} is not the index of a variable.")
 
 
 def outputs_are_complete(package: Package) -> Iterator[Finding]:
-    """Outputs lists every output, and nothing else."""
+    """Check rule 4: the element Outputs lists every output, and nothing else."""
     yield from _compare(package.document, OUTPUTS, {v.index for v in package.document.of_causality("output")})
 
 
 def initial_unknowns_are_complete(package: Package) -> Iterator[Finding]:
-    """InitialUnknowns lists what initialization computes, in ascending order."""
+    """Check rule 4: InitialUnknowns lists the variables that initialization computes, in ascending order."""
     document = package.document
     expected = {v.index for v in document.of_causality("output") if v.initial in _COMPUTED}
     expected |= {v.index for v in document.of_causality("calculatedParameter")}
@@ -43,16 +44,16 @@ def initial_unknowns_are_complete(package: Package) -> Iterator[Finding]:
 
 
 def derivatives_name_their_states(package: Package) -> Iterator[Finding]:
-    """Derivatives lists variables that have the attribute derivative."""
+    """Check rule 4: the element Derivatives lists only variables that have the attribute derivative."""
     document = package.document
     rows = [row.index for row in document.unknowns(DERIVATIVES) if 1 <= row.index <= len(document.variables)]
     stateless = [document.variables[i - 1].name for i in rows if document.variables[i - 1].derivative is None]
     if stateless:
-        yield warning("4", f"{DERIVATIVES} lists {listed(stateless)}, which say not whose derivative they are.")
+        yield warning("4", f"{DERIVATIVES} lists {listed(stateless)}, which do not say whose derivative they are.")
 
 
 def dependencies_are_declared(package: Package) -> Iterator[Finding]:
-    """What each unknown depends on is said, in ascending order, with a kind each or none."""
+    """Check rule 4: each unknown has dependencies, in ascending order, with a kind for each or for none."""
     document = package.document
     silent = []
     for listing in (OUTPUTS, DERIVATIVES, INITIAL_UNKNOWNS):
@@ -71,7 +72,7 @@ def dependencies_are_declared(package: Package) -> Iterator[Finding]:
 
 
 def _compare(document: Document, listing: str, expected: set[int]) -> Iterator[Finding]:
-    """The rows of a list against what it should hold."""
+    """Compare the rows of a list with the variables that it should hold."""
     rows = [row.index for row in document.unknowns(listing)]
     missing, more = sorted(expected - set(rows)), sorted(set(rows) - expected)
     if missing:
@@ -83,7 +84,7 @@ def _compare(document: Document, listing: str, expected: set[int]) -> Iterator[F
 
 
 def _state(document: Document, index: int) -> int:
-    """Index of the state whose derivative a variable is; 0 if there is none."""
+    """Return the index of the state whose derivative a variable is; 0 if there is none."""
     if not 1 <= index <= len(document.variables):
         return 0
     return document.variables[index - 1].derivative or 0

@@ -1,1 +1,1 @@
-"""The compiled loops: numbers and addresses only."""
+"""The compiled loops of the co-simulation master, which work on numbers and addresses only."""

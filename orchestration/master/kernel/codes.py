@@ -1,4 +1,4 @@
-"""Every number with a meaning that the compiled loops and their callers share: columns, codes, fields.
+"""Names the numbers that the compiled loops and their callers share: columns of tables, codes, fields of records.
 
 Tables of integers have an IntEnum of columns, tables of mixed numbers a record type with named fields.
 A name stands for one number: no member of one enumeration is a member of another. Compiled code takes both
@@ -11,7 +11,7 @@ import numpy as np
 
 
 class Column(IntEnum):
-    """Columns of the table of components, one row per component; a call is named by its first column."""
+    """Columns of the table of components, which has a row for each component; a call is named by its first column."""
 
     INSTANCE = 0  # the address of the instance
     DO_STEP = 1  # the address of the function
@@ -64,7 +64,7 @@ CALL_NAMES = {
 
 
 class Kind(IntEnum):
-    """What an operation of a fixed step does."""
+    """Kinds of operations in a fixed step."""
 
     TRANSFER = 0
     STEP = 1
@@ -105,7 +105,7 @@ LINK = np.dtype(
         ("pair_residual", np.float64),  # and what it changes unrelaxed
     ]
 )
-"""A connection of Real variables: what it connects, and where its correction stands."""
+"""A connection of Real variables: indices of both ends, and the state of its correction."""
 
 WATCHED = np.dtype(
     [
@@ -160,7 +160,7 @@ STATE = np.dtype(
         ("jacobian_step", np.float64),  # step for which the Jacobian was made, s
     ]
 )
-"""Where a run stands."""
+"""The state of a run of any algorithm."""
 
 
 class Row(IntEnum):
@@ -182,7 +182,7 @@ N_PAST = 3
 
 
 class Level(IntEnum):
-    """How deep rollbacks are nested: a correction goes back within step control or event location."""
+    """Levels of nested rollbacks: a correction goes back within step control or event location."""
 
     ITERATION = 0
     CONTROL = 1
@@ -192,14 +192,14 @@ N_LEVELS = 2
 
 
 class Turn(IntEnum):
-    """What is done with the components' states."""
+    """What a loop does with the components' states."""
 
     SAVE = 0
     RESTORE = 1
 
 
 class Scope(IntEnum):
-    """Components that a sweep, a save or a restoration is for."""
+    """Sets of components that a sweep, a save or a restoration can be for."""
 
     ALL = 0
     AGAIN = 1  # the continuous ones
@@ -216,7 +216,7 @@ class Action(IntEnum):
 
 
 class Reason(IntEnum):
-    """Why a loop ended, where no call of an FMI function did; above every fmi2Status."""
+    """Reasons why a loop ended although no call of an FMI function failed; the numbers are above every fmi2Status."""
 
     NOT_CONVERGED = 100
     SINGULAR = 101

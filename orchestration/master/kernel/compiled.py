@@ -1,15 +1,15 @@
-"""How the functions of the kernel are compiled, and that compiled code is never older than its source.
+"""Decorators that compile the functions of the loops, and keep machine code that is never older than its source.
 
     compiled               called from Python: compiled once for each kind of arguments, and kept
     compiled_for_callers   called from compiled functions only: a part of their machine code
     compiled_in_place      the same, for a large function that is called in one place
     compiled_with_caller   called from both; from Python it is not compiled, and an FMU is called through ctypes
 
-What is kept lies in a folder named by the hash of all sources, see `orchestration.fmi.machine_code`. With
+Machine code is kept in a folder named by the hash of all sources, see `orchestration.fmi.machine_code`. With
 NUMBA_DISABLE_JIT=1 nothing is compiled, and everything runs as plain Python.
 
-Nothing allocates or refers to a Python object: numba is told so, and counts no references. That, and that
-parts have no entry of their own for Python, is a third of the time of compilation.
+The functions neither allocate memory nor refer to Python objects, so numba is told not to count references. Parts
+have no entry for Python. Both together save a third of the time of compilation.
 """
 
 from collections.abc import Callable

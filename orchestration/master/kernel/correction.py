@@ -1,4 +1,4 @@
-"""How assumed inputs are corrected: Aitken's relaxation, or Newton's method on the interface.
+"""Corrects the assumed inputs of a step by iteration: by Aitken's relaxation, or Newton's method on the interface.
 
 With u the assumed values and y(u) what their sources show at the end of the step, the residual is
 r(u) = y(u) - u. Aitken (B. Irons, R. Tuck, 1969): u <- u + w r with
@@ -24,9 +24,10 @@ SLOW = 0.2  # an iteration that leaves more of the residual asks for a new Jacob
 
 @compiled_in_place
 def corrected_step(c: Coupling, step: tuple[float, float]) -> Failure:
-    """Sweep, and go on if inputs are corrected until the assumed values are those that come out.
+    """Make a step, and repeat it with corrected inputs until the assumed values equal the resulting ones.
 
-    A step without a past to extrapolate is made with held inputs, then again towards what came out.
+    If there is no past to extrapolate from, the step is made with held inputs, then again with inputs that move to
+    the resulting values.
     """
     method, state = c.method, c.state
     starting = method.restarts == 1 and state.n_past == 1
@@ -65,7 +66,7 @@ def corrected_step(c: Coupling, step: tuple[float, float]) -> Failure:
 
 @compiled_for_callers
 def extrapolate(c: Coupling, h: float) -> None:
-    """Assume values at the end of a step: those of the polynomials through the past."""
+    """Assume the values of the polynomials through the past for the end of a step."""
     for j in c.assumed:
         link = c.links[j]
         if link.rate < 0 or c.method.order == 0:
@@ -101,8 +102,8 @@ def worst_residual(c: Coupling) -> tuple[int, float]:
 def relax(c: Coupling, factor: float, sweeps: int) -> float:
     """Correct the assumed values by Aitken's relaxation; returns the factor used.
 
-    In a parallel sweep a change comes back after two: there, two sweeps are one of Aitken's
-    iterations, and the first of them takes the values as they come out.
+    In parallel sweeps a change comes back after two sweeps. There, two sweeps are one of Aitken's iterations, and the
+    first of the two takes the resulting values unchanged.
     """
     period = 1 if c.method.sequential == 1 else 2
     phase = (sweeps - 1) % period
@@ -159,9 +160,9 @@ def newton(c: Coupling, step: tuple[float, float], sweeps: int) -> Failure:
 
 @compiled_for_callers
 def difference_jacobian(c: Coupling, step: tuple[float, float]) -> Failure:
-    """dy/du by repeating the step with one assumed value after the other displaced.
+    """Compute dy/du by repeating the step with one assumed value after the other displaced.
 
-    In a parallel exchange that moves one component only.
+    In a parallel exchange a displaced value moves one component only.
     """
     failure = FINE
     store(c, Row.TRIAL)
@@ -187,7 +188,7 @@ def difference_jacobian(c: Coupling, step: tuple[float, float]) -> Failure:
 
 @compiled_for_callers
 def directional_jacobian(c: Coupling) -> Failure:
-    """dy/du as the components declare it: direct feedthrough at the end of the step.
+    """Compute dy/du from the components' directional derivatives: direct feedthrough at the end of the step.
 
     A component writes the differentials of its outputs where its outputs belong.
     """
@@ -218,7 +219,7 @@ def directional_jacobian(c: Coupling) -> Failure:
 
 @compiled_for_callers
 def needs_jacobian(c: Coupling, h: float, sweeps: int) -> bool:
-    """Whether there is no Jacobian for this step size, or the present one does not serve."""
+    """Whether a new Jacobian is needed: none exists for this step size, or the present one converges too slowly."""
     if c.state.has_jacobian == 0 or c.state.jacobian_step != h:
         return True
     if sweeps < 2:

@@ -1,12 +1,14 @@
-"""What the loop of all algorithms works on: flat arrays and records, beside those of the plan."""
+"""The flat arrays and records that the loop of all algorithms works on, together with the flat form of the system."""
 
 from typing import NamedTuple
 
 import numpy as np
 
+from orchestration.master.kernel.records import Link, Method, Records, State, Watched
+
 
 class Coupling(NamedTuple):
-    """Everything that a step of an algorithm reads and writes.
+    """All data that a step of a co-simulation algorithm reads and writes.
 
     The arrays are few, because compiled code hands each of them over as seven numbers at every call.
 
@@ -45,15 +47,15 @@ class Coupling(NamedTuple):
     discrete_links: np.ndarray
     reals: np.ndarray
     discretes: np.ndarray
-    links: np.recarray
+    links: Records[Link]
     history: np.ndarray
     rates: np.ndarray
     states: np.ndarray
     assumed: np.ndarray
     exact: np.ndarray
-    watched: np.recarray
+    watched: Records[Watched]
     crossings: np.ndarray
     jacobian: np.ndarray
     pivots: np.ndarray
-    method: np.record
-    state: np.record
+    method: Method
+    state: State

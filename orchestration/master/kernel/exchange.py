@@ -1,6 +1,6 @@
-"""Sweeps over the components: set inputs, step, get outputs, and go back to saved states.
+"""Sweeps over the components of a system: set inputs, make steps, get outputs, and restore saved states.
 
-Every step of every algorithm is made of these. A function that makes several calls returns
+Every step of every algorithm consists of sweeps. A function that makes several calls returns
 `orchestration.master.kernel.codes.Failure`; `FINE` says that all went well.
 """
 
@@ -29,12 +29,12 @@ SIZE_OF_ADDRESS, SIZE_OF_REAL, SIZE_OF_DISCRETE = 8, 8, 4  # bytes
 
 @compiled_for_callers
 def sweep(c: Coupling, step: tuple[float, float], scope: Scope) -> Failure:
-    """Set inputs, step, get outputs: of all components, of the continuous ones again, or of one again.
+    """Set inputs, make steps and get outputs: of all components, of continuous ones again, or of one again.
 
     The order is component by component, or in the first sweep of a parallel exchange action by action.
-    A component of ratio r > 1 makes a step of r h in every r-th interval; a continuous one of these shows
-    what it reached when the time is reached. Each call stands in one place: what is inlined twice is
-    compiled twice.
+    A component of ratio r > 1 makes a step of r h in every r-th interval. If it is continuous, its new outputs are
+    fetched when the end of its step is reached. Each call stands in one place, because code that is inlined twice
+    is compiled twice.
     """
     table, interval = c.table, c.state.interval
     n = table.shape[0]
@@ -102,7 +102,7 @@ def move_inputs(c: Coupling, i: int, h: float) -> None:
 
 @compiled_for_callers
 def rates_count(table: np.ndarray, i: int) -> int:
-    """How many input derivatives component i takes."""
+    """Return the number of input derivatives that component i accepts."""
     return table[i, Column.SET_RATES + Group.COUNT]
 
 
@@ -122,10 +122,10 @@ def set_rates(table: np.ndarray, i: int) -> tuple[int, int]:
 
 @compiled_for_callers
 def polynomial_to(c: Coupling, source: int, h: float, end: float) -> tuple[float, float, float]:
-    """Value, first and second derivative at t of a polynomial through `end` at t + h.
+    """Return value, first and second derivative at t of a polynomial through `end` at t + h.
 
-    It also passes through as many of the output's values at t and before as the order of the method asks
-    for and the past since the last event has.
+    The polynomial also passes through values of the output at t and before. Their number is that of the method's
+    order, or smaller if the past since the last event is shorter.
     """
     y, t = c.history, c.reals.shape[0]
     value = y[Row.LAST, source]
@@ -140,9 +140,9 @@ def polynomial_to(c: Coupling, source: int, h: float, end: float) -> tuple[float
 
 @compiled_for_callers
 def polynomial(c: Coupling, source: int) -> tuple[float, float, float]:
-    """Value, first and second derivative at t of the polynomial through an output's past values.
+    """Return value, first and second derivative at t of the polynomial through an output's past values.
 
-    It passes through as many as the order of the method asks for and the past since the last event has.
+    The number of values is that of the method's order, or smaller if the past since the last event is shorter.
     """
     y, t, n = c.history, c.reals.shape[0], c.state.n_past
     value = y[Row.LAST, source]
@@ -177,13 +177,13 @@ def store(c: Coupling, target: Row) -> None:
 
 @compiled_for_callers
 def bring_back(c: Coupling, source: Row) -> None:
-    """Make a row of the history the present Real values."""
+    """Copy a row of the history to the present Real values."""
     copy_bytes(row_address(c, source), c.method.reals, SIZE_OF_REAL * c.reals.shape[0])
 
 
 @compiled_for_callers
 def remember(c: Coupling, t: float) -> None:
-    """Make the present values the youngest of the past."""
+    """Add the present values to the history as its youngest row."""
     row = SIZE_OF_REAL * c.history.shape[1]
     copy_bytes(c.method.history + row, c.method.history + 2 * row, row)
     copy_bytes(c.method.history, c.method.history + row, row)
@@ -221,7 +221,7 @@ def save(c: Coupling) -> Failure:
 
 @compiled_for_callers
 def restore(c: Coupling) -> Failure:
-    """Go back to what `save` saved."""
+    """Restore the values and states that `save` saved."""
     bring_back(c, Row.KEPT)
     copy_bytes(c.method.kept_discretes, c.method.discretes, SIZE_OF_DISCRETE * c.discretes.shape[0])
     copy_past(c, Row.KEPT_LAST, Row.LAST)

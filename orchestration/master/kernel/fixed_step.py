@@ -1,11 +1,11 @@
-"""The hot loop of the fixed-step algorithms: operations and arrays in, (step, operation, status) out.
+"""The compiled loop of the fixed-step algorithms: it takes operations and arrays, and returns the failed call.
 
     for k = first, ..., last - 1:                       t = times[k], h = steps[k] or steps[0]
         every operation of the list (orchestration/master/kernel/step_program.py)
-        after every n-th step: a row = what the outputs show
+        after every n-th step: a row = the present outputs
 
-Nothing here allocates, raises or sees a Python object. `run` is compiled; without compilation
-(NUMBA_DISABLE_JIT=1) the same source goes through ctypes, a slow oracle of itself.
+The loop neither allocates memory nor raises errors nor sees a Python object. `run` is compiled. Without compilation
+(NUMBA_DISABLE_JIT=1) the same source calls FMUs through ctypes, as a slow oracle of itself.
 """
 
 import numpy as np
@@ -15,11 +15,12 @@ from orchestration.fmi.native_calls import call_do_step, call_transfer
 from orchestration.master.kernel.codes import Kind
 from orchestration.master.kernel.compiled import compiled, compiled_for_callers
 from orchestration.master.kernel.flat_system import Plan, record
+from orchestration.master.kernel.records import Operation, Records
 
 
 @compiled
 def run(
-    operations: np.recarray,
+    operations: Records[Operation],
     plan: Plan,
     grid: tuple[np.ndarray, np.ndarray],
     span: tuple[int, int],
@@ -31,7 +32,7 @@ def run(
     Parameters
     ----------
     operations
-        Of a step, see `orchestration.master.kernel.step_program.operations_of_step`.
+        Operations of a step, see `orchestration.master.kernel.step_program.operations_of_step`.
     grid
         Communication points, s, shape (n_steps + 1,), and step sizes, s, shape (n_steps,), or (1,)
         if all are equal.
@@ -79,8 +80,8 @@ def run(
 
 
 @compiled_for_callers
-def copy_values(operation: np.record, values: np.ndarray) -> None:
-    """Copy a run of values to other places of their buffer."""
+def copy_values(operation: Operation, values: np.ndarray) -> None:
+    """Copy neighbouring values to other places of their buffer."""
     source, target = np.uint64(operation.first), np.uint64(operation.place)
     for i in range(np.uint64(operation.count)):
         values[target + i] = values[source + i]

@@ -1,7 +1,7 @@
-"""The flat form of a system, and the calls of its components.
+"""The flat form of a system as plain arrays, and the functions that exchange values with its components.
 
-Nothing here allocates, raises or sees a Python object. From Python the functions call an FMU through ctypes;
-compiled loops compile them as parts of their own. They take plain arrays.
+The functions neither allocate memory nor raise errors nor see a Python object. From Python they call an FMU through
+ctypes. Compiled loops compile them as parts of their own.
 """
 
 from typing import NamedTuple
@@ -45,14 +45,14 @@ class Plan(NamedTuple):
 
 @compiled_with_caller
 def copy_links(links: np.ndarray, first: int, end: int, values: np.ndarray) -> None:
-    """Copy sources to targets."""
+    """Copy values from sources of connections to their targets."""
     for j in range(np.uint64(first), np.uint64(end)):  # signed, each index would be tested for < 0
         values[links[j, 1]] = values[links[j, 0]]
 
 
 @compiled_with_caller
 def exchange(table: np.ndarray, i: int, first: Column) -> tuple[int, int]:
-    """Three calls of component i, of Real, Integer and Boolean variables; returns (call, status).
+    """Set or get the Real, Integer and Boolean variables of component i by three calls; returns (call, status).
 
     The first call is `Column.SET_REAL` or `Column.GET_REAL`. A call without variables is not made.
     """
@@ -78,13 +78,13 @@ def set_inputs(table: np.ndarray, i: int) -> tuple[int, int]:
 
 
 def get_outputs(table: np.ndarray, i: int) -> tuple[int, int]:
-    """Fetch what component i shows; returns (call, status)."""
+    """Fetch the outputs of component i; returns (call, status)."""
     return exchange(table, i, Column.GET_REAL)
 
 
 @compiled_with_caller
-def record(plan: Plan, rows: np.ndarray, row: int) -> None:
-    """Copy what is recorded into a row; `row` is unsigned."""
+def record(plan: Plan, rows: np.ndarray, row: np.uint64) -> None:
+    """Copy the recorded outputs into a row of the results; the row's index is unsigned."""
     runs, index = plan.recorded_reals, plan.recorded_discretes
     for j in range(runs.shape[0]):
         copy_run(plan.reals, runs[j, 0], rows, row, runs[j, 1], runs[j, 2])

@@ -1,4 +1,4 @@
-"""A system of linear equations, solved in place by LU factors with partial pivoting."""
+"""Solves a system of linear equations in place by LU factors with partial pivoting."""
 
 import numpy as np
 
@@ -28,7 +28,7 @@ def factorize(a: np.ndarray, pivots: np.ndarray) -> bool:
 
 @compiled_for_callers
 def solve(a: np.ndarray, pivots: np.ndarray) -> None:
-    """Solve with the factors of `factorize`; the right-hand side, in the last column, becomes the solution."""
+    """Solve a linear system with the factors of `factorize`; the right-hand side in the last column is replaced."""
     n = a.shape[0]
     for k in range(n):
         p = pivots[k]

@@ -1,4 +1,4 @@
-"""A run of any algorithm, compiled: intervals between given points, steps within them.
+"""The compiled loop of all algorithms: it makes steps, of controlled size if asked, between given points of time.
 
     for each interval [times[k], times[k + 1]]:
         until its end is reached:
@@ -37,15 +37,15 @@ def run(
     span: tuple[int, int, int],
     rows: tuple[np.ndarray, np.ndarray],
 ) -> tuple[int, Failure]:
-    """Go on until an interval is reached, the rows are full, or enough steps are made.
+    """Run on until a given interval is reached, the rows are full, or enough steps are made.
 
     Parameters
     ----------
     grid
         Points, s, shape (n + 1,), and lengths of the intervals, s, shape (n,), or (1,) if all are equal.
     span
-        Interval to stop before, number of steps after which to return, and of how many steps one is
-        recorded; the step that ends on an event is always.
+        Interval to stop before, number of steps after which to return, and n where every n-th step is recorded.
+        A step that ends on an event is always recorded.
     rows
         Times, s, shape (n_rows,), and recorded outputs, shape (n_rows, n_columns), to be filled.
 
@@ -102,7 +102,7 @@ def run(
 
 @compiled_for_callers
 def next_step(c: Coupling, left: float) -> float:
-    """The step to try, s, when an interval has so much left."""
+    """Return the step to try, s, for the rest of an interval."""
     if c.method.controlled == 0:
         return left
     h = min(c.state.next_step, c.method.largest_step)
@@ -113,7 +113,7 @@ def next_step(c: Coupling, left: float) -> float:
 
 @compiled_in_place
 def attempt(c: Coupling, t: float, h: float) -> tuple[float, Failure]:
-    """Step h; if a watched sign changes, bisect to just after that.
+    """Make a step of h s; if a watched sign changes in it, bisect to a shorter step that ends just after the change.
 
     Returns
     -------
@@ -154,7 +154,7 @@ def attempt(c: Coupling, t: float, h: float) -> tuple[float, Failure]:
 
 @compiled_in_place
 def advance(c: Coupling, t: float, h: float) -> Failure:
-    """One step of h s from t s; with step control made whole, taken back, and made in two halves."""
+    """Make a step of h s from t s; under step control the step is made whole, taken back, and made in two halves."""
     failure = FINE
     for part in range(3 if c.method.controlled == 1 else 1):
         begin = t + 0.5 * h if part == 2 else t
@@ -172,7 +172,7 @@ def advance(c: Coupling, t: float, h: float) -> Failure:
 
 @compiled_for_callers
 def estimate(c: Coupling, h: float) -> tuple[float, int]:
-    """The error of a step over what it may be, and the watched value with the largest."""
+    """Return the error of a step divided by the accepted error, and the watched value with the largest error."""
     share = h / c.method.duration
     divisor = 2.0**c.method.error_order - 1.0
     largest, worst = 0.0, 0
@@ -189,7 +189,7 @@ def estimate(c: Coupling, h: float) -> tuple[float, int]:
 
 @compiled_for_callers
 def adapt(c: Coupling, h: float, error: float) -> bool:
-    """Choose the next step from the error of this one; returns whether this one is accepted."""
+    """Choose the next step from the error of the present step; returns whether the present step is accepted."""
     state = c.state
     accepted = error <= 1.0
     last = state.last_error if accepted else 0.0
@@ -207,7 +207,7 @@ def adapt(c: Coupling, h: float, error: float) -> bool:
 
 @compiled_for_callers
 def controlled_factor(error: float, last: float, order: int) -> float:
-    """By which factor the PI controller changes the step; errors are relative to the accepted."""
+    """Return the factor by which the PI controller changes the step; errors are relative to the accepted error."""
     if not isfinite(error):
         return SMALLEST_FACTOR
     if error == 0.0:
@@ -220,7 +220,7 @@ def controlled_factor(error: float, last: float, order: int) -> float:
 
 @compiled_for_callers
 def has_crossed(c: Coupling) -> bool:
-    """Whether a value to watch has another sign than at the last save."""
+    """Whether a watched value has another sign than at the last save."""
     for j in c.crossings:
         if (c.reals[j] > 0.0) != (c.history[Row.KEPT, j] > 0.0):
             return True

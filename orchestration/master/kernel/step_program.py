@@ -1,10 +1,10 @@
-"""What a step of a fixed-step algorithm does: a flat list of operations, in their order.
+"""Translates a step of a fixed-step algorithm into a flat list of operations, in their order.
 
     Gauss-Seidel: for each component: set its inputs, doStep, get its outputs
     Jacobi:       set all inputs; doStep all; get all outputs
 
-An input is set from where its source was fetched to, if that costs less than copying it to a place
-of its own first: inputs whose sources are neighbours are one call, without a copy.
+An input is set directly from the place of its source, if that costs less than a copy to a place of its own.
+So inputs whose sources are neighbours are set by one call, without a copy.
 """
 
 import itertools
@@ -29,12 +29,12 @@ Operation = tuple[int, ...]  # the fields of OPERATION
 
 
 def operations_of_step(plan: Plan, *, sequential: bool) -> np.recarray:
-    """The operations of a step.
+    """Return the operations of a step of a fixed-step algorithm.
 
     Parameters
     ----------
     plan
-        Must outlive what is returned, which holds addresses of its buffers.
+        Flat form of the system. It must outlive the operations, which hold addresses of its buffers.
     sequential
         Gauss-Seidel if true, else Jacobi.
 
@@ -51,7 +51,7 @@ def operations_of_step(plan: Plan, *, sequential: bool) -> np.recarray:
 
 
 def _set(plan: Plan, i: int) -> list[Operation]:
-    """The copies and calls that hand component i its inputs."""
+    """Return the copies and calls that set the inputs of component i."""
     operations = []
     for call in _SETS:
         kind, links, first, end = Kind.COPY_REALS, plan.real_links, Column.FIRST_REAL, Column.END_REAL
@@ -74,7 +74,7 @@ def _set(plan: Plan, i: int) -> list[Operation]:
 
 
 def _runs(links: Sequence[Sequence[int]]) -> Iterator[Run]:
-    """Links, ordered by target, whose sources and targets both count up."""
+    """Split links, ordered by target, into runs whose sources and targets both count up."""
     ordered = sorted(links, key=lambda link: link[1])
     for _, run in itertools.groupby(enumerate(ordered), lambda item: (item[1][0] - item[0], item[1][1] - item[0])):
         pairs = [pair for _, pair in run]
@@ -82,9 +82,9 @@ def _runs(links: Sequence[Sequence[int]]) -> Iterator[Run]:
 
 
 def _transfer(plan: Plan, i: int, call: Column, part: tuple[int, int, int]) -> Operation:
-    """A set call for a part of component i's inputs.
+    """Return the set call for a part of component i's inputs.
 
-    The part is the number of inputs before it, the offset of its values in the buffer, and its size.
+    The part is given by the number of inputs before it, the offset of its values in the buffer, and its size.
     """
     skipped, offset, count = part
     group = plan.table[i, call : call + GROUP_SIZE]
@@ -95,13 +95,13 @@ def _transfer(plan: Plan, i: int, call: Column, part: tuple[int, int, int]) -> O
 
 
 def _step(plan: Plan, i: int) -> list[Operation]:
-    """The step of component i."""
+    """Return the operation that makes the step of component i."""
     row = plan.table[i]
     return [(Kind.STEP, row[Column.DO_STEP], row[Column.INSTANCE], 0, 0, 0, i, Column.DO_STEP)]
 
 
 def _get(plan: Plan, i: int) -> list[Operation]:
-    """The calls that fetch what component i shows."""
+    """Return the calls that fetch the outputs of component i."""
     operations = []
     for call in _GETS:
         function, references, count, values = plan.table[i, call : call + GROUP_SIZE]

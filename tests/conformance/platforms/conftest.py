@@ -33,7 +33,7 @@ def build_all(folder: Path, environment: Mapping[str, str] | None = None) -> sub
 
 @pytest.fixture(scope="session")
 def portable(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Folder with every unit's FMU for all platforms; a minute when nothing is in the caches."""
+    """Folder with the FMU of every model for all platforms; a minute when nothing is in the caches."""
 
     def build(folder: Path) -> None:
         run = build_all(folder)
@@ -44,7 +44,7 @@ def portable(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="session")
 def content(portable: Path) -> Callable[[str, str], bytes]:
-    """Reads a unit's shared library for a platform."""
+    """Reads an FMU's shared library for a platform."""
 
     def read(unit: str, platform: str) -> bytes:
         with zipfile.ZipFile(portable / f"{unit}.fmu") as archive:

@@ -12,7 +12,7 @@ from fmus.catalog import MODELS
 from tests.conformance.platforms.conftest import build_all
 
 SIZE_LIMIT = 150_000  # bytes; Linux has 25 to 58 kB, Windows up to 124 kB with the C runtime of MinGW
-# Bytes differ by what the linker adds, not by the equations: the smallest and the largest unit show it.
+# Bytes differ by what the linker adds, not by the equations: the smallest and the largest FMU show it.
 COMPILED_AGAIN = ("VirtualTrajectory", "SpongOrtegaAdaptiveImpedance")
 
 
@@ -68,7 +68,7 @@ def test_07_compiler_gives_the_same_bytes(
 ) -> None:
     """The archive's sources, compiled elsewhere with empty caches, give the archive's binary.
 
-    This machine's platform is in ``tests/conformance/test_archive.py``, for every unit.
+    This machine's platform is in ``tests/conformance/test_archive.py``, for every FMU.
     """
     monkeypatch.setenv("ZIG_LOCAL_CACHE_DIR", str(tmp_path / "zig"))
     sources = tmp_path / "sources"

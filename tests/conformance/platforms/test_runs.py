@@ -1,10 +1,10 @@
-"""The units step on every platform that runs here, and show the same numbers up to rounding.
+"""The FMUs step on every platform that runs here, and show the same numbers up to rounding.
 
 A C driver steps them: on this machine bit for bit what Python gets. Elsewhere the C library's functions
 differ by a unit in the last place: with MinGW, which brings sin, cos, exp and log with it, in 1 to 4 % of
 the values of VirtualTrajectory; glibc on ARM and on x86-64 gave the same bits throughout. In Fig. 2 contact
 multiplies a position's rounding by K_f = 1e5 N/m. Measured, win64 against linux64 and aarch64-linux against
-linux64, largest over the 2 s of Fig. 2, contact included, and over 500 random steps of each unit alone:
+linux64, largest over the 2 s of Fig. 2, contact included, and over 500 random steps of each FMU alone:
 
     Fig. 2    x 2e-15 m of 1.5, q 9e-16 rad of 5.6, dx 9e-14 m/s of 4.7, F_ext 9e-11 N of 557,
               tau 7e-11 N.m of 327, e 2e-15 m of 1.3e-4: 5 units of rounding; ARM: 0
@@ -35,7 +35,7 @@ from tests.conformance.scenes import STEPS, H, random_inputs, scene
 
 Outputs = dict[str, np.ndarray]
 SEED = 20
-ROWS = 500  # of each unit alone
+ROWS = 500  # of each FMU alone
 # Units of rounding allowed: x, and with it e = x - x_t, is a sum of products of two sines and two cosines each in
 # plant and controller, of RK4's four stages; two results that are within one unit each differ by two.
 ROUNDINGS = 16
@@ -43,13 +43,13 @@ ROUNDINGS = 16
 
 @pytest.fixture(scope="module")
 def binaries(portable: Path, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Binary]:
-    """Each unit's binary for this machine, from the FMU for all."""
+    """Each FMU's binary for this machine, from the FMU for all."""
     return {name: Binary(portable / f"{name}.fmu", tmp_path_factory.mktemp(name)) for name in MODELS}
 
 
 @pytest.fixture(scope="module")
 def fig2(portable: Path) -> Plan:
-    """The five units of Fig. 2 for 2 s: free motion, contact from 0.92 s to 1.08 s, free motion."""
+    """The five FMUs of Fig. 2 for 2 s: free motion, contact from 0.92 s to 1.08 s, free motion."""
     scenario = SCENARIOS["fig2"]
     system = scenario.system({unit: portable / f"{unit}.fmu" for unit in scenario.units.values()})
     steps = round(system.run_stop_time() / system.run_step())
@@ -58,7 +58,7 @@ def fig2(portable: Path) -> Plan:
 
 @pytest.fixture(scope="module")
 def alone(portable: Path, binaries: dict[str, Binary]) -> Plan:
-    """Every unit without the others: its scene, with random inputs and steps of several lengths."""
+    """Every FMU without the others: its scene, with random inputs and steps of several lengths."""
     rng = np.random.default_rng(SEED)
     units = [Component(n, read_description(portable / f"{n}.fmu"), scene(binary)) for n, binary in binaries.items()]
     rows = [
@@ -83,7 +83,7 @@ def fig2_outputs(run: Callable[[Plan], Outputs], fig2: Plan) -> Outputs:
 
 @pytest.fixture(scope="module")
 def alone_outputs(run: Callable[[Plan], Outputs], alone: Plan) -> Outputs:
-    """Each unit alone on this machine."""
+    """Each FMU alone on this machine."""
     return run(alone)
 
 

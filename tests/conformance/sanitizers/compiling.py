@@ -1,4 +1,4 @@
-"""A unit's own sources compiled into a C driver under clang, with its scene as a table."""
+"""An FMU's own sources compiled into a C driver under clang, with its scene as a table."""
 
 import functools
 import shutil
@@ -65,14 +65,14 @@ def unpack(fmu: Path, folder: Path, fault: Fault | None = None) -> Path:
 
 
 def scene_header(unit: str) -> str:
-    """Start values of a unit's scene as a C table that ends with a name NULL."""
+    """Start values of an FMU's scene as a C table that ends with a name NULL."""
     rows = [f'    {{"{name}", {float(value)!r}}},' for name, value in SCENES.get(unit, {}).items()]
     head = "typedef struct {\n    const char *name;\n    double value;\n} SceneValue;"
     return "\n".join([head, "static const SceneValue scene_values[] = {", *rows, "    {NULL, 0},", "};", ""])
 
 
 def compile_driver(driver: str, sources: Path, *flags: str) -> Path:
-    """Compile ``driver`` of this folder with the unit's sources; returns the program.
+    """Compile ``driver`` of this folder with the FMU's sources; returns the program.
 
     Raises
     ------

@@ -1,10 +1,10 @@
 """How much of the C runtime the conformance tests execute: ``python -m tests.conformance.sanitizers.coverage``.
 
-Runs the tests that call the binaries on units with counters (see `instrument`) and prints lines and
-branches of each file of ``adaptimp_fmu/runtime``, all units together: a line counts if any unit
+Runs the tests that call the binaries on FMUs with counters (see `instrument`) and prints lines and
+branches of each file of ``adaptimp_fmu/runtime``, all FMUs together: a line counts if any FMU
 executed it; a branch (one of the two outcomes of a condition) likewise. Generated ``equations.h``
 and ``model.c`` are left out, nothing of the runtime is: failed allocations count as missed. Conditions
-that are constant in every unit (``INPUT_ORDER == 0`` and the like) are counted as missed, too.
+that are constant in every FMU (``INPUT_ORDER == 0`` and the like) are counted as missed, too.
 """
 
 import json
@@ -43,7 +43,7 @@ class Counts:
 
 
 def measure(folder: Path, tests: tuple[str, ...] = TESTS) -> dict[str, Counts]:
-    """Run the tests and add up what all units executed, by file of the runtime.
+    """Run the tests and add up what all FMUs executed, by file of the runtime.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""A pytest plugin: units are built by clang with counters of LLVM's source-based coverage.
+"""A pytest plugin: FMUs are built by clang with counters of LLVM's source-based coverage.
 
 ``pytest -p tests.conformance.sanitizers.instrument``, with ``$ADAPTIMP_CACHE`` set to an empty folder
 (the cache does not know of counters) and ``$LLVM_PROFILE_FILE`` saying where they are written.

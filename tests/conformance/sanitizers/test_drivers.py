@@ -1,4 +1,4 @@
-"""Plain runs of all units under the sanitizers, in threads, and under valgrind."""
+"""Plain runs of all FMUs under the sanitizers, in threads, and under valgrind."""
 
 import shutil
 import subprocess

@@ -1,4 +1,4 @@
-"""A short run of the fuzzer on one unit of each kind, and faults that it must find.
+"""A short run of the fuzzer on one FMU of each kind, and faults that it must find.
 
 The run is counted in executions, so that it is the same on a slow machine; ``ADAPTIMP_FUZZ_RUNS=500000``
 makes it a long one. Executions and libFuzzer's coverage are printed (``pytest -rP``).

@@ -95,14 +95,14 @@ def container(system: System, path: Path, *, sequential: bool) -> Path:
     Parameters
     ----------
     sequential
-        Whether the units in it step one after the other, on the values of this step; else each sees what
+        Whether the FMUs in it step one after the other, on the values of this step; else each sees what
         the other showed before the step.
     """
     from fmu_manipulation_toolbox.assembly import AssemblyNode
 
     logging.getLogger("fmu_manipulation_toolbox").setLevel(logging.CRITICAL)  # an open output is no news
     automatic = {"auto_link": False, "auto_input": False, "auto_output": False}
-    node = AssemblyNode(path.name, step_size=system.step, sequential=sequential, **automatic)
+    node = AssemblyNode(path.name, step_size=system.run_step(), sequential=sequential, **automatic)
     for name in ("trajectory", "controller"):
         component = system.component(name)
         node.add_fmu(f"{name}.fmu", str(component.description.path))

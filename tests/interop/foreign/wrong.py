@@ -1,7 +1,7 @@
 """The hand-written controller with one mistake each, as its author could have made it.
 
 Each is an edit of its C source or of its description. What `check` finds first is the mistake. What a run of
-Fig. 5 says depends: the swap is refused, the unit refuses to start, or a step fails; or nothing, where only the
+Fig. 5 says depends: the swap is refused, the FMU refuses to start, or a step fails; or nothing, where only the
 torques are wrong, or what a plain run never uses.
 """
 

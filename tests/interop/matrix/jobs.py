@@ -1,4 +1,4 @@
-"""The jobs: every unit of the catalog with its reference's inputs, every figure in full length."""
+"""The jobs: every FMU of the catalog with its reference's inputs, every figure in full length."""
 
 import warnings
 from collections.abc import Mapping
@@ -16,11 +16,11 @@ from tests.driver import Driver
 from tests.interop.matrix.protocol import NANOSECONDS, SYSTEM, UNIT, Job, Part, Tool
 
 FIGURES = tuple(name for name in SCENARIOS if name.startswith("fig"))
-ALONE = "unit"  # the component of a unit's job
+ALONE = "unit"  # the component of an FMU's job
 
 
 def unit_job(unit: str, fmus: Mapping[str, Path], folder: Path) -> Job:
-    """A unit alone, driven by ``fmus/reference/UNIT/UNIT_in.csv``."""
+    """An FMU alone, driven by ``fmus/reference/UNIT/UNIT_in.csv``."""
     inputs, step = table(unit, "in"), options(unit)["StepSize"]
     driven = [name for name in inputs.dtype.names or () if name != "time"]
     description = read_description(fmus[unit])
@@ -58,7 +58,7 @@ def our_rows(job: Job, tool: Tool, fmus: Mapping[str, Path]) -> np.ndarray:
 
 
 def _replayed(job: Job, times: np.ndarray, *, nanoseconds: bool) -> np.ndarray:
-    """Rows of a unit driven by its stimulus, set before every step."""
+    """Rows of an FMU driven by its stimulus, set before every step."""
     part = job.parts[0]
     driver = Driver(Path(part.fmu))
     names = [name.partition(".")[2] for name in job.columns]
@@ -85,7 +85,8 @@ def _job(system: System, kind: str, n_steps: int, folder: Path) -> Job:
     for component in system.components:
         variables = component.description.variables
         driven = {c.input: first[f"{c.source}.{c.output}"] for c in system.connections if c.target == component.name}
-        alone = {v.name: v.start for v in component.description.of_causality("input")}
+        inputs = component.description.of_causality("input")
+        alone = {v.name: v.start for v in inputs if v.start is not None}
         parts.append(
             Part(
                 component.name,
@@ -99,7 +100,7 @@ def _job(system: System, kind: str, n_steps: int, folder: Path) -> Job:
         )
     connections = tuple((c.source, c.output, c.target, c.input) for c in system.connections)
     ssp = system.write(folder / f"{system.name}.ssp")
-    return Job(system.name, kind, system.step, n_steps, str(ssp), tuple(parts), connections, tuple(first))
+    return Job(system.name, kind, system.run_step(), n_steps, str(ssp), tuple(parts), connections, tuple(first))
 
 
 def _initial_row(system: System) -> dict[str, float]:

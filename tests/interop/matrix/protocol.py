@@ -32,7 +32,7 @@ class Tool:
     kinds
         What it runs: `UNIT`, `SYSTEM`, or both.
     inputs
-        How the inputs of a unit alone go in; empty for tools that run no unit.
+        How the inputs of an FMU alone go in; empty for tools that run no FMU.
     algorithm
         Ours that its systems are compared with, `JACOBI` or `GAUSS_SEIDEL`.
     clock
@@ -94,7 +94,7 @@ class Job:
     kind
         `UNIT`: one component, driven by `stimulus`; `SYSTEM`: components and connections.
     ssp
-        The same as an SSP package; that of a unit has row 0 of the stimulus as start values.
+        The same as an SSP package; that of an FMU has row 0 of the stimulus as start values.
     connections
         As (component, output, component, input).
     columns

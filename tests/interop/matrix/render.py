@@ -100,7 +100,7 @@ def _task(tool: Tool) -> str:
 
 
 def _unit_steps(outcomes: Outcomes) -> str:
-    """How many steps the units take."""
+    """How many steps the FMUs take."""
     steps = sorted(
         {verdict.steps for row in outcomes.verdicts.values() for job, verdict in row.items() if job in MODELS}
     )

@@ -61,7 +61,7 @@ def _python(tool: Tool) -> list[str]:
 
 
 def _failure(done: subprocess.CompletedProcess[str], job: Job) -> str:
-    """Why, in one line without the folders of files and, so that units can be told together, without their name."""
+    """Why, in one line without the folders of files and, so that FMUs can be told together, without their name."""
     if done.returncode < 0:
         return f"the process ends with {signal.Signals(-done.returncode).name}"
     lines = [line for line in done.stderr.splitlines() if line.strip()]

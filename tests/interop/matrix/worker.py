@@ -34,7 +34,7 @@ def main(key: str, job: str, out: str) -> int:
 
 
 def _listen() -> list[str]:
-    """Hear what units log, in tools that call them through fmpy; else a failed call has no reason."""
+    """Hear what FMUs log, in tools that call them through fmpy; else a failed call has no reason."""
     said: list[str] = []
     try:
         from fmpy.fmi2 import FMU2Slave, fmi2CallbackFunctions, fmi2CallbackLoggerTYPE

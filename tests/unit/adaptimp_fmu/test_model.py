@@ -15,12 +15,12 @@ from adaptimp_fmu.structure import dependencies
 
 def sampled(name: str = "Unit") -> SampledModel:
     """A sampled model without variables of its own."""
-    return SampledModel(name, "A unit for tests")
+    return SampledModel(name, "A model for tests")
 
 
 def continuous() -> ContinuousModel:
     """A continuous model without variables of its own."""
-    return ContinuousModel("Unit", "A unit for tests")
+    return ContinuousModel("Unit", "A model for tests")
 
 
 @pytest.mark.parametrize(
@@ -291,7 +291,7 @@ def lowered(model: Model) -> dict[str, ca.Function]:
 
 
 def example() -> SampledModel:
-    """A unit with every kind of argument: y = sqrt(a^2 + b) x + exp(u), x becomes x + sin(t)."""
+    """A model with every kind of argument: y = sqrt(a^2 + b) x + exp(u), x becomes x + sin(t)."""
     model = sampled()
     a, b = model.parameter("a", 3.0, description="A"), model.parameter("b", 16.0, description="B")
     u, x = model.input("u", 0.0, description="Input"), model.state("x", ca.SX(2.0))
@@ -372,7 +372,8 @@ def test_starts_are_written_to_the_last_bit(value: float) -> None:
     model = sampled()
     model.output("y", model.input("u", value, description="Input"), description="Output")
     sources, xml = definition(model)
-    assert float(etree.fromstring(xml).find(".//ScalarVariable[@name='u']/Real").get("start")) == value
+    typed = next(etree.fromstring(xml).iterfind(".//ScalarVariable[@name='u']/Real"))
+    assert float(typed.attrib["start"]) == value
     assert f'{{"u", TYPE_REAL, ROLE_INPUT,\n     {value!r},' in sources["model.c"]
 
 

@@ -24,7 +24,7 @@ Compiler = Callable[[Path, Path, toolchain.Platform], None]
 
 
 def gain(factor: float = 2.0) -> SampledModel:
-    """A unit that multiplies: y = factor u."""
+    """A model that multiplies: y = factor u."""
     model = SampledModel("Gain", "Multiplies")
     model.output("y", factor * model.input("u", 1.0, description="Input"), description="Output")
     return model

@@ -1,1 +1,1 @@
-"""The units of `fmus` as they are declared: starts, sensor, actuator."""
+"""Tests of the models in `fmus` as they are declared: start values, sensor, actuator."""

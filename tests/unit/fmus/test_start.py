@@ -1,4 +1,4 @@
-"""Evidence that the units' starts fit together: arm, ellipse and inputs agree at t0, and every default is finite."""
+"""Tests that the FMUs' start values fit together: arm, ellipse and inputs agree at t0, every default is finite."""
 
 from collections.abc import Callable
 

@@ -17,7 +17,7 @@ from orchestration.check.dynamic.supervision import TIMEOUT
 from orchestration.paper.closed_loop import Loop, in_loop
 from orchestration.paper.roles import ROLES, role_named
 
-PATIENT = 600.0  # s that `check` waits for units that do not hang; they need a fraction of a second
+PATIENT = 600.0  # s that `check` waits for FMUs that do not hang; they need a fraction of a second
 DESCRIPTION = "modelDescription.xml"
 SOURCE = Path(__file__).with_name("misbehaving.c")
 Edit = Callable[[str], str]
@@ -43,7 +43,7 @@ MISBEHAVING = f"""<?xml version="1.0" encoding="UTF-8"?>
 
 @functools.cache
 def hasty() -> float:
-    """Time that `check` may wait for a unit that hangs, s: ten times what a worker needs to start here and now."""
+    """Time that `check` may wait for an FMU that hangs, s: ten times what a worker needs to start here and now."""
     started = time.monotonic()
     subprocess.run([sys.executable, "-c", "import orchestration.check.dynamic.experiments"], check=True)
     return round(max(1.5, 10 * (time.monotonic() - started)), 1)
@@ -64,7 +64,7 @@ def check(
 
 
 def compiled(folder: Path, name: str, *flags: str) -> Path:
-    """The library of the misbehaving unit."""
+    """The library of the misbehaving FMU."""
     host = host_platform()
     output = folder / f"{name}{host.extension}"
     includes = ("-I", str(fmi_headers()), "-DFMI2_FUNCTION_PREFIX=", "-fno-sanitize=all")

@@ -1,4 +1,4 @@
-"""Fixtures: the small units, fig2, and a cache of its own for every test that reads packages."""
+"""Fixtures: the FMUs of small models, fig2, and a cache of its own for every test that reads packages."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -10,19 +10,19 @@ from orchestration.paper.scenarios import SCENARIOS
 from orchestration.results import arrow_table
 from tests.sharing import made_once
 from tests.unit.orchestration.foreign import build_foreign
+from tests.unit.orchestration.small_models import H, build_small_models, mixed
 from tests.unit.orchestration.stored import NAMES
-from tests.unit.orchestration.units import H, build_units, mixed
 
 
 @pytest.fixture(scope="session")
 def small(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
-    """FMU files of the small units, by model identifier."""
-    return {path.stem: path for path in made_once(tmp_path_factory, "small", build_units).glob("*.fmu")}
+    """FMU files of the small models, by model identifier."""
+    return {path.stem: path for path in made_once(tmp_path_factory, "small", build_small_models).glob("*.fmu")}
 
 
 @pytest.fixture(scope="session")
 def strange(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
-    """FMU files of foreign units, by model identifier."""
+    """FMU files of foreign models, by model identifier."""
     return {path.stem: path for path in made_once(tmp_path_factory, "strange", build_foreign).glob("*.fmu")}
 
 

@@ -1,11 +1,11 @@
-"""Packages as other tools write them, from a text and some FMUs; and units in other units."""
+"""Builds SSP packages as other tools write them, and FMUs whose variables have other units."""
 
 import re
 import zipfile
 from pathlib import Path
 
 from adaptimp_fmu import ContinuousModel, SampledModel, build
-from tests.unit.orchestration.units import H
+from tests.unit.orchestration.small_models import H
 
 _HEAD = """<?xml version="1.0" encoding="UTF-8"?>
 <ssd:SystemStructureDescription xmlns:ssd="http://ssp-standard.org/SSP1/SystemStructureDescription"
@@ -127,7 +127,7 @@ def finer(fmu: Path) -> Path:
 
 
 def build_foreign(folder: Path) -> dict[str, Path]:
-    """Small foreign units; FMU files by name, those with ``Fine`` before it in finer units."""
+    """Build small models; FMU files by name, ``Fine`` before the name means a finer unit of length."""
     models = [
         decay("Decay"),
         controller("Ours", "x", "offset", "tau_cmd"),

@@ -64,7 +64,7 @@ FMI2_Export fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2St
     if (is(unit, "refuse")) return NULL;
     if (is(unit, "lives") && ++lives > 40) abort();
     if (damaged && ++damaged > 20) abort(); /* long after what damaged it */
-    if (is(unit, "stdout")) puts("hello from the unit"), fflush(stdout);
+    if (is(unit, "stdout")) puts("hello from the FMU"), fflush(stdout);
     if (is(unit, "exit")) exit(7);
     return unit;
 }

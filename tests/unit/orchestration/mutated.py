@@ -151,7 +151,8 @@ def _borrow_value(rng: random.Random, root: etree._Element) -> None:
     element = _with_attributes(rng, root)
     if element.attrib:
         name = rng.choice(list(element.attrib))
-        element.set(name, rng.choice([e.get(name) for e in root.iter(element.tag) if e.get(name) is not None]))
+        alike = [e.get(name) for e in root.iter() if e.tag == element.tag]
+        element.set(name, rng.choice([value for value in alike if value is not None]))
 
 
 def _drop_attribute(rng: random.Random, root: etree._Element) -> None:
@@ -168,8 +169,9 @@ def _borrow_attribute(rng: random.Random, root: etree._Element) -> None:
 
 def _drop_element(rng: random.Random, root: etree._Element) -> None:
     element = _element(rng, root)
-    if element is not root:
-        element.getparent().remove(element)
+    parent = element.getparent()
+    if parent is not None:
+        parent.remove(element)
 
 
 def _double_element(rng: random.Random, root: etree._Element) -> None:

@@ -1,4 +1,4 @@
-"""Systems and algorithms that several tests run: every loop, with and without sampled units and noise."""
+"""Systems and algorithms that several tests run: every loop, with and without sampled FMUs and noise."""
 
 from pathlib import Path
 
@@ -13,7 +13,7 @@ from orchestration.master.algorithm import (
 )
 from orchestration.master.options import Crossings
 from orchestration.paper.scenarios import SCENARIOS
-from tests.unit.orchestration.units import H, mixed
+from tests.unit.orchestration.small_models import H, mixed
 
 # m; the tip starts at -n.x = 1.5, so it is in contact from the first step on, and a gated sensor is noisy
 IN_CONTACT = {"plant.wall_offset": -1.501, "trajectory.wall_offset": -1.501}

@@ -74,6 +74,10 @@ def _read(job: Job, file: Path) -> Record:
         head = [name.strip().rpartition("[")[0].replace("::", ".", 1) for name in next(lines).split(",")]
     columns = tuple(name for name in job.columns if name in head)
     where = [head.index(name) for name in columns]
-    truth = dict.fromkeys(where, lambda text: float({"true": 1, "false": 0}.get(text.strip(), text)))
-    values = np.loadtxt(file, delimiter=",", skiprows=1, usecols=where, converters=truth, ndmin=2, encoding="utf-8")
+    values = np.loadtxt(file, delimiter=",", skiprows=1, usecols=where, converters=_number, ndmin=2, encoding="utf-8")
     return Record(values[: job.n_steps + 1], columns, resolution=RESOLUTION)
+
+
+def _number(text: str) -> float:
+    """A number, or 1 and 0 for true and false."""
+    return float({"true": "1", "false": "0"}.get(text.strip(), text))

@@ -3,6 +3,7 @@
 import logging
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import Any, cast
 
 import numpy as np
 
@@ -31,7 +32,7 @@ def packed(job: Job, folder: Path) -> Path:
     logging.getLogger("fmu_manipulation_toolbox").setLevel(logging.ERROR)
     quiet = {"auto_link": False, "auto_input": False, "auto_output": False}
     node = AssemblyNode("container.fmu", step_size=job.step, **quiet)
-    # Initialization goes once through the units and cuts a loop before its first: the plant, whose motion at the
+    # Initialization goes once through the FMUs and cuts a loop before its first: the plant, whose motion at the
     # start needs no input.
     for part in (job.parts[-1], *job.parts[:-1]):
         node.add_fmu(f"{part.name}.fmu", part.fmu)
@@ -65,7 +66,7 @@ def simulated(job: Job, container: Path) -> Record:
         stop_time=job.n_steps * job.step,
         step_size=job.step,
         output_interval=job.step,
-        input=inputs if fields else None,
+        input=cast("Any", inputs if fields else None),  # fmpy takes None too, which its annotation forgets
         output=[OUTPUT + column for column in job.columns],
     )
     return ordered(job, {column: result[OUTPUT + column] for column in job.columns})

@@ -25,7 +25,7 @@ def run(job: Job) -> Record:
     part = job.parts[0]
     with ZipFile(part.fmu) as archive:
         about = ET.fromstring(archive.read("modelDescription.xml"))
-    slave: Any = Fmi2Slave(part.fmu, model_identifier=about.find("CoSimulation").attrib["modelIdentifier"])
+    slave: Any = Fmi2Slave(part.fmu, model_identifier=next(about.iter("CoSimulation")).attrib["modelIdentifier"])
     slave.instantiate(part.name, Fmi2Type.CO_SIMULATION, guid=about.attrib["guid"])
     slave.setup_experiment(start_time=0.0)
     slave.enter_initialization_mode()

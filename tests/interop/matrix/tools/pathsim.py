@@ -14,7 +14,7 @@ TOOL = Tool(
 
 
 def run(job: Job) -> Record:
-    """One block per unit, connected by ports; outputs are read after every step of its simulation."""
+    """One block per FMU, connected by ports; outputs are read after every step of its simulation."""
     from pathsim import Connection, Simulation
     from pathsim_fmi import CoSimulationFMU
 
@@ -36,7 +36,7 @@ def run(job: Job) -> Record:
 
 
 def _sources(job: Job, blocks):
-    """A source for each driven input; what it shows at t_k + step is what the unit takes in the step from t_k."""
+    """A source for each driven input; what it shows at t_k + step is what the FMU takes in the step from t_k."""
     from pathsim import Connection
     from pathsim.blocks import Source
 

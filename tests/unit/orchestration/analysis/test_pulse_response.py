@@ -17,8 +17,8 @@ from orchestration.fmi.instance import Instance
 from tests.reference.problems import PROBLEMS, force_displacement
 from tests.reference.problems.problem import held
 from tests.reference.problems.two_masses import Numbers
-from tests.unit.orchestration.units import H as PERIOD
-from tests.unit.orchestration.units import system as small_system
+from tests.unit.orchestration.small_models import H as PERIOD
+from tests.unit.orchestration.small_models import system as small_system
 
 H = 1e-2  # s
 

@@ -14,7 +14,7 @@ from orchestration import System, SystemDescriptionError, simulate
 from orchestration.analysis.stability.verdict import stability
 from orchestration.master.algorithm import NEWTON, PARALLEL, Algorithm, Correction
 from tests.reference.problems import PROBLEMS, damper_pair, force_displacement, wall
-from tests.unit.orchestration.units import H, system
+from tests.unit.orchestration.small_models import H, system
 
 M_WALL, K_WALL = 1.0, 100.0
 ACCURACY = 1e-9

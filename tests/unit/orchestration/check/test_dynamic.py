@@ -24,7 +24,7 @@ WRONG: dict[str, tuple[str, Severity, str]] = {
     "step": ("11", ERROR, "Stepping: fmi2DoStep returns fmi2Error at t = 0 s"),
     "crash": ("11", ERROR, "fmi2DoStep dies of SIG.* during the experiment 'stepping'"),
     "hang": ("11", ERROR, "fmi2DoStep does not return within [0-9.]+ s during the experiment 'stepping'"),
-    "stdout": ("9", WARNING, 'writes to standard output: "hello from the unit'),
+    "stdout": ("9", WARNING, 'writes to standard output: "hello from the FMU'),
     "chatter": ("9", WARNING, 'writes to standard output: "step'),
     "reset": ("13", ERROR, "After fmi2Reset, y is 12 in row 0; in a fresh instance it is 0"),
     "state": ("13", ERROR, "After fmi2SetFMUstate, y is .* in row 0; when the state was saved it is"),
@@ -67,7 +67,7 @@ def test_one_that_misbehaves(library: Path, tmp_path: Path, fault: str) -> None:
     assert_found(report, rule, severity, message)
     assert all(finding.rule != "1" for finding in report.findings)
     if severity == WARNING:
-        assert not report.failed, "such a unit can be used"
+        assert not report.failed, "such an FMU can be used"
 
 
 def test_one_that_takes_any_guid(tmp_path: Path) -> None:
@@ -77,7 +77,7 @@ def test_one_that_takes_any_guid(tmp_path: Path) -> None:
 
 
 def test_what_a_mistake_damages_is_not_held_against_right_calls(library: Path, tmp_path: Path) -> None:
-    """The unit dies 20 instances after a value reference that it does not have: in no call of ours."""
+    """The FMU dies 20 instances after a value reference that it does not have: in no call of ours."""
     report = check(misbehaving(library, tmp_path / "damaged.fmu", "damage"), timeout=PATIENT)
     assert report.findings == ()
 
@@ -106,7 +106,7 @@ def test_one_that_takes_no_other_inputs(library: Path, tmp_path: Path) -> None:
 
 
 def test_what_is_not_promised_is_not_tried(library: Path, tmp_path: Path) -> None:
-    """A unit without states, derivatives or variable steps, of which there is but one."""
+    """An FMU without states, derivatives or variable steps, of which there is but one."""
     edit = swap(
         r"canHandleVariable.*?/>",
         'canHandleVariableCommunicationStepSize="false" canBeInstantiatedOnlyOncePerProcess="true"/>',

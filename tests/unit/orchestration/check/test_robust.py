@@ -9,6 +9,7 @@ import tempfile
 import zipfile
 from contextlib import suppress
 from pathlib import Path
+from typing import Any
 
 import pytest
 from hypothesis import given, settings
@@ -214,14 +215,15 @@ def test_numbers_with_thousands_of_zeros(name: str) -> None:
 
 def test_the_zeros_are_not_lost() -> None:
     changed = PLAIN.replace('<Unknown index="2" dependencies="1"/></Init', f'<Unknown index="{ZEROS}300"/></Init')
-    assert_found(examined(archived(changed)), "4", Severity.ERROR, "InitialUnknowns: the index 300 is no variable's")
+    sentence = "InitialUnknowns: the index 300 is not that of a variable"
+    assert_found(examined(archived(changed)), "4", Severity.ERROR, sentence)
 
 
 def test_thousands_of_sources_take_no_longer_than_their_bytes(monkeypatch: pytest.MonkeyPatch) -> None:
     """The archive is opened a few times, not for each of them; findings are counted, not kept."""
     opened, plain = [], zipfile.ZipFile.__init__
 
-    def counted(archive: zipfile.ZipFile, *arguments: object, **options: object) -> None:
+    def counted(archive: zipfile.ZipFile, *arguments: Any, **options: Any) -> None:
         opened.append(arguments[0])
         plain(archive, *arguments, **options)
 

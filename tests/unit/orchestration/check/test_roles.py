@@ -123,7 +123,7 @@ def test_a_wrong_controller(fmu_folder: Path, tmp_path: Path, fault: str) -> Non
     ],
 )
 def test_every_unit_in_every_role(fmu_folder: Path, unit: str, role: str) -> None:
-    """A unit keeps the interface of its own role, and that of no other."""
+    """An FMU keeps the interface of its own role, and that of no other."""
     for other in ROLES:
         report = check(fmu_folder / f"{unit}.fmu", other)
         assert report.role == other

@@ -47,7 +47,7 @@ def section(name: str, edit: Edit) -> Edit:
 
 BROKEN: dict[str, tuple[Edit, str, Severity, str]] = {
     "version": (swap('fmiVersion="2.0"', 'fmiVersion="3.0"'), "1", ERROR, "fmiVersion 3.0; .* 2.0 are needed"),
-    "not well-formed": (lambda xml: xml[:-9], "1", ERROR, "no well-formed XML"),
+    "not well-formed": (lambda xml: xml[:-9], "1", ERROR, "is not well-formed XML"),
     "schema": (swap('start="2"', 'start="two"'), "1", ERROR, "violates the schema in line [0-9]+: .*two"),
     "model exchange": (
         swap(r"<CoSimulation.*?</CoSimulation>", '<ModelExchange modelIdentifier="HoganImpedance"/>'),
@@ -63,7 +63,7 @@ BROKEN: dict[str, tuple[Edit, str, Severity, str]] = {
     ),
     "continuous Integer": (
         swap(r'causality="input" variability="continuous">\s*<Real[^>]*/>', 'causality="input"><Integer start="1"/>'),
-        *("2", ERROR, r"q\[1\] is no Real, but has, by default, variability continuous"),
+        *("2", ERROR, r"q\[1\] is not a Real, but has, by default, variability continuous"),
     ),
     "initial of an input": (
         swap('causality="input"', 'causality="input" initial="exact"'),
@@ -99,7 +99,7 @@ BROKEN: dict[str, tuple[Edit, str, Severity, str]] = {
     ),
     "no such index": (
         section("Outputs", swap(r'index="\d+"', 'index="4000"')),
-        *("4", ERROR, "Outputs: the index 4000 is no variable's"),
+        *("4", ERROR, "Outputs: the index 4000 is not that of a variable"),
     ),
     "kinds": (
         section("Outputs", swap(r'dependencies="[^"]*"', 'dependencies="18" dependenciesKind="fixed fixed"')),
@@ -127,7 +127,7 @@ BROKEN: dict[str, tuple[Edit, str, Severity, str]] = {
     ),
     "identifier": (
         swap('modelIdentifier="HoganImpedance"', 'modelIdentifier="../HoganImpedance"'),
-        *("6", ERROR, "modelIdentifier '../HoganImpedance' is no C identifier"),
+        *("6", ERROR, "modelIdentifier '../HoganImpedance' is not a C identifier"),
     ),
     "other identifier": (
         swap('modelIdentifier="HoganImpedance"', 'modelIdentifier="Other"'),
@@ -184,7 +184,7 @@ def test_a_binary_of_another_name_elsewhere(hogan: Path, tmp_path: Path) -> None
 @pytest.mark.parametrize("content", [b"", b"no library", b"\x7fELF\x02\x01" + bytes(200)])
 def test_a_binary_that_is_no_library(hogan: Path, tmp_path: Path, content: bytes) -> None:
     report = check(repacked(hogan, tmp_path, {LIBRARY: content}))
-    assert_found(report, "8", ERROR, r"HoganImpedance.so is no library: ")
+    assert_found(report, "8", ERROR, r"HoganImpedance.so is not a shared library: ")
     assert_found(report, "8", ERROR, r"Loading: the library cannot be loaded: ")
 
 

@@ -1,1 +1,1 @@
-"""The master, its systems, archives and results, on small units with predictable numbers."""
+"""Tests of the package `orchestration` on small models with predictable numbers."""

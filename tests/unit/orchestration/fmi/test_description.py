@@ -42,7 +42,7 @@ def test_model_identifier_must_be_one(small: dict[str, Path], tmp_path: Path, id
         tmp_path / "evil.fmu",
         lambda text: text.replace('modelIdentifier="Source"', f'modelIdentifier="{identifier}"'),
     )
-    rule = rf"evil\.fmu: the model identifier {re.escape(repr(identifier))} is no C identifier"
+    rule = rf"evil\.fmu: the model identifier {re.escape(repr(identifier))} is not a C identifier"
     with pytest.raises(ArchiveError, match=rule):
         read_description(path)
 
@@ -69,10 +69,10 @@ FMI3 = (
             lambda text: re.sub("<CoSimulation.*</CoSimulation>", EXCHANGE, text, flags=re.DOTALL),
             rf"is an FMI 2\.0 FMU for model exchange; {NEEDED_KIND}",
         ),
-        (lambda text: text[:-30], r"is no valid FMU"),
-        (lambda text: text.replace("<ModelVariables>", "<Variables>"), r"is no valid FMU"),
-        (lambda text: text.replace('fmiVersion="2.0"', 'fmiVersion="7.0"'), r"is no valid FMU"),
-        (lambda text: text.replace('start="0.125"', 'start="often"'), r"is no valid FMU"),
+        (lambda text: text[:-30], r"is not a valid FMU"),
+        (lambda text: text.replace("<ModelVariables>", "<Variables>"), r"is not a valid FMU"),
+        (lambda text: text.replace('fmiVersion="2.0"', 'fmiVersion="7.0"'), r"is not a valid FMU"),
+        (lambda text: text.replace('start="0.125"', 'start="often"'), r"is not a valid FMU"),
     ],
 )
 def test_description_must_be_fmi_2_co_simulation(
@@ -85,7 +85,7 @@ def test_description_must_be_fmi_2_co_simulation(
 
 def test_missing_description_and_missing_file(small: dict[str, Path], tmp_path: Path) -> None:
     hollow = rewritten(small["Source"], tmp_path / "hollow.fmu", str, drop=DESCRIPTION)
-    with pytest.raises(ArchiveError, match=r"hollow\.fmu is no valid FMU: .*modelDescription\.xml"):
+    with pytest.raises(ArchiveError, match=r"hollow\.fmu is not a valid FMU: .*modelDescription\.xml"):
         read_description(hollow)
     with pytest.raises(ArchiveError, match=r"none\.fmu: there is no such FMU"):
         read_description(tmp_path / "none.fmu")
@@ -158,16 +158,22 @@ def test_a_difference_is_declared_by_the_variable_or_its_type(
     [
         (swap('name="even"', 'name="n"'), "the variable name 'n' is used more than once"),
         (swap('declaredType="Time"', 'declaredType="T"'), "sample_time: the type 'T' is not declared"),
-        (swap("declaredType=", 'derivative="99" declaredType='), "derivative 99 is no variable's index; there are"),
-        (swap('<Unknown index="', '<Unknown index="9'), "Outputs: the index 9[0-9]* is no variable's; there are"),
-        (swap('dependencies="[^"]*"', 'dependencies="0"'), "Outputs: the index 0 is no variable's"),
+        (
+            swap("declaredType=", 'derivative="99" declaredType='),
+            "derivative 99 is not the index of a variable; there",
+        ),
+        (
+            swap('<Unknown index="', '<Unknown index="9'),
+            "Outputs: the index 9[0-9]* is not that of a variable; there",
+        ),
+        (swap('dependencies="[^"]*"', 'dependencies="0"'), "Outputs: the index 0 is not that of a variable"),
         (swap(r'(name="sample_time".*?<Real[^>]*?) start="[^"]*"', r"\1"), "sample_time has no start value"),
     ],
 )
 def test_what_cannot_be_stepped_safely_is_refused(
     small: dict[str, Path], tmp_path: Path, edit: Callable[[str], str], sentence: str
 ) -> None:
-    with pytest.raises(ArchiveError, match=rf"Source\.fmu is no valid FMU: .*{sentence}"):
+    with pytest.raises(ArchiveError, match=rf"Source\.fmu is not a valid FMU: .*{sentence}"):
         read_description(edited(small["Source"], tmp_path, edit))
 
 

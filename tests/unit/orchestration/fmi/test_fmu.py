@@ -8,6 +8,7 @@ import tempfile
 import zipfile
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -62,8 +63,8 @@ def with_description(source: Path, path: Path, before: str, after: str) -> Path:
 def test_drive_is_what_single_calls_give(fmu_folder: Path, fmu: Open) -> None:
     """Bit for bit, against the tests' own driver: same calls, same times k h."""
     tau = np.random.default_rng(1).normal(size=(50, 2))
-    unit = fmu(fmu_folder / "Plant.fmu", q_start=Q, dq_start=DQ)
-    rows = unit.drive(H, {"tau": tau})
+    opened = fmu(fmu_folder / "Plant.fmu", q_start=Q, dq_start=DQ)
+    rows = opened.drive(H, {"tau": tau})
     driver = Driver(fmu_folder / "Plant.fmu")
     driver.initialize({f"{name}_start[{i + 1}]": v[i] for name, v in (("q", Q), ("dq", DQ)) for i in (0, 1)})
     for k in range(50):
@@ -76,14 +77,14 @@ def test_drive_is_what_single_calls_give(fmu_folder: Path, fmu: Open) -> None:
     assert {values.dtype for values in rows.values()} == {np.dtype(float)}
     assert set(rows) == {*names, "q", "dq", "ddq", "x", "dx", "F_ext"}
     np.testing.assert_array_equal(rows["q"], np.column_stack([rows["q[1]"], rows["q[2]"]]))
-    assert (unit.steps, unit.time) == (50, 50 * H)
+    assert (opened.steps, opened.time) == (50, 50 * H)
 
 
 def test_a_plant_shows_the_acceleration_of_its_equations(fmu_folder: Path, fmu: Open) -> None:
     """At rest and without gravity ddq = H^-1 tau: both invert the same 2 x 2, condition about 10."""
-    unit = fmu(fmu_folder / "Plant.fmu", **REST, tau=[3.0, -1.0])
+    opened = fmu(fmu_folder / "Plant.fmu", **REST, tau=[3.0, -1.0])
     inertia = np.array(PlanarArm(2).inertia(Q, [2.0, 1.0], [1.0, 1.0]))
-    np.testing.assert_allclose(unit.outputs()["ddq"], np.linalg.solve(inertia, [3.0, -1.0]), rtol=1e-13)
+    np.testing.assert_allclose(opened.outputs()["ddq"], np.linalg.solve(inertia, [3.0, -1.0]), rtol=1e-13)
 
 
 def test_times_elements_and_the_step_give_the_same(fmu_folder: Path, fmu: Open) -> None:
@@ -103,21 +104,21 @@ def test_a_controller_reads_the_row_of_its_tick(fmu_folder: Path, fmu: Open) -> 
     """The torque is affine in the force, (4): half the force, half the change."""
     force = np.zeros((4, 2))
     force[1], force[2] = (20.0, -8.0), (10.0, -4.0)
-    unit = fmu(fmu_folder / "HoganImpedance.fmu", sample_time=H, p_start=[2.0, 1.0, 0, 0, 0, 0])
-    tau = unit.drive(H, {"F_hat": force})["tau_cmd"]
+    opened = fmu(fmu_folder / "HoganImpedance.fmu", sample_time=H, p_start=[2.0, 1.0, 0, 0, 0, 0])
+    tau = opened.drive(H, {"F_hat": force})["tau_cmd"]
     np.testing.assert_allclose(tau[1] - tau[0], 2 * (tau[2] - tau[0]), rtol=1e-9)  # of 10 in 100 N.m: 1e-14
     assert np.abs(tau[1] - tau[0]).max() > 1
     np.testing.assert_array_equal(tau[3], tau[0])
 
 
 def test_start_values_and_outputs_by_array_and_by_element(fmu_folder: Path, fmu: Open) -> None:
-    unit = fmu(fmu_folder / "HoganImpedance.fmu", **{"p_start[2]": 2.5}, K=[1e3, 2e3])
-    np.testing.assert_array_equal(unit.outputs()["p_hat"], [2.0, 2.5, 0, 0, 0, 0])
-    assert unit.outputs()["p_hat[2]"].shape == ()
+    opened = fmu(fmu_folder / "HoganImpedance.fmu", **{"p_start[2]": 2.5}, K=[1e3, 2e3])
+    np.testing.assert_array_equal(opened.outputs()["p_hat"], [2.0, 2.5, 0, 0, 0, 0])
+    assert opened.outputs()["p_hat[2]"].shape == ()
 
 
 def test_types_long_arrays_and_tunable_parameters(counter: Path, fmu: Open) -> None:
-    unit = fmu(counter, gain=2.0)
+    opened = fmu(counter, gain=2.0)
     u = np.arange(33.0).reshape(3, 11)  # u[10] comes after u[9], not after u[1]
     inputs = {
         "u": u,
@@ -125,22 +126,22 @@ def test_types_long_arrays_and_tunable_parameters(counter: Path, fmu: Open) -> N
         "flag": np.eye(3, 2, dtype=bool),
         "gain": np.array([2.0, 2.0, 0.5]),
     }
-    rows = unit.drive(H, inputs)
+    rows = opened.drive(H, inputs)
     np.testing.assert_array_equal(rows["y"], u)
     np.testing.assert_array_equal(rows["y[10]"], u[:, 9])
     np.testing.assert_array_equal(rows["whole_y"], [1.0, 5.0, -3.0])
     np.testing.assert_array_equal(rows["flag_y"], np.eye(3, 2))
     np.testing.assert_array_equal(rows["n"], [0.0, 2.0, 1.0])
-    unit.set(whole=7)
-    unit.step(H)
-    assert unit.outputs()["whole_y"] == 7
+    opened.set(whole=7)
+    opened.step(H)
+    assert opened.outputs()["whole_y"] == 7
 
 
 def test_long_runs_miss_no_tick(counter: Path, fmu: Open) -> None:
-    unit = fmu(counter)
-    parts = [unit.drive(H, {"whole": np.zeros(1000)})["n"] for _ in range(3)]
+    opened = fmu(counter)
+    parts = [opened.drive(H, {"whole": np.zeros(1000)})["n"] for _ in range(3)]
     np.testing.assert_array_equal(np.concatenate(parts), np.arange(3000.0))
-    assert unit.time == 3000 * H  # a sum of 1e-3 is not
+    assert opened.time == 3000 * H  # a sum of 1e-3 is not
 
 
 @pytest.mark.parametrize(
@@ -150,7 +151,7 @@ def test_long_runs_miss_no_tick(counter: Path, fmu: Open) -> None:
         (lambda u: u.set(tau=1.0), "Plant: tau takes an array of shape (2,), not ()."),
         (lambda u: u.set(**{"tau[1]": [1.0]}), "Plant: tau[1] takes an array of shape (), not (1,)."),
         (lambda u: u.set(tau="much"), "Plant: tau takes an array of shape (2,), not ()."),
-        (lambda u: u.set(**{"tau[1]": "much"}), "Plant: tau[1] is of type Real, which 'much' is not."),
+        (lambda u: u.set(**{"tau[1]": "much"}), "Plant: tau[1] is of type Real; 'much' is not."),
         (lambda u: u.set(tau=None), "Plant: tau takes"),
         (lambda u: u.set(tau=[1.0, [2.0]]), "Plant: tau takes numbers, not"),
         (lambda u: u.drive(H, {"torque": np.zeros(3)}), "Plant has no variable torque; it has dt_max"),
@@ -182,20 +183,20 @@ def test_long_runs_miss_no_tick(counter: Path, fmu: Open) -> None:
 def test_what_does_not_fit_is_refused_and_nothing_is_done(
     fmu_folder: Path, fmu: Open, call: Callable[[Fmu], object], sentence: str
 ) -> None:
-    unit = fmu(fmu_folder / "Plant.fmu", **REST, tau=[1.0, 2.0])
-    before = unit.outputs()["ddq"]
+    opened = fmu(fmu_folder / "Plant.fmu", **REST, tau=[1.0, 2.0])
+    before = opened.outputs()["ddq"]
     with pytest.raises(SignalError, match=re.escape(sentence)):
-        call(unit)
-    np.testing.assert_array_equal(unit.outputs()["ddq"], before)
-    assert (unit.steps, unit.time) == (0, 0.0)
+        call(opened)
+    np.testing.assert_array_equal(opened.outputs()["ddq"], before)
+    assert (opened.steps, opened.time) == (0, 0.0)
 
 
 @pytest.mark.parametrize(
     ("values", "sentence"),
     [
-        ({"whole": 1.5}, "Counter: whole is of type Integer, which 1.5 is not."),
-        ({"whole": np.nan}, "Counter: whole is of type Integer, which nan is not."),
-        ({"flag": [0, 2]}, "Counter: flag[2] is of type Boolean, which 2.0 is not."),
+        ({"whole": 1.5}, "Counter: whole is of type Integer; 1.5 is not."),
+        ({"whole": np.nan}, "Counter: whole is of type Integer; nan is not."),
+        ({"flag": [0, 2]}, "Counter: flag[2] is of type Boolean; 2.0 is not."),
     ],
 )
 def test_values_are_not_rounded(counter: Path, fmu: Open, values: dict[str, float], sentence: str) -> None:
@@ -204,7 +205,7 @@ def test_values_are_not_rounded(counter: Path, fmu: Open, values: dict[str, floa
 
 
 def test_a_failing_step_says_when_and_why(fmu_folder: Path, fmu: Open) -> None:
-    unit = fmu(fmu_folder / "Plant.fmu", **REST)
+    opened = fmu(fmu_folder / "Plant.fmu", **REST)
     tau = np.zeros((10, 2))
     tau[7, 1] = np.nan
     sentence = (
@@ -212,8 +213,8 @@ def test_a_failing_step_says_when_and_why(fmu_folder: Path, fmu: Open) -> None:
         ' its last message: "Input tau[2] is nan; it must be finite.".'
     )
     with pytest.raises(SimulationError, match=re.escape(sentence)):
-        unit.drive(H, {"tau": tau})
-    assert unit.messages[-1] == "Input tau[2] is nan; it must be finite."
+        opened.drive(H, {"tau": tau})
+    assert opened.messages[-1] == "Input tau[2] is nan; it must be finite."
 
 
 @pytest.mark.parametrize(
@@ -224,7 +225,7 @@ def test_a_failing_step_says_when_and_why(fmu_folder: Path, fmu: Open) -> None:
     ],
 )
 def test_a_refused_start_says_why_and_leaves_nothing(
-    fmu_folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, start: dict[str, list[float]], sentence: str
+    fmu_folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, start: dict[str, Any], sentence: str
 ) -> None:
     monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
     with pytest.raises(InitializationError, match=sentence):
@@ -236,12 +237,12 @@ def test_what_was_unpacked_is_removed_and_a_closed_unit_says_so(
     fmu_folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
-    with Fmu(fmu_folder / "Plant.fmu") as unit:
+    with Fmu(fmu_folder / "Plant.fmu") as opened:
         assert list(tmp_path.iterdir()) != []
     assert list(tmp_path.iterdir()) == []
-    unit.close()
+    opened.close()
     with pytest.raises(SimulationError, match=r"Plant is closed\."):
-        unit.step(H)
+        opened.step(H)
 
 
 def test_what_is_no_unit_of_this_machine(fmu_folder: Path, tmp_path: Path) -> None:
@@ -278,21 +279,21 @@ def test_without_the_proxy_messages_stay_as_the_fmu_wrote_them(
 ) -> None:
     """Linux on ARM has none: the format is all that Python sees."""
     monkeypatch.setattr(logging, "_proxy", lambda: None)
-    unit = fmu(fmu_folder / "Plant.fmu")
+    opened = fmu(fmu_folder / "Plant.fmu")
     with pytest.raises(SimulationError, match=r"m\[1\] is a fixed parameter"):
-        unit.set(m=[1.0, 1.0])
+        opened.set(m=[1.0, 1.0])
 
 
 def test_a_saved_state_brings_back_outputs_and_time(fmu_folder: Path, fmu: Open) -> None:
     """Bit for bit, in the same instance and in another one."""
     tau = np.random.default_rng(3).normal(size=(20, 2))
-    unit = fmu(fmu_folder / "Plant.fmu", **REST)
-    unit.drive(H, {"tau": tau})
-    state = unit.save()
+    opened = fmu(fmu_folder / "Plant.fmu", **REST)
+    opened.drive(H, {"tau": tau})
+    state = opened.save()
     assert isinstance(state, bytes)
-    after = unit.drive(H, {"tau": tau})
+    after = opened.drive(H, {"tau": tau})
     other = fmu(fmu_folder / "Plant.fmu")
-    for restored in (unit, other):
+    for restored in (opened, other):
         restored.restore(state)
         assert (restored.time, restored.steps) == (20 * H, 20)
         again = restored.drive(H, {"tau": tau})
@@ -308,35 +309,42 @@ def without(flag: str, source: Path, folder: Path) -> Path:
 
 def test_a_state_that_is_not_serialized_belongs_to_its_instance(fmu_folder: Path, tmp_path: Path, fmu: Open) -> None:
     path = without("canSerializeFMUstate", fmu_folder / "Plant.fmu", tmp_path)
-    unit, other = fmu(path, **REST), fmu(path)
-    state = unit.save()
-    shown = unit.outputs()["q"]
-    unit.drive(H, {"tau": np.ones((5, 2))})
-    unit.restore(state)
-    np.testing.assert_array_equal(unit.outputs()["q"], shown)
-    assert unit.time == 0.0
+    opened, other = fmu(path, **REST), fmu(path)
+    state = opened.save()
+    shown = opened.outputs()["q"]
+    opened.drive(H, {"tau": np.ones((5, 2))})
+    opened.restore(state)
+    np.testing.assert_array_equal(opened.outputs()["q"], shown)
+    assert opened.time == 0.0
     with pytest.raises(SignalError, match=r"Plant: the state to restore is of another FMU, or damaged"):
         other.restore(state)
 
 
+def serialized(unit: Fmu) -> bytes:
+    """Return the state of an FMU that serializes it."""
+    state = unit.save()
+    assert isinstance(state, bytes)
+    return state
+
+
 def test_states_that_fit_no_instance_are_refused(fmu_folder: Path, tmp_path: Path, fmu: Open, counter: Path) -> None:
-    unit = fmu(fmu_folder / "Plant.fmu")
-    for foreign in (fmu(counter).save(), b"", unit.save()[:30]):
+    opened = fmu(fmu_folder / "Plant.fmu")
+    for foreign in (fmu(counter).save(), b"", serialized(opened)[:30]):
         with pytest.raises(SignalError, match="of another FMU, or damaged"):
-            unit.restore(foreign)
+            opened.restore(foreign)
     with pytest.raises(SimulationError, match="Plant: fmi2DeSerializeFMUstate returned fmi2Error"):
-        unit.restore(unit.save()[:-1])
+        opened.restore(serialized(opened)[:-1])
     path = without("canGetAndSetFMUstate", fmu_folder / "Plant.fmu", tmp_path)
     with pytest.raises(SystemDescriptionError, match=r"Plant\.fmu does not declare canGetAndSetFMUstate"):
         fmu(path).save()
 
 
 def test_it_says_what_it_is(fmu_folder: Path) -> None:
-    unit = Fmu(fmu_folder / "Plant.fmu", {"q_start[1]": 0.3}, start_time=2.0)
-    assert repr(unit) == "<Fmu Plant at t = 2 s>"
-    assert unit.variables["tau[1]"].unit == "N.m"
-    unit.close()
-    assert repr(unit) == "<Fmu Plant closed>"
+    opened = Fmu(fmu_folder / "Plant.fmu", {"q_start[1]": 0.3}, start_time=2.0)
+    assert repr(opened) == "<Fmu Plant at t = 2 s>"
+    assert opened.variables["tau[1]"].unit == "N.m"
+    opened.close()
+    assert repr(opened) == "<Fmu Plant closed>"
 
 
 def test_it_needs_neither_pytest_nor_fmpy_nor_numba(fmu_folder: Path) -> None:
@@ -344,8 +352,8 @@ def test_it_needs_neither_pytest_nor_fmpy_nor_numba(fmu_folder: Path) -> None:
 import sys
 sys.modules["pytest"] = None
 from orchestration import Fmu
-with Fmu({str(fmu_folder / "Plant.fmu")!r}) as unit:
-    unit.step(1e-3)
+with Fmu({str(fmu_folder / "Plant.fmu")!r}) as opened:
+    opened.step(1e-3)
 sys.exit("fmpy" in sys.modules or "numba" in sys.modules)
 """
     run = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False)
@@ -353,7 +361,7 @@ sys.exit("fmpy" in sys.modules or "numba" in sys.modules)
 
 
 def test_it_serves_as_a_plugin(fmu_folder: Path, tmp_path: Path) -> None:
-    """In a project of somebody else, by `pytest_plugins`; the unit is freed although the test fails."""
+    """In a project of somebody else, by `pytest_plugins`; the FMU is freed although the test fails."""
     (tmp_path / "test_theirs.py").write_text(f"""
 import numpy as np
 pytest_plugins = ["orchestration.fmi.testing"]

@@ -1,4 +1,4 @@
-"""Evidence for connections that scale: every algorithm gives what a unit in other units gives.
+"""Evidence for connections that scale: every algorithm gives what an FMU in other units gives.
 
 `FineDecay` is `Decay` in units of 2**-10 m. Every conversion is a power of two, so a run with it is
 the run without it, bit for bit, also where tolerances, iterations, polynomials and Jacobians are at
@@ -14,7 +14,7 @@ import pytest
 from orchestration import Connection, Options, PowerBond, System, SystemDescriptionError, ledger, simulate
 from orchestration.fmi.units import Unit, UnitDefinition, conversion
 from orchestration.master.algorithm import DIRECTIONAL, NEWTON, PARALLEL, Algorithm, Correction, StepControl, Tolerance
-from tests.unit.orchestration.units import H, mixed, system
+from tests.unit.orchestration.small_models import H, mixed, system
 
 FINE = 2.0**10  # fine units in a metre
 LOOP = "a.y -> b.u\nb.y -> a.u"
@@ -32,7 +32,7 @@ ALGORITHMS = {
 
 
 def pair(fmus: dict[str, Path], second: str, factor: float | None = None) -> System:
-    """Two decaying units in a loop; the second one's state and output are made the same length."""
+    """Two decaying FMUs in a loop; the second one's state and output are made the same length."""
     coupled = system(fmus, {"a": "Decay", "b": second}, LOOP)
     start = 3.0 * (FINE if second.startswith("Fine") else 1.0)
     back = Connection("b", "y", "a", "u", None if factor is None else factor / FINE)
@@ -50,7 +50,7 @@ def test_every_algorithm_sees_the_same_signals(strange: dict[str, Path], algorit
 
 
 def test_the_unit_behind_a_scale_is_the_unit_itself(strange: dict[str, Path]) -> None:
-    """Offset and factor: u = 3 y + 1, against the same done by a unit in between."""
+    """Offset and factor: u = 3 y + 1, against the same done by an FMU in between."""
     line = replace(
         system(strange, {"a": "Decay", "b": "Decay"}),
         connections=(Connection("a", "y", "b", "u", 3.0, 1.0),),

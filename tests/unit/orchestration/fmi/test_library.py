@@ -17,7 +17,7 @@ from orchestration.fmi.library import library_path, needed_to_run
 from orchestration.sandbox.archive import unpacked
 from tests.unit.orchestration.checked import edited, swap
 from tests.unit.orchestration.fmi.test_description import rewritten
-from tests.unit.orchestration.units import system
+from tests.unit.orchestration.small_models import system
 
 on_linux = pytest.mark.skipif(sys.platform != "linux", reason="/proc/self/maps tells which libraries are loaded")
 

@@ -1,6 +1,7 @@
 """Evidence for start values and for `replace`: what is refused, what is kept, what is told."""
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -16,7 +17,7 @@ from orchestration import (
     simulate,
 )
 from orchestration.fmi.description import read_description
-from tests.unit.orchestration.units import H, mixed, system
+from tests.unit.orchestration.small_models import H, mixed, system
 
 
 @pytest.fixture(scope="module")
@@ -41,7 +42,7 @@ def controllers(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     [
         ("relay.z", 1, "relay has no variable z; it has sample_time, offset"),
         ("relais.u", 1, "has no component relais; it has source, relay, switch, plant"),
-        ("offset", 1, r"'offset' is no component\.variable, such as source\.sample_time"),
+        ("offset", 1, r"'offset' is not of the form component\.variable, such as source\.sample_time"),
         ("relay.y", 1, r"relay\.y has causality output; only parameters and inputs can be set"),
         ("relay.offset", "stiff", r"relay\.offset = 'stiff': a number is needed"),
         ("relay.offset", float("nan"), r"relay\.offset = nan: a number is needed"),
@@ -55,7 +56,7 @@ def controllers(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
         ("relay.even", 2, r"relay\.even = 2: true or false is needed"),
     ],
 )
-def test_wrong_values_are_refused(small: dict[str, Path], path: str, value: object, message: str) -> None:
+def test_wrong_values_are_refused(small: dict[str, Path], path: str, value: Any, message: str) -> None:
     with pytest.raises(SystemDescriptionError, match=message):
         mixed(small).set({path: value})
 
@@ -82,7 +83,7 @@ def test_start_values_are_checked_without_set_too(small: dict[str, Path]) -> Non
         ("relay.offset", np.float64(0.1), 0.1),
     ],
 )
-def test_values_of_every_kind_are_taken(small: dict[str, Path], path: str, value: object, number: float) -> None:
+def test_values_of_every_kind_are_taken(small: dict[str, Path], path: str, value: Any, number: float) -> None:
     component, variable = path.split(".")
     changed = mixed(small).set({path: value})
     assert changed.component(component).start[variable] == number

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from orchestration import Options, SystemDescriptionError, simulate
-from tests.unit.orchestration.units import FIRST, H, chain, mixed, system
+from tests.unit.orchestration.small_models import FIRST, H, chain, mixed, system
 
 STEPS = 16
 LENGTH = 3
@@ -134,7 +134,7 @@ def test_start_time_moves_the_rows(small: dict[str, Path]) -> None:
         ([0.0, H, H], "increasing"),
         ([0.0, np.inf], "finite"),
         ([[0.0, H]], "at least two"),
-        ([0.0, H, 3 * H], r"sample time 0\.125 s is no multiple of the step 0\.25 s"),
+        ([0.0, H, 3 * H], r"sample time 0\.125 s is not a multiple of the step 0\.25 s"),
     ],
 )
 def test_unfit_times_are_refused(small: dict[str, Path], times: list, message: str) -> None:
@@ -147,11 +147,11 @@ def test_unfit_times_are_refused(small: dict[str, Path], times: list, message: s
     [
         (
             {"step": 0.05, "stop_time": 1.0},
-            r"source: sample time 0\.125 s is no multiple of the step 0\.05 s",
+            r"source: sample time 0\.125 s is not a multiple of the step 0\.05 s",
         ),
         (
             {"step": 0.25},
-            r"source: sample time 0\.125 s is no multiple of the step 0\.25 s; use a step of 0\.125",
+            r"source: sample time 0\.125 s is not a multiple of the step 0\.25 s; use a step of 0\.125",
         ),
         ({"step": 0.0}, "The step 0.0 s is not positive"),
         ({"step": -H}, "The step -0.125 s is not positive"),

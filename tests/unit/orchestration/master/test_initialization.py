@@ -8,7 +8,7 @@ import pytest
 
 from orchestration import InitializationError, Result, SimulationError, System, simulate
 from tests.unit.orchestration.checked import compiled, misbehaving
-from tests.unit.orchestration.units import FIRST, LAST_TICK, H, chain, system
+from tests.unit.orchestration.small_models import FIRST, LAST_TICK, H, chain, system
 
 LENGTH = 12
 

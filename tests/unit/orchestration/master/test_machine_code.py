@@ -17,7 +17,7 @@ import orchestration
 from orchestration.fmi import machine_code
 from orchestration.fmi.native_calls import SOURCES
 from orchestration.master import kernel
-from tests.unit.orchestration.units import mixed
+from tests.unit.orchestration.small_models import mixed
 
 PACKAGE = Path(orchestration.__file__).parent
 CALLEE = "orchestration/master/kernel/flat_system.py"  # of the loop in fixed_step.py

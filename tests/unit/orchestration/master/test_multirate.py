@@ -9,7 +9,7 @@ from orchestration import Options, SystemDescriptionError, simulate
 from orchestration.master.algorithm import SEQUENTIAL, Algorithm
 from tests.reference.problems import PROBLEMS
 from tests.unit.orchestration.runs import SAMPLE_TIME, paper
-from tests.unit.orchestration.units import FIRST, H, mixed
+from tests.unit.orchestration.small_models import FIRST, H, mixed
 
 SLOW = 5
 STEPS = 200

@@ -16,7 +16,7 @@ import pytest
 from orchestration import Options, System, simulate
 from tests.reference.problems import PROBLEMS
 from tests.unit.orchestration.runs import ALGORITHMS, at_zero, falling
-from tests.unit.orchestration.units import mixed
+from tests.unit.orchestration.small_models import mixed
 
 ROOT = Path(__file__).parents[3]
 STEPS = 200

@@ -18,7 +18,7 @@ from orchestration import ArchiveError, Component, Result, System, SystemDescrip
 from orchestration.fmi.description import read_description
 from orchestration.master import provenance as module
 from orchestration.master.provenance import provenance
-from tests.unit.orchestration.units import H, chain, mixed
+from tests.unit.orchestration.small_models import H, chain, mixed
 
 RUN: dict[str, Any] = {"algorithm": "jacobi", "step": H, "start_time": 0.0, "stop_time": 2, "order": None}
 

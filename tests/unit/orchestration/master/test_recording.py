@@ -12,7 +12,7 @@ from orchestration import Options, OrchestrationError, Result, SimulationError, 
 from orchestration.errors import RunInterrupted
 from orchestration.master.simulate import prepare, stream
 from tests.unit.orchestration.runs import ADAPTIVE, ALGORITHMS, SAMPLE_TIME, at_zero, crossing, falling, paper
-from tests.unit.orchestration.units import FIRST, LAST_TICK, H, mixed, system
+from tests.unit.orchestration.small_models import FIRST, LAST_TICK, H, mixed, system
 
 STEPS = 3000  # several chunks of the compiled loop
 FIXED = {name: algorithm for name, algorithm in ALGORITHMS.items() if algorithm.control is None}

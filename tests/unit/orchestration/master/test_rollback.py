@@ -21,7 +21,7 @@ from orchestration.master.algorithm import (
 from orchestration.master.options import Crossings
 from tests.reference.problems import PROBLEMS
 from tests.unit.orchestration.runs import SAMPLE_TIME, paper
-from tests.unit.orchestration.units import mixed
+from tests.unit.orchestration.small_models import mixed
 
 STEPS = 200
 LOOSE = Tolerance(1e30)  # accepts every step

@@ -17,7 +17,7 @@ from orchestration.master.simulation import Simulation
 from orchestration.master.snapshot import Snapshot
 from tests.reference.problems import PROBLEMS
 from tests.unit.orchestration.runs import ADAPTIVE, ALGORITHMS, SAMPLE_TIME, at_zero, crossing, falling, paper
-from tests.unit.orchestration.units import H
+from tests.unit.orchestration.small_models import H
 
 ROOT = Path(__file__).parents[3]
 STEPS = 160

@@ -16,7 +16,7 @@ from orchestration.master.simulate import prepare
 from orchestration.master.simulation import Simulation
 from tests.reference.problems import PROBLEMS
 from tests.unit.orchestration.runs import ADAPTIVE, SAMPLE_TIME, paper
-from tests.unit.orchestration.units import FIRST, H, mixed
+from tests.unit.orchestration.small_models import FIRST, H, mixed
 
 STEPS = 64
 DISCARD = 2

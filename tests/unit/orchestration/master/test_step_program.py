@@ -12,7 +12,7 @@ from orchestration.master.initialization import initialize, opened
 from orchestration.master.kernel import step_program
 from orchestration.master.kernel.codes import Column, Kind
 from orchestration.master.kernel.step_program import operations_of_step
-from tests.unit.orchestration.units import H, mixed, system
+from tests.unit.orchestration.small_models import H, mixed, system
 
 WIDTH = 4
 
@@ -33,7 +33,7 @@ def crossed(wide: dict[str, Path], sources: str) -> System:
     return system(wide, {"a": "Wide", "b": "Wide"}, "\n".join([*own, *straight]))
 
 
-def listed(made: System, sequential: bool) -> np.recarray:
+def listed(made: System, sequential: bool) -> np.ndarray:
     """Return the operations of a step as records."""
     with opened(made) as instances:
         assembly = assemble(made, instances, None)
@@ -49,31 +49,31 @@ def test_neighbours_are_set_in_one_call_without_a_copy(
     wide: dict[str, Path], sources: str, calls: int, copies: int
 ) -> None:
     rows = listed(crossed(wide, sources), sequential=True)
-    of_a = rows[(rows.subject == 0) & (rows.call == Column.SET_REAL)]
-    copied = of_a.kind == Kind.COPY_REALS
+    of_a = rows[(rows["subject"] == 0) & (rows["call"] == Column.SET_REAL)]
+    copied = of_a["kind"] == Kind.COPY_REALS
     assert (copied.sum(), (~copied).sum()) == (copies, calls)
-    assert of_a.count[~copied].sum() == WIDTH
-    of_b = rows[(rows.subject == 1) & (rows.call == Column.SET_REAL)]
+    assert of_a["count"][~copied].sum() == WIDTH
+    of_b = rows[(rows["subject"] == 1) & (rows["call"] == Column.SET_REAL)]
     assert len(of_b) == 1
-    assert of_b[0].kind not in (Kind.COPY_REALS, Kind.COPY_DISCRETES)
+    assert of_b[0]["kind"] not in (Kind.COPY_REALS, Kind.COPY_DISCRETES)
 
 
 def test_many_inputs_from_few_sources_are_set_in_several_calls(wide: dict[str, Path], monkeypatch) -> None:
     monkeypatch.setattr(step_program, "COPIES_PER_CALL", 2)
     rows = listed(crossed(wide, "3412"), sequential=True)
-    of_a = rows[(rows.subject == 0) & (rows.call == Column.SET_REAL)]
-    assert of_a.count.tolist() == [2, 2]
-    assert (of_a.kind != Kind.COPY_REALS).all()
+    of_a = rows[(rows["subject"] == 0) & (rows["call"] == Column.SET_REAL)]
+    assert of_a["count"].tolist() == [2, 2]
+    assert (of_a["kind"] != Kind.COPY_REALS).all()
 
 
 @pytest.mark.parametrize("sequential", [True, False])
 def test_order_is_the_algorithm(small: dict[str, Path], sequential: bool) -> None:
     rows = listed(mixed(small), sequential)
     phase = {Column.DO_STEP: 1} | dict.fromkeys((Column.GET_REAL, Column.GET_INTEGER, Column.GET_BOOLEAN), 2)
-    phases = [phase.get(call, 0) for call in rows.call.tolist()]
-    keys = list(zip(rows.subject.tolist(), phases, strict=True))
+    phases = [phase.get(call, 0) for call in rows["call"].tolist()]
+    keys = list(zip(rows["subject"].tolist(), phases, strict=True))
     assert keys == sorted(keys, key=lambda key: key if sequential else key[::-1])
-    assert set(rows.subject.tolist()) == {0, 1, 2, 3}
+    assert set(rows["subject"].tolist()) == {0, 1, 2, 3}
 
 
 @pytest.mark.parametrize("algorithm", ["gauss-seidel", "jacobi"])

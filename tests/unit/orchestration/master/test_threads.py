@@ -9,7 +9,7 @@ from orchestration import System, simulate
 from orchestration.master.algorithm import Algorithm
 from tests.reference.problems import PROBLEMS
 from tests.unit.orchestration.runs import ALGORITHMS, SAMPLE_TIME, paper
-from tests.unit.orchestration.units import mixed
+from tests.unit.orchestration.small_models import mixed
 
 THREADS, REPEATED = 2, 4
 

@@ -89,7 +89,7 @@ def test_operations_are_counted_by_kind() -> None:
     """A product, a sum and a difference are simple; a sine and a quotient are costly."""
     import casadi as ca
 
-    model = SampledModel("Counted", "A unit for tests")
+    model = SampledModel("Counted", "A model for tests")
     a = model.input("a", 1.0, description="One")
     b = model.input("b", 2.0, description="Other")
     model.output("y", ca.sin(a) * b + a, description="Two simple operations, one costly")

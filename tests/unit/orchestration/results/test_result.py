@@ -10,7 +10,7 @@ import pytest
 from matplotlib.figure import Figure
 
 from orchestration import Options, OrchestrationError, Result, System, SystemDescriptionError, compare, simulate
-from tests.unit.orchestration.units import chain, mixed
+from tests.unit.orchestration.small_models import chain, mixed
 
 STEPS = 300
 CHOSEN = ("plant.F_ext[1]", "actuator.saturated[2]", "trajectory.x_v[1]", "plant.q[2]")  # in no order
@@ -59,7 +59,7 @@ def test_recording_nothing_still_runs(small: dict[str, Path], tmp_path: Path) ->
     [
         ("relay.z", r"relay has no variable z; it has sample_time, offset, u, n, even, y, m, odd"),
         ("relais.y", r"System small has no component relais; it has source, relay, switch, plant"),
-        ("relay", r"'relay' is no component\.variable, such as source\."),
+        ("relay", r"'relay' is not of the form component\.variable, such as source\."),
         ("relay.u", r"relay\.u is a Real of causality input; only outputs"),
         ("relay.offset", r"relay\.offset is a Real of causality parameter; only outputs"),
     ],

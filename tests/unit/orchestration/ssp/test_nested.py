@@ -21,7 +21,7 @@ from tests.unit.orchestration.foreign import (
     scaled,
     system_xml,
 )
-from tests.unit.orchestration.units import H
+from tests.unit.orchestration.small_models import H
 
 pytestmark = pytest.mark.usefixtures("own_cache")
 PAIR = component("a", "Decay") + component("b", "Decay")

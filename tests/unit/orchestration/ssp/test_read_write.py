@@ -13,7 +13,7 @@ from lxml import etree
 from adaptimp_fmu import SampledModel, build
 from orchestration import System, simulate
 from tests.unit.orchestration.packages import SSD_FILE, edited, same, substitute
-from tests.unit.orchestration.units import H, system
+from tests.unit.orchestration.small_models import H, system
 
 pytestmark = pytest.mark.usefixtures("own_cache")
 

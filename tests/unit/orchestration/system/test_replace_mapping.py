@@ -14,7 +14,7 @@ import pytest
 
 from orchestration import Connection, Options, System, SystemDescriptionError, simulate
 from tests.unit.orchestration.packages import same
-from tests.unit.orchestration.units import H, system
+from tests.unit.orchestration.small_models import H, system
 
 MAPPING = {"tau_cmd": "Torque", "x": "Position", "offset": "Gain"}
 FINE = 2.0**10  # fine units in a metre

@@ -17,7 +17,7 @@ from orchestration import (
     simulate,
 )
 from orchestration.fmi.description import read_description
-from tests.unit.orchestration.units import H, chain, system
+from tests.unit.orchestration.small_models import H, chain, system
 
 
 def linked(fmus: dict[str, Path], line: str) -> System:
@@ -114,7 +114,7 @@ def test_sample_time_sets_step_and_every_period(fig2: System) -> None:
 @pytest.mark.parametrize(
     ("period", "step", "message"),
     [
-        (3e-4, 2e-4, r"time 0\.0003 s is no multiple of the step 0\.0002 s; use a step of 0\.00015 s"),
+        (3e-4, 2e-4, r"time 0\.0003 s is not a multiple of the step 0\.0002 s; use a step of 0\.00015 s"),
         (1e-4, 3e-4, r"use a step of 0\.0001 s, or a sample time of 0\.0003 s"),
         (0.0, 1e-4, r"source: sample time 0 s is not positive"),
         (-1e-4, 1e-4, r"source: sample time -0\.0001 s is not positive"),

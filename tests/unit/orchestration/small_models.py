@@ -1,4 +1,4 @@
-"""Small units whose outputs can be predicted exactly, and systems of them.
+"""Small models whose outputs can be predicted exactly, and systems of their FMUs.
 
 All numbers are small integers and powers of two, so predictions hold bitwise.
 """
@@ -13,7 +13,7 @@ from orchestration.fmi.description import read_description
 
 H = 0.125  # s, step and sampling period: k * H is exact
 FIRST = 3.0  # value of a source at tick 0
-LAST_TICK = 40  # at which a fragile unit still works
+LAST_TICK = 40  # at which a fragile FMU still works
 
 
 def source() -> SampledModel:
@@ -72,7 +72,7 @@ def fragile() -> SampledModel:
     return model
 
 
-def build_units(folder: Path) -> dict[str, Path]:
+def build_small_models(folder: Path) -> dict[str, Path]:
     """Build them all; FMU files by model identifier."""
     models = [source(), relay(), switch(), integrator(), fragile()]
     return {model.name: build(model, folder) for model in models}
@@ -99,7 +99,7 @@ def chain(fmus: dict[str, Path], length: int, *, steps: int = 16) -> System:
 
 
 def mixed(fmus: dict[str, Path], *, steps: int = 16) -> System:
-    """Real, Integer and Boolean signals, sampled and continuous units, one feedback."""
+    """Real, Integer and Boolean signals, sampled and continuous FMUs, one feedback."""
     units = {"source": "Source", "relay": "Relay", "switch": "Switch", "plant": "Integrator"}
     return system(
         fmus,
