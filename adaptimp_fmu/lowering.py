@@ -5,8 +5,9 @@ those of a continuous model's states alone into ``prepare``, whose values serve 
 event indicators. Common subexpressions are shared within each function.
 """
 
+import math
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import casadi as ca
@@ -17,6 +18,7 @@ from adaptimp_fmu.errors import DefinitionError
 from adaptimp_fmu.model import Model
 from adaptimp_fmu.sampled_model import SampledModel
 from adaptimp_fmu.sensitivity import sensitivity_functions
+from adaptimp_fmu.variables import Role
 
 
 @dataclass(frozen=True)
@@ -55,7 +57,8 @@ def lower(model: Model) -> Lowered:
     ------
     DefinitionError
         If the name is not a C identifier, there are no outputs, a state has no evolution, a divisor or a seed is
-        not a suitable parameter, or a value depends on a symbol that the model does not declare.
+        not a suitable parameter, a value holds the constant NaN, or depends on a symbol that the model does not
+        declare.
     """
     _require_complete(model)
     p, x = parameters(model), states(model)
@@ -147,6 +150,33 @@ def _require_complete(model: Model) -> None:
         raise DefinitionError(msg)
     if isinstance(model, SampledModel):
         model.require_named_parameters()
+    for what, value in _expressions(model):
+        if _has_nan(value):
+            msg = (
+                f"{model.name}: {what} holds the constant NaN. Functions such as math.sin return NaN for a symbol;"
+                " use those of CasADi, such as ca.sin."
+            )
+            raise DefinitionError(msg)
+
+
+def _expressions(model: Model) -> Iterator[tuple[str, ca.SX]]:
+    """Everything that a model computes, with a name for messages."""
+    names = [variable.name for variable in model.with_role(Role.OUTPUT)]
+    values = [element for value in model.output_values for element in ca.vertsplit(value)]
+    yield from ((f"output {name}", value) for name, value in zip(names, values, strict=True))
+    for state in model.states:
+        yield f"the first value of state {state.name}", state.initial
+        yield f"the evolution of state {state.name}", ca.SX(0) if state.evolution is None else state.evolution
+    for event in model.events if isinstance(model, ContinuousModel) else ():
+        yield f"event {event.name}", event.indicator
+    yield from ((f"the check {check.sentence!r}", check.value) for check in (*model.static_checks, *model.checks))
+
+
+def _has_nan(value: ca.SX) -> bool:
+    """Whether a constant in an expression is not a number."""
+    function = ca.Function("constants", ca.symvar(value), [value])
+    constants = (i for i in range(function.n_instructions()) if function.instruction_id(i) == ca.OP_CONST)
+    return any(math.isnan(function.instruction_constant(i)) for i in constants)
 
 
 def _function(name: str, arguments: dict[str, ca.SX], results: dict[str, ca.SX]) -> ca.Function:

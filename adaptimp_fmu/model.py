@@ -151,11 +151,21 @@ class Model:
         unit: PerElement = "",
         description: PerElement,
         type: Type = Type.REAL,
-        scalar: bool = False,
+        scalar: bool | None = None,
     ) -> None:
-        """Declare an output and its value, shape (n,); `scalar` names one element without index."""
+        """Declare an output and its value.
+
+        Parameters
+        ----------
+        value
+            Expression of shape (n,).
+        scalar
+            Whether a value of one element is called `name`, without an index. Default: yes, as an input or a
+            parameter that starts with a number is; False calls it ``name[1]``.
+        """
         value = ca.vec(ca.SX(value))
-        shape = None if scalar else value.numel()
+        one = value.numel() == 1 if scalar is None else scalar
+        shape = None if one else value.numel()
         self._add_variables(name, Role.OUTPUT, type, [None] * value.numel(), shape, unit, description, ANY)
         self.output_values.append(value)
 

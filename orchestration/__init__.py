@@ -27,6 +27,7 @@ if TYPE_CHECKING:
         SignalError,
         SimulationError,
         SystemDescriptionError,
+        UnknownNameError,
     )
     from orchestration.fmi.fmu import Fmu
     from orchestration.master.algorithm import Algorithm, Correction, StepControl, Tolerance
@@ -34,12 +35,16 @@ if TYPE_CHECKING:
     from orchestration.master.simulate import UnconnectedInputWarning, prepare, simulate, stream
     from orchestration.master.simulation import Simulation
     from orchestration.master.snapshot import Snapshot
+    from orchestration.paper.ready import scenario
+    from orchestration.results.comparison import ColumnDifference, Comparison, compare
     from orchestration.results.result import Result
     from orchestration.system.system import Component, Connection, System
 
 _HOME = {
     "Algorithm": "master.algorithm",
     "ArchiveError": "errors",
+    "ColumnDifference": "results.comparison",
+    "Comparison": "results.comparison",
     "Component": "system.system",
     "Connection": "system.system",
     "Correction": "master.algorithm",
@@ -62,8 +67,11 @@ _HOME = {
     "Tolerance": "master.algorithm",
     "UnconnectedInputWarning": "master.simulate",
     "Verdict": "analysis.stability.verdict",
+    "UnknownNameError": "errors",
+    "compare": "results.comparison",
     "ledger": "analysis.energy",
     "prepare": "master.simulate",
+    "scenario": "paper.ready",
     "simulate": "master.simulate",
     "stream": "master.simulate",
 }
@@ -71,6 +79,8 @@ _HOME = {
 __all__ = [
     "Algorithm",
     "ArchiveError",
+    "ColumnDifference",
+    "Comparison",
     "Component",
     "Connection",
     "Correction",
@@ -92,12 +102,20 @@ __all__ = [
     "SystemDescriptionError",
     "Tolerance",
     "UnconnectedInputWarning",
+    "UnknownNameError",
     "Verdict",
+    "compare",
     "ledger",
     "prepare",
+    "scenario",
     "simulate",
     "stream",
 ]
+
+
+def __dir__() -> list[str]:
+    """The public names."""
+    return sorted(__all__)
 
 
 def __getattr__(name: str) -> Any:

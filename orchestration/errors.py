@@ -43,6 +43,14 @@ class OrchestrationError(Exception):
     """Base class of all errors of the orchestration package."""
 
 
+class UnknownNameError(OrchestrationError, KeyError):
+    """A name that nothing bears; the message gives near names."""
+
+    def __str__(self) -> str:
+        """The message as it is; a KeyError would quote it."""
+        return str(self.args[0]) if self.args else ""
+
+
 class ArchiveError(OrchestrationError):
     """Error of an FMU or SSP archive that is missing, invalid or unsafe to unpack."""
 

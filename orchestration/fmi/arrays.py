@@ -4,7 +4,6 @@ A name is that of a variable, ``tau[1]``, or of an array, ``tau``. An array cons
 the order of i, which counts from 1, or from 0, without a hole.
 """
 
-import re
 from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
@@ -14,22 +13,19 @@ import numpy as np
 from orchestration.errors import SignalError
 from orchestration.fmi.codes import BOOLEAN, REAL, STRING
 from orchestration.fmi.description import Variable
+from orchestration.fmi.names import arrays as positions_of_arrays
 
 Value = float | str | Sequence[float] | np.ndarray
-_ELEMENT = re.compile(r"(.+)\[(\d+)\]")
 
 
 def arrays(names: Iterable[str]) -> dict[str, list[str]]:
-    """Return the names of the elements of each array by its base name, in the order of their index."""
-    names = list(names)
-    found: defaultdict[str, dict[int, str]] = defaultdict(dict)
-    for name in names:
-        if match := _ELEMENT.fullmatch(name):
-            found[match[1]][int(match[2])] = name
+    """Return the names of the elements of each one-dimensional array, by its name, in the order of their index."""
+    names = tuple(names)
+    whole = positions_of_arrays(names)
     return {
-        base: [elements[i] for i in sorted(elements)]
-        for base, elements in found.items()
-        if base not in names and min(elements) <= 1 and max(elements) - min(elements) == len(elements) - 1
+        base: [names[i] for i in positions]
+        for base, positions in whole.items()
+        if positions.ndim == 1 and base not in names
     }
 
 

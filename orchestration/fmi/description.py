@@ -67,7 +67,7 @@ class Variable:
         return self.declared or self.name
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Description:
     """The description of an FMU: the parts of its modelDescription.xml that a co-simulation needs.
 
@@ -84,6 +84,10 @@ class Description:
     variables: Mapping[str, Variable]
     units: Mapping[str, UnitDefinition]
     capabilities: frozenset[str] = frozenset()
+
+    def __repr__(self) -> str:
+        """Model name, file and number of variables."""
+        return f"<Description of {self.model_name}: {self.path.name}, {len(self.variables)} variables>"
 
     def can(self, capability: str) -> bool:
         """Whether a capability flag of the co-simulation element, such as `SAVES_STATE`, is true."""

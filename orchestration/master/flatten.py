@@ -6,8 +6,9 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from orchestration.errors import SystemDescriptionError
-from orchestration.fmi.codes import BOOLEAN, INTEGER, REAL, STRING
+from orchestration.fmi.codes import BOOLEAN, INTEGER, REAL
 from orchestration.fmi.instance import Instance
+from orchestration.fmi.names import chosen, suggestion
 from orchestration.master.kernel import flat_system
 from orchestration.master.kernel.codes import GROUP_SIZE, N_COLUMNS, Column, Group
 from orchestration.master.kernel.flat_system import Plan
@@ -164,22 +165,24 @@ def _table(
 
 
 def _recorded_paths(system: System, record: Collection[str] | None) -> list[Path]:
-    """Return the recorded variables: all outputs if `record` is None, else the named ones in the given order."""
+    """Return the recorded variables: all outputs if `record` is None, else what its names and patterns choose."""
+    outputs = {
+        f"{component.name}.{variable.name}": (component.name, variable.name)
+        for component in system.components
+        for variable in component.description.of_causality("output")
+    }
     if record is None:
-        return [
-            (component.name, variable.name)
-            for component in system.components
-            for variable in component.description.of_causality("output")
-        ]
-    paths = []
-    for name in dict.fromkeys(record):  # a column twice would leave one unwritten
-        component, variable = system.resolve(name)
-        if variable.causality != "output" or variable.type == STRING:
-            is_ = f"a {variable.type} of causality {variable.causality}"
-            msg = f"{name} is {is_}; only outputs that are Real, Integer or Boolean can be recorded."
+        return list(outputs.values())
+    names, others = chosen(record, outputs)
+    for pattern in others:
+        if "*" in pattern or "?" in pattern:
+            msg = f"record: no output fits {pattern!r}; {suggestion(pattern.strip('*?'), outputs)}"
             raise SystemDescriptionError(msg)
-        paths.append((component.name, variable.name))
-    return paths
+        variable = system.resolve(pattern)[1]
+        is_ = f"a {variable.type} of causality {variable.causality}"
+        msg = f"{pattern} is {is_}; only outputs that are Real, Integer or Boolean can be recorded."
+        raise SystemDescriptionError(msg)
+    return [outputs[name] for name in names]
 
 
 def _path(system: System, name: str) -> Path:

@@ -38,7 +38,8 @@ class Options:
     Attributes
     ----------
     record
-        Outputs to record, as ``component.variable``. Default: all outputs.
+        Outputs to record: names ``component.variable``, names of arrays, or patterns with ``*`` and ``?``.
+        Default: all outputs.
     every
         Every n-th step is recorded. Row 0 is always recorded.
     start_time
@@ -63,7 +64,7 @@ class Options:
         If `every` or a ratio is not a positive integer.
     """
 
-    record: Collection[str] | None = None
+    record: str | Collection[str] | None = None
     every: int = 1
     start_time: float = 0.0
     strict: bool = False
@@ -74,6 +75,12 @@ class Options:
 
     def __post_init__(self) -> None:
         """Refuse numbers that are not positive integers."""
+        if isinstance(self.record, str):
+            object.__setattr__(self, "record", (self.record,))
+        if self.record is not None and not all(isinstance(name, str) for name in self.record):
+            wrong = next(name for name in self.record if not isinstance(name, str))
+            msg = f"record has {wrong!r}; names of outputs are needed, such as 'plant.x[1]'."
+            raise SystemDescriptionError(msg)
         if not (isinstance(self.every, int) and self.every >= 1):
             msg = f"every = {self.every!r}: every n-th step is recorded, where n is an integer of at least 1."
             raise SystemDescriptionError(msg)

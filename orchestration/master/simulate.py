@@ -16,6 +16,8 @@ as FMI 2.0 demands.
 
 import warnings
 from collections.abc import Sequence
+from contextlib import ExitStack
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -23,6 +25,7 @@ import numpy as np
 from orchestration.errors import SystemDescriptionError
 from orchestration.master.algorithm import ALGORITHMS, Algorithm, find_algorithm
 from orchestration.master.options import Options, Progress
+from orchestration.master.progress import progress_bar
 from orchestration.master.provenance import provenance
 from orchestration.master.simulation import Simulation
 from orchestration.master.time_grid import Grid, fixed_grid, given_grid, tick_grid
@@ -37,13 +40,15 @@ class UnconnectedInputWarning(UserWarning):
 
 
 def simulate(
-    system: System,
+    system: System | str | Path,
     stop_time: float | None = None,
     step: float | None = None,
     algorithm: str | Algorithm = "gauss-seidel",
     *,
+    record: str | Sequence[str] | None = None,
     order: Sequence[str] | None = None,
     times: np.ndarray | None = None,
+    progress: bool | Progress = False,
     options: Options | None = None,
 ) -> Result:
     """Run a system of coupled FMUs, and return the rows it recorded.
@@ -51,7 +56,7 @@ def simulate(
     Parameters
     ----------
     system
-        Components, start values and connections.
+        Components, start values and connections; or the path of an SSP package.
     stop_time
         End of the run, s. Default: the stop time of the system, which must then have one. The duration must be
         a multiple of the step.
@@ -59,12 +64,17 @@ def simulate(
         Communication step, s. Default: the step of the system, which must then have one.
     algorithm
         Name of one of `ALGORITHMS`, or an `Algorithm`.
+    record
+        Outputs to record: names ``component.variable``, names of arrays, or patterns with ``*`` and ``?``.
+        Default: all outputs.
     order
         Component names in the order of stepping. Default: the order of the system.
     times
         Communication points, s, shape (n + 1,), increasing, instead of `stop_time` and `step`.
+    progress
+        True for a bar on standard error, or a function that is called with the steps made and the steps in all.
     options
-        Further choices for the run. Default: those of `Options`.
+        Rare choices for the run. Default: those of `Options`.
 
     Returns
     -------
@@ -82,18 +92,24 @@ def simulate(
     RunInterrupted
         If the user interrupts the run. ``error.result`` holds the rows before the interrupt.
     """
-    with prepare(system, stop_time, step, algorithm, order=order, times=times, options=options) as simulation:
+    system = system if isinstance(system, System) else System.read(system)
+    with ExitStack() as stack:
+        show = stack.enter_context(progress_bar(system.name)) if progress is True else progress or None
+        chosen = _chosen(options, record, show)
+        run = prepare(system, stop_time, step, algorithm, order=order, times=times, options=chosen)
+        simulation = stack.enter_context(run)
         simulation.run()
         return simulation.result()
 
 
 def stream(
     path: str | Path,
-    system: System,
+    system: System | str | Path,
     stop_time: float | None = None,
     step: float | None = None,
     algorithm: str | Algorithm = "gauss-seidel",
     *,
+    record: str | Sequence[str] | None = None,
     order: Sequence[str] | None = None,
     options: Options | None = None,
 ) -> int:
@@ -105,7 +121,7 @@ def stream(
     ----------
     path
         Parquet file to write.
-    system, stop_time, step, algorithm, order, options
+    system, stop_time, step, algorithm, record, order, options
         As for `simulate`.
 
     Returns
@@ -120,7 +136,8 @@ def stream(
     RunInterrupted
         If the user interrupts the run.
     """
-    run = prepare(system, stop_time, step, algorithm, order=order, options=options)
+    system = system if isinstance(system, System) else System.read(system)
+    run = prepare(system, stop_time, step, algorithm, order=order, options=_chosen(options, record, None))
     run.stream_to(Path(path))
     with run:
         run.run()
@@ -169,6 +186,23 @@ def prepare(
         order=None,
     )
     return Simulation(system, grid, chosen, options, metadata=metadata)
+
+
+def _chosen(options: Options | None, record: str | Sequence[str] | None, progress: Progress | None) -> Options:
+    """Options with what was given beside them.
+
+    Raises
+    ------
+    SystemDescriptionError
+        If a choice is given twice.
+    """
+    options = options or Options()
+    given = {"record": record, "progress": progress}
+    for name, value in given.items():
+        if value is not None and getattr(options, name) is not None:
+            msg = f"{name} is given twice, as an argument and in the options; give it once."
+            raise SystemDescriptionError(msg)
+    return replace(options, **{name: value for name, value in given.items() if value is not None})
 
 
 def _grid(

@@ -34,6 +34,7 @@ from orchestration.errors import (
 from orchestration.fmi.codes import WORST_ACCEPTED
 from orchestration.fmi.instance import Instance
 from orchestration.master.algorithm import SEQUENTIAL, Algorithm
+from orchestration.master.block import Block
 from orchestration.master.capabilities import check_capabilities, check_crossings
 from orchestration.master.failure_text import failure_message
 from orchestration.master.flatten import Assembly, assemble
@@ -99,7 +100,12 @@ class Simulation:
         self._stream: ParquetSink | None = None
         self._stack = ExitStack()
         self._chunk = _FIRST_CHUNK
-        self._begun = self._open = False
+        self._block = Block(system.name)
+
+    def __repr__(self) -> str:
+        """System, algorithm and how far the run is."""
+        at = f"at t = {float(self._state.time):.9g} s" if self._block.begun else "not begun"
+        return f"<Simulation of {self.system.name} with {self.algorithm.name}: {at}>"
 
     def __enter__(self) -> Self:
         """Open and initialize the components; row 0 is recorded."""
@@ -121,7 +127,7 @@ class Simulation:
             if fault := not_finite(self._assembly.columns, *self._recorder.filled(1), first=0):
                 raise InitializationError(fault[1])
             self._stack = stack.pop_all()
-        self._begun = self._open = True
+        self._block.begin()
         return self
 
     def __exit__(
@@ -134,7 +140,7 @@ class Simulation:
         SimulationError
             If a component does not terminate after a run without errors.
         """
-        self._open = False
+        self._block.end()
         try:
             if kind is None:
                 self._terminate()
@@ -152,19 +158,19 @@ class Simulation:
     @property
     def count(self) -> int:
         """Number of rows recorded."""
-        self._require_begun()
+        self._block.require_begun()
         return self._recorder.count
 
     @property
     def time(self) -> float:
         """Time that the run has reached, s."""
-        self._require_begun()
+        self._block.require_begun()
         return float(self._state.time)
 
     @property
     def steps_made(self) -> int:
         """Number of steps that were accepted."""
-        self._require_begun()
+        self._block.require_begun()
         return int(self._state.steps_made)
 
     def run(self, until: float | None = None) -> None:
@@ -185,7 +191,7 @@ class Simulation:
         RunInterrupted
             A KeyboardInterrupt, with the rows until then.
         """
-        self._require_open()
+        self._block.require_open()
         last = self.grid.n if until is None else self.grid.ahead(until, self.time)
         try:
             while self._state.interval < last:
@@ -200,7 +206,7 @@ class Simulation:
 
     def result(self) -> Result:
         """Return the rows recorded so far; the arrays are views of the run's memory where that is possible."""
-        self._require_begun()
+        self._block.require_begun()
         times, rows = self._recorder.rows()
         assembly = self._assembly
         return Result(
@@ -225,7 +231,7 @@ class Simulation:
         SimulationError
             If the component refuses, for example because the parameter is fixed.
         """
-        self._require_open()
+        self._block.require_open()
         changed = System("_", self.system.components).set(values)
         for component, before, instance in zip(
             changed.components, self.system.components, self._instances, strict=True
@@ -242,7 +248,7 @@ class Simulation:
         SystemDescriptionError
             If a component does not save states, or rows go to a file.
         """
-        self._require_open()
+        self._block.require_open()
         if self._recorder.streams:
             msg = f"System {self.system.name}: rows that go to a file cannot be taken back; keep them in memory."
             raise SystemDescriptionError(msg)
@@ -265,7 +271,7 @@ class Simulation:
         SystemDescriptionError
             If the snapshot is of another system, algorithm, grid or choice of columns.
         """
-        self._require_open()
+        self._block.require_open()
         if snapshot.identity != self._identity():
             msg = (
                 f"System {self.system.name}: the snapshot at t = {snapshot.time:.9g} s is of another run;"
@@ -283,25 +289,6 @@ class Simulation:
         plan.reals[:], plan.discretes[:] = snapshot.arrays["reals"], snapshot.arrays["discretes"]
         self._changes = json.loads(str(snapshot.arrays["changes"]))
         self._recorder.reset(snapshot.arrays["times"], snapshot.arrays["rows"])
-
-    def _require_open(self) -> None:
-        """Refuse what needs instances before they are there, or after they are freed.
-
-        Raises
-        ------
-        OrchestrationError
-            Outside the ``with`` block.
-        """
-        if not self._open:
-            when = "is over" if self._begun else "has not begun"
-            example = "with prepare(system, stop_time, step) as simulation: simulation.run()"
-            msg = f"System {self.system.name}: the run {when}; step it inside its block, as in `{example}`."
-            raise OrchestrationError(msg)
-
-    def _require_begun(self) -> None:
-        """Refuse what needs rows before there are any; they stay when the block is left."""
-        if not self._begun:
-            self._require_open()
 
     def _described(self) -> dict[str, str]:
         """Return the metadata, with values set during the run and the effort of the algorithm."""
@@ -325,16 +312,9 @@ class Simulation:
         return self._stream
 
     def _lay_out(self) -> Layout:
-        times = self.grid.times
-        experiment = Experiment(
-            self.grid.step,
-            float(np.max(self.grid.lengths)),
-            float(times[-1] - times[0]),
-            self.options.ratios,
-            self.options.crossings,
-        )
+        experiment = Experiment.of(self.grid, self.options)
         found = layout(self.system, self._instances, self._assembly, self.algorithm, experiment)
-        found.start(self._assembly.plan.reals, float(times[0]))
+        found.start(self._assembly.plan.reals, float(self.grid.times[0]))
         return found
 
     def _run_plain(self, last: int) -> None:

@@ -24,7 +24,8 @@ from orchestration.master.kernel.codes import (
 )
 from orchestration.master.kernel.coupling import Coupling
 from orchestration.master.kernel.records import Method, Records, Watched
-from orchestration.master.options import Crossings
+from orchestration.master.options import Crossings, Options
+from orchestration.master.time_grid import Grid
 from orchestration.system.system import Component, Connection, System
 
 SMALLEST_SHARE = 1e-6  # of the system's step: the smallest step, if none is given
@@ -99,6 +100,12 @@ class Experiment:
     duration: float
     ratios: Mapping[str, int]
     crossings: Crossings
+
+    @classmethod
+    def of(cls, grid: Grid, options: Options) -> "Experiment":
+        """The experiment of a run with these communication points and options."""
+        duration = float(grid.times[-1] - grid.times[0])
+        return cls(grid.step, float(np.max(grid.lengths)), duration, options.ratios, options.crossings)
 
 
 def layout(

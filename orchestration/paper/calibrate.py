@@ -63,7 +63,7 @@ def noise_bound(lab: Laboratory) -> float:
 def torque_limits(lab: Laboratory, changes: Mapping[str, float] | None = None) -> tuple[float, float]:
     """The torque limits, N.m: 75 % of each joint's largest |tau_cmd| of fig5 with some start values changed."""
     result = lab.run(Job("fig5", changes or {}), ("controller.tau_cmd[1]", "controller.tau_cmd[2]"))
-    largest = np.abs(result.vector("controller.tau_cmd")).max(axis=0)
+    largest = np.abs(result["controller.tau_cmd"]).max(axis=0)
     return float(TORQUE_SHARE * largest[0]), float(TORQUE_SHARE * largest[1])
 
 

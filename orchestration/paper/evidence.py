@@ -37,7 +37,7 @@ class Evidence:
     def ideal_force(self) -> np.ndarray:
         """Contact force with the true mass and a perfect sensor, N, shape (n_rows, 2)."""
         record = ("plant.F_ext[1]", "plant.F_ext[2]")
-        return self.laboratory.run(Job("ideal"), record).vector("plant.F_ext")
+        return self.laboratory.run(Job("ideal"), record)["plant.F_ext"]
 
     @cached_property
     def noise(self) -> Mapping[str, list[Summary]]:

@@ -97,7 +97,7 @@ def _control_figure(result: Result) -> Figure:
         axes[1, 0].plot(*_envelope(ticks, error), label=f"$e_{i}$")
     _time_axis(axes[1, 0], result, "(c) Tracking error $e = x - x_t$", "error (mm)")
     axes[1, 0].legend(loc="lower right")
-    force = np.linalg.norm(result.vector("plant.F_ext"), axis=1)
+    force = np.linalg.norm(result["plant.F_ext"], axis=1)
     axes[1, 1].plot(*_envelope(result.time, force), color=ACTUAL, label=r"$\|F_{ext}\|$")
     _time_axis(axes[1, 1], result, "(d) Contact force", "force (N)")
     return figure
@@ -156,7 +156,7 @@ def _tirt_figure(result: Result) -> Figure:
 
 def _trajectories(axis: Axes, result: Result) -> None:
     _wall(axis)
-    virtual, actual = at_ticks(result, "trajectory.x_v"), result.vector("plant.x")
+    virtual, actual = at_ticks(result, "trajectory.x_v"), result["plant.x"]
     axis.plot(*_path(virtual), "--", color=IDEAL, label="ideal (virtual)")
     axis.plot(*_path(actual), color=ACTUAL, label="actual")
     _plane(axis, "(a) Ideal and actual trajectories")

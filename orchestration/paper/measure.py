@@ -50,7 +50,7 @@ def contact(result: Result) -> Contact:
     NoContactError
         If the tip never touched the wall.
     """
-    force = np.linalg.norm(result.vector("plant.F_ext"), axis=1)
+    force = np.linalg.norm(result["plant.F_ext"], axis=1)
     touching = force > 0
     if not touching.any():
         msg = (
@@ -59,7 +59,7 @@ def contact(result: Result) -> Contact:
         )
         raise NoContactError(msg)
     first, last = np.flatnonzero(touching)[[0, -1]]
-    x = result.vector("plant.x")
+    x = result["plant.x"]
     return Contact(
         first=float(result.time[first]),
         last=float(result.time[last]),
@@ -83,7 +83,7 @@ def norms(vectors: np.ndarray) -> np.ndarray:
 
 def distance_from_start(result: Result) -> float:
     """Distance of the tip from where it began, at the end of a run, m."""
-    return float(np.linalg.norm(result.vector("plant.x")[-1] - np.array(TIP_START)))
+    return float(np.linalg.norm(result["plant.x"][-1] - np.array(TIP_START)))
 
 
 def largest_norm(vectors: np.ndarray) -> float:
@@ -155,7 +155,7 @@ def summarize(result: Result, ideal_force: np.ndarray | None = None) -> Summary:
     error = np.abs(result.at_ticks(ESTIMATE) - TRUE_M2)
     settled = np.flatnonzero(before & (error > SETTLED))
     recovered = np.flatnonzero(after & (error > RECOVERED))
-    force = result.vector("plant.F_ext")
+    force = result["plant.F_ext"]
     return Summary(
         m2_settled=float(ticks[settled[-1]]) if settled.size else 0.0,
         m2_at_contact=float(error[before][-1]),

@@ -11,6 +11,9 @@ import numpy as np
 TIME = "time"
 """Name of the first column of every file, which holds the communication points."""
 
+COMPLETE, FAILED, INTERRUPTED = "complete", "failed", "interrupted"
+"""What became of the run that recorded the numbers."""
+
 
 @dataclass(frozen=True)
 class Columns:
@@ -33,6 +36,10 @@ class Columns:
         Texts by key that describe the run, such as its system and algorithm.
     sample_times
         Sampling periods, s, by the name of a sampled component.
+    status
+        ``complete``, or ``failed`` or ``interrupted`` where the rows are those before.
+    message
+        Why the status is not ``complete``, as a sentence.
     """
 
     time: np.ndarray
@@ -42,3 +49,5 @@ class Columns:
     steps_per_tick: Mapping[str, int] = field(default_factory=dict)
     metadata: Mapping[str, str] = field(default_factory=dict)
     sample_times: Mapping[str, float] = field(default_factory=dict)
+    status: str = COMPLETE
+    message: str = ""

@@ -18,7 +18,7 @@ import numpy as np
 
 from orchestration.errors import OrchestrationError
 from orchestration.results.arrow_table import arrow_schema, arrow_table, columns_of, rows_per_group
-from orchestration.results.columns import Columns
+from orchestration.results.columns import COMPLETE, FAILED, INTERRUPTED, Columns
 from orchestration.results.whole_file import draft_path, partial_path, remove_draft, write_errors
 
 if TYPE_CHECKING:
@@ -27,7 +27,9 @@ if TYPE_CHECKING:
 PREFIX = "adaptimp."
 """Beginning of the keys of all metadata in a file."""
 UNITS, STEPS_PER_TICK, SAMPLE_TIMES = "units", "steps_per_tick", "sample_times"
-"""Keys of metadata that this module writes itself."""
+STATUS, MESSAGE = "status", "message"
+RESERVED = (UNITS, STEPS_PER_TICK, SAMPLE_TIMES, STATUS, MESSAGE)
+"""Keys of metadata that this module writes itself; those of the status only if it is not complete."""
 
 # Neighbouring values share sign and exponent, so the values are split into streams of bytes. A run of Fig. 2 then
 # needs half the space and a third of the time of Parquet's default encoding by dictionaries.
@@ -51,6 +53,7 @@ def write_parquet(columns: Columns, path: Path) -> None:
     """
     ticks = {"steps_per_tick": columns.steps_per_tick, "sample_times": columns.sample_times}
     with ParquetSink(path, columns.names, columns.units, columns.metadata, **ticks) as sink:
+        sink.status, sink.message = columns.status, columns.message
         sink.append(columns.time, columns.rows)
 
 
@@ -72,7 +75,9 @@ def read_parquet(path: Path) -> Columns:
     declared = {field.name: (field.metadata or {}).get(b"unit", b"").decode() for field in table.schema}
     units = json.loads(found.pop(UNITS)) if UNITS in found else declared
     ratios, periods = (json.loads(found.pop(key, "{}")) for key in (STEPS_PER_TICK, SAMPLE_TIMES))
-    return replace(columns_of(table), units=units, steps_per_tick=ratios, sample_times=periods, metadata=found)
+    status, message = json.loads(found.pop(STATUS, f'"{COMPLETE}"')), json.loads(found.pop(MESSAGE, '""'))
+    kept = {"steps_per_tick": ratios, "sample_times": periods, "status": status, "message": message}
+    return replace(columns_of(table), units=units, metadata=found, **kept)
 
 
 class _Draft(NamedTuple):
@@ -98,7 +103,7 @@ class ParquetSink:
     units
         Unit of each column; the text is empty where the FMU declares no unit.
     metadata
-        Texts by key. The keys ``units``, ``steps_per_tick`` and ``sample_times`` are not allowed.
+        Texts by key; the keys of `RESERVED` are not allowed.
     steps_per_tick
         Number of steps per sampling period, by the name of a sampled component.
     sample_times
@@ -108,6 +113,8 @@ class ParquetSink:
     ----------
     metadata
         Dictionary that a caller may extend until the context ends.
+    status, message
+        As of `Columns`. A caller may set them until the context ends; an exception sets them.
     count
         Number of rows so far.
     written
@@ -133,6 +140,7 @@ class ParquetSink:
         self.path = path
         self.names = tuple(names)
         self.metadata = dict(metadata or {})
+        self.status, self.message = COMPLETE, ""
         self.count = 0
         self.written: Path | None = None
         ticks = {STEPS_PER_TICK: dict(steps_per_tick or {}), SAMPLE_TIMES: dict(sample_times or {})}
@@ -218,6 +226,9 @@ class ParquetSink:
             self._file_metadata()
         except OrchestrationError as taken:
             fault, self.metadata = fault or taken, {}
+        if fault is not None:
+            self.status = INTERRUPTED if isinstance(fault, KeyboardInterrupt) else FAILED
+            self.message = str(fault)
         try:
             self._close(self.path if fault is None else partial_path(self.path))
         except OrchestrationError as lost:
@@ -270,9 +281,10 @@ class ParquetSink:
     def _file_metadata(self) -> dict[str, str]:
         """Metadata of the file with prefixed keys, in alphabetical order; an error names a key that is not allowed."""
         for key, value in self.metadata.items():
-            if key in self._own or not isinstance(value, str):
-                taken = ", ".join(self._own)
+            if key in RESERVED or not isinstance(value, str):
+                taken = ", ".join(RESERVED)
                 msg = f"{self.path}: metadata {key!r} = {value!r}: a text is needed, under another key than {taken}."
                 raise OrchestrationError(msg)
-        own = {key: json.dumps(value, ensure_ascii=False) for key, value in self._own.items()}
+        ended = {} if self.status == COMPLETE else {STATUS: self.status, MESSAGE: self.message}
+        own = {key: json.dumps(value, ensure_ascii=False) for key, value in {**self._own, **ended}.items()}
         return {PREFIX + key: value for key, value in sorted({**self.metadata, **own}.items())}

@@ -1,90 +1,123 @@
-"""The result of a run: recorded columns over time, with access by name, reading and writing."""
+"""The result of a run: recorded columns by name, as arrays over time."""
 
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, fields
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from orchestration.errors import OrchestrationError
+from orchestration.errors import OrchestrationError, UnknownNameError
+from orchestration.fmi.names import arrays, suggestion
 from orchestration.results import csv_file, formats, parquet_file
 from orchestration.results.columns import TIME, Columns
 
-TICK_TOLERANCE = 1e-9  # largest distance of a row from a tick, in sampling periods
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
+    from matplotlib.axes import Axes
+
+TICK_TOLERANCE = 1e-9
+"""By which a row may miss a tick, in sampling periods."""
 
 
-@dataclass(frozen=True)
-class Result(Columns):
-    """Recorded outputs of a run at its communication points.
+@dataclass(frozen=True, eq=False, repr=False)
+class Result(Columns, Mapping[str, np.ndarray]):
+    """Recorded columns by name; a mapping from ``component.variable`` to an array over time.
 
-    Row 0 holds the outputs after initialization. For a continuous component, row k holds the outputs at
-    ``time[k]``. For a sampled component, row k + 1 holds the outputs during [time[k], time[k + 1]).
+    Row 0 shows the components after initialization. A column of a continuous component in row k is its state at
+    ``time[k]``. A column of a sampled component in row k + 1 is the value that is held over [time[k], time[k + 1]).
 
-    All attributes come from `orchestration.results.columns.Columns`.
+    Besides the recorded names, ``"time"`` and the names of whole arrays can be looked up. The attributes are those
+    of `orchestration.results.columns.Columns`.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from orchestration import Result
+    >>> result = Result(np.array([0.0, 0.1]), ("arm.x[1]", "arm.x[2]"), np.array([[1.0, 2.0], [3.0, 4.0]]))
+    >>> result["arm.x[2]"].tolist(), result["arm.x"].shape, "arm.y" in result, list(result)
+    ([2.0, 4.0], (2, 2), False, ['arm.x[1]', 'arm.x[2]'])
     """
 
     def __getitem__(self, name: str) -> np.ndarray:
-        """Return the values of a column, float64, shape (n_rows,), in the unit of the column.
-
-        Raises
-        ------
-        OrchestrationError
-            If there is no such column. The message lists the recorded columns.
-        """
-        if name == TIME:
-            return self.time
-        return self.rows[:, self._index(name)]
-
-    def vector(self, name: str) -> np.ndarray:
-        """Return the columns ``name[1]``, ``name[2]``, ... of an array variable, shape (n_rows, n).
-
-        Raises
-        ------
-        OrchestrationError
-            If there is no such array. The message lists the recorded columns.
-        """
-        count = sum(column.startswith(f"{name}[") for column in self.names)
-        if count == 0:
-            self._index(f"{name}[1]")
-        return np.column_stack([self[f"{name}[{i + 1}]"] for i in range(count)])
-
-    def at_ticks(self, name: str) -> np.ndarray:
-        """Return the values of a column at the ticks of its component.
-
-        A column of a sampled component is one row late in comparison with a column of a continuous component.
-        This method removes the delay.
+        """A column, or the columns of an array side by side.
 
         Returns
         -------
         ndarray
-            For a sampled component: the values of all ticks, at the times `tick_times`. For a continuous
-            component: the values at the start of each step, shape (n_rows - 1,).
+            float64, shape (n_rows,); of an array of k variables (n_rows, k), of a matrix (n_rows, k, m).
 
         Raises
         ------
-        OrchestrationError
-            If there is no such column, or not every tick was recorded.
+        UnknownNameError
+            A KeyError that gives near names.
+        """
+        if name == TIME:
+            return self.time
+        places = self._places(name)
+        return self.rows[:, places] if isinstance(places, int) else np.ascontiguousarray(self.rows[:, places])
+
+    def __iter__(self) -> Iterator[str]:
+        """The recorded names, in the order of the columns."""
+        return iter(self.names)
+
+    def __len__(self) -> int:
+        """Number of columns, without time."""
+        return len(self.names)
+
+    def __contains__(self, name: object) -> bool:
+        """Whether the name can be looked up."""
+        return name == TIME or name in self.names or name in arrays(self.names)
+
+    def __eq__(self, other: object) -> bool:
+        """Whether all attributes agree, numbers bit by bit; so NaN equals itself."""
+        if not isinstance(other, Result):
+            return NotImplemented
+        return all(_same(getattr(self, f.name), getattr(other, f.name)) for f in fields(self))
+
+    __hash__ = None  # type: ignore[assignment] - arrays can change
+
+    def __repr__(self) -> str:
+        """Number of rows, time span and columns in one line."""
+        span = f", t = {self.time[0]:g} to {self.time[-1]:g} s" if len(self.time) else ""
+        names = ", ".join(self.names[:4]) + (f", and {len(self.names) - 4} more" if len(self.names) > 4 else "")
+        state = "" if self.status == "complete" else f", {self.status}"
+        return f"<Result: {len(self.time)} rows{span}, {len(self.names)} columns ({names or 'none'}){state}>"
+
+    def _repr_html_(self) -> str:
+        from orchestration.results.display import result_html
+
+        return result_html(self)
+
+    def _ipython_key_completions_(self) -> list[str]:
+        return [TIME, *arrays(self.names), *self.names]
+
+    def at_ticks(self, name: str) -> np.ndarray:
+        """A column or an array, realigned to the instants at which its values came about.
+
+        Returns
+        -------
+        ndarray
+            Of a sampled component the value of tick j, which belongs to its time j * sample_time
+            (`tick_times`); of any other component the value at the start of each step. Without realignment a
+            sampled column lags a continuous column by one row.
         """
         column, rows = self[name], self._tick_rows(name)
         return column[:-1] if rows is None else column[rows + 1]
 
     def tick_times(self, name: str) -> np.ndarray:
-        """Return the times of the values of `at_ticks`, s.
-
-        Raises
-        ------
-        OrchestrationError
-            If not every tick was recorded.
-        """
+        """Times, s, of the values that `at_ticks` returns."""
         rows = self._tick_rows(name)
         return self.time[:-1] if rows is None else self.time[rows]
 
     def _tick_rows(self, name: str) -> np.ndarray | None:
-        """Row numbers of all ticks before the last row; None for a component that is not sampled.
+        """Rows at the instants of ticks, without the last; None for a component that is not sampled.
 
         Raises
         ------
         OrchestrationError
-            If not every tick was recorded.
+            If ticks were not recorded.
         """
         component = name.partition(".")[0]
         if component in self.steps_per_tick:
@@ -100,8 +133,67 @@ class Result(Columns):
             raise OrchestrationError(msg)
         return rows
 
+    def unit(self, name: str) -> str:
+        """Unit of a column, or of an array whose elements share one; empty if there is none."""
+        if name == TIME:
+            return "s"
+        found = {self.units.get(self.names[i], "") for i in np.ravel(self._places(name))}
+        return found.pop() if len(found) == 1 else ""
+
+    def to_pandas(self) -> "pd.DataFrame":
+        """All columns as a DataFrame over time.
+
+        Returns
+        -------
+        DataFrame
+            The index is ``time`` in s, a column bears its recorded name; ``attrs`` has ``units``, ``metadata``,
+            ``status`` and ``message``.
+        """
+        from orchestration.results.exchange import to_pandas
+
+        return to_pandas(self)
+
+    def to_xarray(self) -> "xr.Dataset":
+        """All columns as a Dataset over time.
+
+        Returns
+        -------
+        Dataset
+            Coordinate ``time`` in s. A variable ``component.name`` for each column, or for each array with one more
+            dimension for each index. ``attrs`` of a variable has ``units``, ``attrs`` of the Dataset the metadata.
+        """
+        from orchestration.results.exchange import to_xarray
+
+        return to_xarray(self)
+
+    def plot(self, *names: str, ax: "Axes | None" = None) -> np.ndarray:
+        """Draw columns over time, those of one unit in one panel.
+
+        Parameters
+        ----------
+        names
+            Columns, arrays, or patterns such as ``"plant.*"``; all columns if none is given.
+        ax
+            Axes of matplotlib to draw into, instead of a new figure; then all names must share a unit.
+
+        Returns
+        -------
+        ndarray
+            Axes of matplotlib, shape (n_panels,); notebooks and ``matplotlib.pyplot.show()`` display the figure.
+
+        Raises
+        ------
+        UnknownNameError
+            If a name chooses nothing.
+        OrchestrationError
+            If the columns for one panel have several units.
+        """
+        from orchestration.results.plotting import plot
+
+        return plot(self, names, ax)
+
     def write(self, path: str | Path) -> None:
-        """Write all rows to a CSV or Parquet file, as the suffix of the path says.
+        """Write all rows as CSV or Parquet, by the suffix of the path.
 
         Raises
         ------
@@ -111,7 +203,7 @@ class Result(Columns):
         formats.write_columns(self, Path(path))
 
     def write_csv(self, path: str | Path) -> None:
-        """Write a CSV file with names and values, without loss of any bit of a value.
+        """Write names and values, each with all its bits, one line per communication point.
 
         Raises
         ------
@@ -121,7 +213,7 @@ class Result(Columns):
         csv_file.write_csv(self, Path(path))
 
     def write_parquet(self, path: str | Path) -> None:
-        """Write a Parquet file with values, units and metadata.
+        """Write everything, units and metadata included.
 
         Raises
         ------
@@ -132,23 +224,28 @@ class Result(Columns):
 
     @classmethod
     def read(cls, path: str | Path) -> "Result":
-        """Read a result from a CSV or Parquet file, as the suffix of the path says.
-
-        A CSV file gives names and values only: no units, no metadata and no ticks.
+        """Read a CSV or Parquet file; a CSV file has names and values only.
 
         Raises
         ------
         OrchestrationError
-            If the suffix is neither ``.csv`` nor ``.parquet``, or the file does not hold a result.
+            If the suffix is neither ``.csv`` nor ``.parquet``, or the file holds no result.
         """
         columns = formats.read_columns(Path(path))
         return cls(**{field.name: getattr(columns, field.name) for field in fields(Columns)})
 
-    def _index(self, name: str) -> int:
-        """Index of a column; an error lists the recorded columns."""
-        try:
+    def _places(self, name: str) -> Any:
+        """Position of a column, or positions of the columns of an array, in its shape."""
+        if name in self.names:
             return self.names.index(name)
-        except ValueError:
-            recorded = ", ".join(self.names) or "nothing"
-            msg = f"The result has no column {name}; recorded are {recorded}."
-            raise OrchestrationError(msg) from None
+        positions = arrays(self.names).get(name)
+        if positions is None:
+            msg = f"The result has no column {name}; {suggestion(name, self.names)}"
+            raise UnknownNameError(msg)
+        return positions
+
+
+def _same(a: Any, b: Any) -> bool:
+    if isinstance(a, np.ndarray):
+        return isinstance(b, np.ndarray) and a.shape == b.shape and a.tobytes() == b.tobytes()
+    return a == b

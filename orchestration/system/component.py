@@ -4,17 +4,22 @@ import math
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
 
 from orchestration.errors import SystemDescriptionError
 from orchestration.fmi.codes import BOOLEAN, INTEGER, REAL, STRING
-from orchestration.fmi.description import SAMPLE_TIME, Description, Variable, parse_value
+from orchestration.fmi.description import SAMPLE_TIME, Description, Variable, parse_value, read_description
 from orchestration.fmi.units import Linear, conversion
+from orchestration.system.display import component_html, component_line
 
 SETTABLE = ("parameter", "input")
 """Causalities of variables whose start value a user may set."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Component:
     """A member of a system: an FMU with a name and with start values.
 
@@ -33,6 +38,17 @@ class Component:
     description: Description
     start: Mapping[str, float] = field(default_factory=dict)
 
+    @classmethod
+    def read(cls, path: str | Path, name: str = "") -> "Component":
+        """A component from an FMU file; its name is that of the file if none is given.
+
+        Raises
+        ------
+        ArchiveError
+            If the file is no FMI 2.0 co-simulation FMU.
+        """
+        return cls(name or Path(path).stem, read_description(Path(path)))
+
     def variable(self, name: str) -> Variable:
         """Return the variable of a name.
 
@@ -47,6 +63,13 @@ class Component:
             known = ", ".join(self.description.variables)
             msg = f"{self.name} has no variable {name}; it has {known}."
             raise SystemDescriptionError(msg) from None
+
+    def __repr__(self) -> str:
+        """Name, model, numbers of inputs and outputs, start values that differ from the FMU's."""
+        return component_line(self)
+
+    def _repr_html_(self) -> str:
+        return component_html(self)
 
     @property
     def sample_time(self) -> float | None:
@@ -167,6 +190,25 @@ def require_settable(component: Component, variable: Variable) -> None:
     if variable.type == STRING:
         msg = f"{component.name}.{variable.name} is a String; only Reals, Integers and Booleans can be set."
         raise SystemDescriptionError(msg)
+
+
+def spread(path: str, value: Any, elements: Sequence[str]) -> list[Any]:
+    """Values for the elements of an array: one for each, or one for all of them.
+
+    Raises
+    ------
+    SystemDescriptionError
+        If the number of values is another one.
+    """
+    if isinstance(value, str) or not hasattr(value, "__len__"):
+        return [value] * len(elements)
+    flat = np.asarray(value).ravel().tolist()
+    if len(flat) != len(elements):
+        msg = (
+            f"{path} has {len(elements)} elements, but {len(flat)} values are given; give one for each, or one for all."
+        )
+        raise SystemDescriptionError(msg)
+    return flat
 
 
 def number(path: str, variable: Variable, value: float | bool | str) -> float:

@@ -8,20 +8,23 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from orchestration.errors import SystemDescriptionError
-from orchestration.fmi.description import SAMPLE_TIME, Variable, read_description
+from orchestration.fmi.description import SAMPLE_TIME, Variable
+from orchestration.fmi.names import arrays
 from orchestration.system.component import (
     Component,
     Connection,
     checked_connection,
     number,
     require_settable,
-    sources_of,
+    spread,
 )
+from orchestration.system.display import system_html, system_line
 from orchestration.system.registry import analysis, reader, writer
 from orchestration.system.replacement import replaced
+from orchestration.system.wiring import by_equal_names, parsed
 
 if TYPE_CHECKING:
     from orchestration.analysis.stability.verdict import Verdict
@@ -32,7 +35,7 @@ __all__ = ["Component", "Connection", "System"]
 RATIO_TOLERANCE = 1e-9  # by which a quotient of two times may miss an integer
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class System:
     """A set of components and the connections between them, which a master runs together.
 
@@ -87,6 +90,34 @@ class System:
             driven.add(target)
 
     @classmethod
+    def of(cls, fmus: "Mapping[str, str | Path | Component]", name: str = "system") -> "System":
+        """Make a system of FMUs, without connections; `connect` adds them.
+
+        Parameters
+        ----------
+        fmus
+            FMU file, or `Component`, by the name that the component gets; their order is the order of stepping.
+
+        Raises
+        ------
+        ArchiveError
+            If a file is no FMI 2.0 co-simulation FMU.
+        SystemDescriptionError
+            If a name is empty or has a dot.
+
+        Examples
+        --------
+        >>> from orchestration import System
+        >>> system = System.of({"plant": "Plant.fmu", "actuator": "Actuator.fmu"})  # doctest: +SKIP
+        >>> system = system.connect("actuator.tau -> plant.tau")  # doctest: +SKIP
+        """
+        components = [
+            replace(fmu, name=component) if isinstance(fmu, Component) else Component.read(fmu, component)
+            for component, fmu in fmus.items()
+        ]
+        return cls(name, tuple(components))
+
+    @classmethod
     def connected_by_name(
         cls,
         name: str,
@@ -109,17 +140,8 @@ class System:
         SystemDescriptionError
             If two components have an output of the same name that an input could take.
         """
-        components = tuple(Component(n, read_description(Path(path))) for n, path in fmus.items())
-        connections = []
-        for target in components:
-            for variable in target.description.of_causality("input"):
-                sources = sources_of(components, target, variable.name)
-                if len(sources) > 1:
-                    names = " or ".join(source.name for source in sources)
-                    msg = f"{target.name}.{variable.name} could come from {names}; connect it by hand."
-                    raise SystemDescriptionError(msg)
-                if sources:
-                    connections.append(Connection(sources[0].name, variable.name, target.name, variable.name))
+        components = tuple(Component.read(path, component) for component, path in fmus.items())
+        connections = by_equal_names(components)
         return cls(name, components, tuple(connections), step, stop_time)
 
     @classmethod
@@ -130,6 +152,44 @@ class System:
     def write(self, path: str | Path) -> Path:
         """Write the system to a file, such as an SSP package; see `orchestration.system.registry`."""
         return writer(Path(path))(self, Path(path))
+
+    def connect(self, *connections: str | Connection) -> "System":
+        """Add connections from outputs to inputs.
+
+        Parameters
+        ----------
+        connections
+            ``"source.output -> target.input"`` each; scalars, or whole arrays of the same number of elements. A
+            `Connection` may scale its value. Without any, all inputs that have no source are connected to the
+            outputs of the same name.
+
+        Raises
+        ------
+        SystemDescriptionError
+            If a name is unknown, types or physical dimensions differ, or an input has a source already.
+        """
+        added = [c for line in connections for c in parsed(line, self.components)]
+        if not connections:
+            added = by_equal_names(self.components, self.connections)
+        return replace(self, connections=(*self.connections, *added))
+
+    def __getitem__(self, name: str) -> Component:
+        """A component by name; see `component`."""
+        return self.component(name)
+
+    def __contains__(self, name: object) -> bool:
+        """Whether there is a component of that name."""
+        return any(component.name == name for component in self.components)
+
+    def __repr__(self) -> str:
+        """Name, components with their models, and number of connections."""
+        return system_line(self)
+
+    def _repr_html_(self) -> str:
+        return system_html(self)
+
+    def _ipython_key_completions_(self) -> list[str]:
+        return [component.name for component in self.components]
 
     def component(self, name: str) -> Component:
         """Return the component of a name.
@@ -146,10 +206,15 @@ class System:
         msg = f"System {self.name} has no component {name}; it has {known}."
         raise SystemDescriptionError(msg)
 
-    def set(self, values: Mapping[str, float | bool | str]) -> "System":
-        """Return the system with other start values, given by ``component.variable``.
+    def set(self, values: "Mapping[str, float | bool | str | Sequence[float]]") -> "System":
+        """Return the system with other start values.
 
         A value that differs from an assumed value is no longer marked as assumed.
+
+        Parameters
+        ----------
+        values
+            By ``component.variable``. An array takes one number for all of its elements, or one number for each.
 
         Raises
         ------
@@ -157,7 +222,7 @@ class System:
             If a name is unknown, the variable cannot be set, or the value does not have the variable's type.
         """
         changed: dict[str, dict[str, float]] = {}
-        for path, value in values.items():
+        for path, value in self._elementwise(values).items():
             component, variable = self.resolve(path)
             require_settable(component, variable)
             changed.setdefault(component.name, {})[variable.name] = number(path, variable, value)
@@ -166,6 +231,20 @@ class System:
         given = {f"{c}.{name}": value for c, of_component in changed.items() for name, value in of_component.items()}
         kept = {path: text for path, text in self.assumptions.items() if given.get(path) in (None, before.get(path))}
         return replace(self, components=components, assumptions=kept)
+
+    def _elementwise(self, values: Mapping[str, Any]) -> dict[str, Any]:
+        """The same values with those of arrays for each element."""
+        found: dict[str, Any] = {}
+        for path, value in values.items():
+            name, _, variable = path.partition(".")
+            known = tuple(self.component(name).description.variables) if name in self else ()
+            positions = None if variable in known else arrays(known).get(variable)
+            if positions is None:
+                found[path] = value
+                continue
+            elements = [f"{name}.{known[i]}" for i in positions.ravel()]
+            found |= dict(zip(elements, spread(path, value, elements), strict=True))
+        return found
 
     def replace(self, name: str, fmu: str | Path, mapping: Mapping[str, str] | None = None) -> "System":
         """Return the system with another FMU in the place of a component.

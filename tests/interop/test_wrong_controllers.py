@@ -66,7 +66,7 @@ def test_a_run_says_so_or_is_right(files: dict[str, Path], fig5: System, right: 
         np.testing.assert_array_equal(run(fig5, files[name]).rows, run(fig5, right).rows)
     elif expected is Outcome.LOST:
         result = run(fig5, files[name])
-        assert np.linalg.norm(result.vector("plant.x") - result.vector("trajectory.x_v"), axis=1).max() > LOST
+        assert np.linalg.norm(result["plant.x"] - result["trajectory.x_v"], axis=1).max() > LOST
     else:
         assert not isinstance(expected, Outcome)
         kind, message = expected

@@ -45,4 +45,4 @@ def pair(path: str, first: float, second: float) -> dict[str, float]:
 
 def norms(result: Result, name: str) -> np.ndarray:
     """Euclidean norms of a vector at the communication points, shape (n_rows,)."""
-    return np.linalg.norm(result.vector(name), axis=1)
+    return np.linalg.norm(result[name], axis=1)

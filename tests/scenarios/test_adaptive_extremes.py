@@ -95,7 +95,7 @@ def test_extreme_settings_do_the_task(name: str, setting: str) -> None:
     assert m2[-1] == pytest.approx(1.0, abs=M2_TOLERANCE)
     # The slow pole of the TIRT is -12.7 1/s: half a second after the wall 8 mm of d are 0.01 mm. e follows.
     assert e[-1] <= 1e-5
-    assert np.linalg.norm(result.vector("plant.x")[-1] - START) <= 2e-5
+    assert np.linalg.norm(result["plant.x"][-1] - START) <= 2e-5
     if setting == "elbow down":
         assert result["plant.q[2]"].max() < 0
 

@@ -24,7 +24,7 @@ def noise(result: Result) -> np.ndarray:
     """F_hat - F_ext at the ticks, N, shape (n, 2); F_ext of the tick's instant."""
     ratio = result.steps_per_tick["sensor"]
     F_hat = np.column_stack([result.at_ticks(f"sensor.F_hat[{i}]") for i in (1, 2)])
-    return F_hat - result.vector("plant.F_ext")[:-1:ratio]
+    return F_hat - result["plant.F_ext"][:-1:ratio]
 
 
 @pytest.mark.parametrize("name", ["fig5", "fig7"])
@@ -42,7 +42,7 @@ def test_half_the_step_gives_the_same_columns(name: str) -> None:
     # 0.1 s of contact is some 4000 ticks with noise of which none repeats.
     assert acting.sum() > 2000
     assert len(np.unique(seen[acting], axis=0)) == acting.sum()
-    np.testing.assert_array_equal(seen[~(np.abs(whole.vector("plant.F_ext")[:-1]) > 0).any(axis=1)], 0)
+    np.testing.assert_array_equal(seen[~(np.abs(whole["plant.F_ext"][:-1]) > 0).any(axis=1)], 0)
 
 
 def test_the_same_seed_repeats_and_another_does_not() -> None:

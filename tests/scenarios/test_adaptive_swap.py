@@ -37,7 +37,7 @@ def test_any_controller_fits_into_fig5(controller: str) -> None:
     touching = np.abs(result["plant.F_ext[1]"]) > 0
     assert touching.any()
     assert not touching[-1]  # it has been to the wall and is back
-    distance = np.linalg.norm(result.vector("plant.x")[-1] - [1.5, 0.0])
+    distance = np.linalg.norm(result["plant.x"][-1] - [1.5, 0.0])
     # A wrong mass is held by the stiffness alone: 1.5 kg at 15 m/s2 against 4 kN/m is 6 mm; the coupling of
     # both axes may double it. Where m2 is found, C2's end remains.
     assert distance < (0.02 if controller == "HoganImpedance" else 1e-4)

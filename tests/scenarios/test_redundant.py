@@ -47,17 +47,17 @@ def kinematics(q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 def null_space_rate(run_: Result) -> np.ndarray:
     """Norm of dq - H^-1 J' W^-1 dx, rad/s, W = J H^-1 J': what the tip does not see; shape (n_rows,)."""
-    H, J = kinematics(run_.vector("plant.q"))
+    H, J = kinematics(run_["plant.q"])
     transposed = J.transpose(0, 2, 1)
     mobility = np.linalg.solve(H, transposed)
-    task = np.linalg.solve(J @ mobility, run_.vector("plant.dx")[..., None])
-    return np.linalg.norm(run_.vector("plant.dq") - (mobility @ task)[..., 0], axis=1)
+    task = np.linalg.solve(J @ mobility, run_["plant.dx"][..., None])
+    return np.linalg.norm(run_["plant.dq"] - (mobility @ task)[..., 0], axis=1)
 
 
 @pytest.mark.parametrize("null_damping", [0.0, DAMPING])
 def test_a_redundant_arm_does_the_wall_task(null_damping: float) -> None:
     made = result(null_damping)
-    x, force, e = made.vector("plant.x"), norms(made, "plant.F_ext"), norms(made, "controller.e")
+    x, force, e = made["plant.x"], norms(made, "plant.F_ext"), norms(made, "controller.e")
     touching = np.flatnonzero(force > 0)
     assert made.time[touching[0]] == pytest.approx(0.918, abs=0.005)  # s; the two-joint arm's contact
     assert made.time[touching[-1]] == pytest.approx(1.076, abs=0.005)
@@ -72,10 +72,10 @@ def test_a_redundant_arm_does_the_wall_task(null_damping: float) -> None:
 
 def test_the_joint_kinematics_here_are_the_plants() -> None:
     made = result(0.0)
-    J = kinematics(made.vector("plant.q"))[1]
-    dx = np.einsum("nij,nj->ni", J, made.vector("plant.dq"))
+    J = kinematics(made["plant.q"])[1]
+    dx = np.einsum("nij,nj->ni", J, made["plant.dq"])
     # Rates up to 100 rad/s and lengths of 2 m: some ten roundings.
-    np.testing.assert_allclose(dx, made.vector("plant.dx"), rtol=0, atol=1e-12)
+    np.testing.assert_allclose(dx, made["plant.dx"], rtol=0, atol=1e-12)
 
 
 def test_damping_calms_the_null_space_and_not_the_tip() -> None:
@@ -88,7 +88,7 @@ def test_damping_calms_the_null_space_and_not_the_tip() -> None:
     assert rms[1] < 0.25 * rms[0]
     # The same TIRT but for the force, which is that of the tip: both tips lie within their e of one path in
     # free motion; through the bounces of 0.3 m/s the paths part by no more than both e.
-    apart = np.linalg.norm(free.vector("plant.x") - damped.vector("plant.x"), axis=1)
+    apart = np.linalg.norm(free["plant.x"] - damped["plant.x"], axis=1)
     assert apart.max() <= norms(free, "controller.e").max() + norms(damped, "controller.e").max()
     before = free.time < 0.9
     # The torque is held while the joints turn at up to 30 rad/s: e'' is wrong by 15 m/s2 * 30 rad/s * Ts / 2

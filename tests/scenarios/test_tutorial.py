@@ -40,10 +40,10 @@ def test_both_controllers_do_the_same(followed: tuple[Path, dict[int, Printed]])
     """Rounding apart: on the way to the end of a stable loop, 1e-16 m at 4 kN/m is 1e-12 N.m, times some hundreds."""
     python, c = (Result.read(followed[0] / f"{name}.parquet") for name in ("mine", "in_c"))
     for name, tolerance in (("plant.x", 1e-12), ("controller.tau_cmd", 1e-9)):
-        assert np.abs(python.vector(name)).max() > 1
-        np.testing.assert_allclose(c.vector(name), python.vector(name), rtol=0, atol=tolerance)
+        assert np.abs(python[name]).max() > 1
+        np.testing.assert_allclose(c[name], python[name], rtol=0, atol=tolerance)
     shipped = Result.read(followed[0] / "shipped.parquet")
-    assert np.abs(shipped.vector("plant.x") - python.vector("plant.x")).max() > 1e-3
+    assert np.abs(shipped["plant.x"] - python["plant.x"]).max() > 1e-3
 
 
 @on_linux

@@ -18,6 +18,7 @@ import itertools
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from html import escape
 
 import numpy as np
 
@@ -41,7 +42,7 @@ GAIN = 1e-6  # change of a connection's factor for a difference quotient
 MOST_ORDERED = 5  # most components for which all orders are tried
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Verdict:
     """Predicted stability of a co-simulation algorithm on a system at a communication step.
 
@@ -100,6 +101,15 @@ class Verdict:
 
     def _grown(self) -> str:
         return "" if self.stop_time is None else f": {self.amplification:.4g} times over {self.stop_time:g} s"
+
+    def __repr__(self) -> str:
+        """Verdict in one line."""
+        word = "stable" if self.stable else "unstable"
+        what = f"{self.system}, {self.algorithm} with a step of {self.step:g} s"
+        return f"<Verdict: {what} is {word}, radius 1 {self.radius - 1:+.3e} per step>"
+
+    def _repr_html_(self) -> str:
+        return f"<pre>{escape(str(self))}</pre>"
 
     def __str__(self) -> str:
         """Verdict as several lines of text for a terminal."""

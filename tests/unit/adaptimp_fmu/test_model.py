@@ -375,3 +375,26 @@ def test_starts_are_written_to_the_last_bit(value: float) -> None:
     typed = next(etree.fromstring(xml).iterfind(".//ScalarVariable[@name='u']/Real"))
     assert float(typed.attrib["start"]) == value
     assert f'{{"u", TYPE_REAL, ROLE_INPUT,\n     {value!r},' in sources["model.c"]
+
+
+@pytest.mark.parametrize("place", ["output y", "the first value of state x", "the evolution of state x", "event hit"])
+def test_functions_that_turn_symbols_into_nan_are_refused(place: str) -> None:
+    """math.sin of a symbol is NaN without a word; a unit of it would build and compute nothing."""
+    model = ContinuousModel("Wrong", "A sine of the wrong library")
+    u = model.input("u", 0.0, description="Input")
+    wrong = {place: ca.SX(math.sin(u))}
+    x = model.state("x", wrong.get("the first value of state x", ca.SX(0)))
+    model.event("hit", x + wrong.get("event hit", ca.SX(0)))
+    model.derivative(x, u + wrong.get("the evolution of state x", ca.SX(0)))
+    model.output("y", x + wrong.get("output y", ca.SX(0)), description="Output", scalar=True)
+    with pytest.raises(DefinitionError, match=rf"^Wrong: {place} holds the constant NaN\. .* such as ca\.sin\.$"):
+        lower(model)
+
+
+@pytest.mark.parametrize(
+    ("n", "scalar", "names"), [(1, None, ["F"]), (1, False, ["F[1]"]), (2, None, ["F[1]", "F[2]"])]
+)
+def test_an_output_of_one_element_is_called_as_an_input_is(n: int, scalar: bool | None, names: list[str]) -> None:
+    model = sampled()
+    model.output("F", ca.SX(n, 1), description="Force", scalar=scalar)
+    assert [variable.name for variable in model.with_role(Role.OUTPUT)] == names

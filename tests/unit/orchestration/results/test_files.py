@@ -212,6 +212,8 @@ def test_an_exception_keeps_the_rows_apart(tmp_path: Path, stop: BaseException, 
     back = Result.read(tmp_path / "x.partial.parquet")
     assert_same_values(back, result)
     assert (back.units, back.metadata, back.steps_per_tick) == (UNITS, METADATA, result.steps_per_tick)
+    status = "interrupted" if isinstance(stop, KeyboardInterrupt) else "failed"
+    assert (back.status, back.message) == (status, str(stop))
     assert files(tmp_path) == ["x.parquet", "x.partial.parquet"]
     assert (tmp_path / "x.parquet").read_text() == "old"
 
@@ -224,10 +226,12 @@ def test_an_exception_before_the_first_row_leaves_nothing(tmp_path: Path) -> Non
     assert files(tmp_path) == []
 
 
-@pytest.mark.parametrize("metadata", [{"units": "SI"}, {"steps_per_tick": "1"}, {"sample_times": "1"}, {"step": 1e-4}])
+@pytest.mark.parametrize(
+    "metadata", [{"units": "SI"}, {"steps_per_tick": "1"}, {"sample_times": "1"}, {"status": "x"}, {"step": 1e-4}]
+)
 def test_metadata_that_cannot_be_kept_is_refused(tmp_path: Path, metadata: dict[str, str]) -> None:
     result = replace(sample(), metadata=metadata)
-    keys = "units, steps_per_tick, sample_times"
+    keys = "units, steps_per_tick, sample_times, status, message"
     message = rf"x\.parquet: metadata '\w+' = .*: a text is needed, under another key than {keys}\.$"
     with pytest.raises(OrchestrationError, match=message):
         result.write_parquet(tmp_path / "x.parquet")

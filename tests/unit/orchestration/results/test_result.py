@@ -1,12 +1,15 @@
 """Tests of recorded results: every choice of columns gives the same bits, and CSV files keep all bits."""
 
 import csv
+from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 
-from orchestration import Options, OrchestrationError, Result, System, SystemDescriptionError, simulate
+from orchestration import Options, OrchestrationError, Result, System, SystemDescriptionError, compare, simulate
 from tests.unit.orchestration.small_models import chain, mixed
 
 STEPS = 300
@@ -68,17 +71,15 @@ def test_what_cannot_be_recorded_is_refused(small: dict[str, Path], name: str, m
 
 def test_unknown_column_lists_the_recorded_ones(small: dict[str, Path]) -> None:
     result = simulate(chain(small, 1), options=Options(record=["source.n", "relay1.y"]))
-    for lookup in (result.__getitem__, result.at_ticks, result.vector):
-        with pytest.raises(OrchestrationError, match=r"no column source\.u.*; recorded are source\.n, relay1\.y"):
+    for lookup in (result.__getitem__, result.at_ticks):
+        with pytest.raises(OrchestrationError, match=r"no column source\.u; did you mean source\.n\?"):
             lookup("source.u")
 
 
 def test_vectors_and_time_are_columns(fig2: System) -> None:
     result = simulate(fig2, 10 * fig2.run_step())
-    np.testing.assert_array_equal(
-        result.vector("plant.q"), np.column_stack([result["plant.q[1]"], result["plant.q[2]"]])
-    )
-    assert result.vector("controller.p_hat").shape == (11, 6)
+    np.testing.assert_array_equal(result["plant.q"], np.column_stack([result["plant.q[1]"], result["plant.q[2]"]]))
+    assert result["controller.p_hat"].shape == (11, 6)
     np.testing.assert_array_equal(result["time"], result.time)
 
 
@@ -120,3 +121,142 @@ def test_an_interrupted_write_keeps_the_old_file(
     with pytest.raises(OrchestrationError, match="No space left on device"):
         awkward.write_csv(path)
     assert [(p.name, p.read_text()) for p in tmp_path.iterdir()] == [("result.csv", "old")]
+
+
+@pytest.fixture
+def arm() -> Result:
+    """Columns of a vector, a matrix, a scalar, and an array of which an element is missing."""
+    names = ("a.x[1]", "a.x[2]", "a.H[1,1]", "a.H[1,2]", "a.H[2,1]", "a.H[2,2]", "b.y", "b.part[2]")
+    units = dict.fromkeys(names, "") | {"a.x[1]": "m", "a.x[2]": "m", "b.y": "N"}
+    return Result(np.array([0.0, 0.5, 1.0]), names, np.arange(24.0).reshape(3, 8), units, metadata={"system": "s"})
+
+
+def test_a_result_is_a_mapping(arm: Result) -> None:
+    assert isinstance(arm, Mapping)
+    assert len(arm) == 8
+    assert list(arm) == list(arm.keys()) == list(arm.names)
+    assert "b.y" in arm
+    assert "time" in arm
+    assert "a.x" in arm
+    assert "b.part" not in arm
+    assert 3 not in arm
+    assert arm.get("nobody") is None
+    assert {name: values.tolist() for name, values in arm.items()}["b.y"] == [6.0, 14.0, 22.0]
+
+
+def test_arrays_have_their_shape(arm: Result) -> None:
+    assert arm["a.x"].tolist() == [[0.0, 1.0], [8.0, 9.0], [16.0, 17.0]]
+    assert arm["a.H"].shape == (3, 2, 2)
+    assert arm["a.H"][0].tolist() == [[2.0, 3.0], [4.0, 5.0]]
+    assert arm.at_ticks("a.x").shape == (2, 2)
+    assert (arm.unit("a.x"), arm.unit("a.H"), arm.unit("time"), arm.unit("b.y")) == ("m", "", "s", "N")
+
+
+def test_a_wrong_name_is_a_key_error_that_helps(arm: Result) -> None:
+    with pytest.raises(KeyError) as caught:
+        arm["a.X[3]"]
+    assert str(caught.value) == "The result has no column a.X[3]; did you mean a.x[2] or a.x[1] or a.x?"
+    with pytest.raises(OrchestrationError, match=r"no column nothing; there are .* and 4 more\.$"):
+        arm["nothing"]
+
+
+def test_equality_is_bitwise(arm: Result) -> None:
+    assert arm == replace(arm)
+    assert arm != replace(arm, rows=arm.rows + 1)
+    assert arm != replace(arm, units={})
+    holes = replace(arm, rows=np.full((3, 8), np.nan))
+    assert holes == replace(holes, rows=holes.rows.copy())
+    assert arm != "a result"
+    with pytest.raises(TypeError, match="unhashable"):
+        hash(arm)
+
+
+def test_pandas_and_xarray_get_everything(arm: Result) -> None:
+    frame = arm.to_pandas()
+    assert frame.index.name == "time"
+    assert frame["b.y"].tolist() == [6.0, 14.0, 22.0]
+    assert frame.attrs["units"]["a.x[1]"] == "m"
+    assert frame.attrs["metadata"] == {"system": "s"}
+    dataset = arm.to_xarray()
+    assert dataset["a.H"].sel(time=0.5).values.tolist() == [[10.0, 11.0], [12.0, 13.0]]
+    assert dataset["a.x"].attrs["units"] == "m"
+    assert dataset["b.part[2]"].dims == ("time",)
+    assert dataset.attrs["system"] == "s"
+    assert dataset["time"].attrs["units"] == "s"
+
+
+def test_plot_has_a_panel_for_each_unit(arm: Result) -> None:
+    panels = arm.plot("a.x", "b.*")
+    assert [panel.get_ylabel() for panel in panels] == ["a.x (m)", "b.y (N)", "b.part"]
+    assert [line.get_label() for line in panels[0].get_lines()] == ["a.x[1]", "a.x[2]"]
+    assert panels[-1].get_xlabel() == "time (s)"
+    axes = Figure().add_subplot()
+    assert arm.plot("b.y", ax=axes)[0] is axes
+    with pytest.raises(OrchestrationError, match=r"have the units m, N; one panel takes one unit"):
+        arm.plot("a.x", "b.y", ax=axes)
+    with pytest.raises(KeyError, match=r"no column a\.z\*"):
+        arm.plot("a.z*")
+
+
+def test_reprs_are_short(arm: Result) -> None:
+    assert repr(arm) == ("<Result: 3 rows, t = 0 to 1 s, 8 columns (a.x[1], a.x[2], a.H[1,1], a.H[1,2], and 4 more)>")
+    wide = Result(np.zeros(2), tuple(f"component.signal{i}" for i in range(1000)), np.zeros((2, 1000)))
+    assert len(repr(wide)) < 200
+    assert len(wide._repr_html_()) < 3500
+    assert "<td>a.x [2]</td><td>m</td>" in arm._repr_html_()
+    assert "&lt;b&gt;" in replace(arm, status="failed", message="<b>")._repr_html_()
+
+
+def test_compare_finds_where_and_by_how_much(arm: Result) -> None:
+    assert compare(arm, replace(arm)).identical
+    other = replace(arm, rows=arm.rows.copy())
+    other.rows[1, 6] += 8.0
+    found = compare(arm, other)
+    assert not found.identical
+    assert found.worst is not None
+    assert (found.worst.name, found.worst.largest, found.worst.at, found.worst.relative) == ("b.y", 8.0, 0.5, 0.5)
+    assert found.worst.first == 0.5
+    assert found.worst.rms == pytest.approx(8.0 / 3**0.5)
+    assert len(found.to_pandas()) == 8
+
+
+def test_compare_uses_common_communication_points(arm: Result) -> None:
+    coarse = Result(arm.time[::2], ("b.y", "c.z"), np.column_stack([arm["b.y"][::2], [1.0, np.nan]]))
+    found = compare(arm, coarse)
+    assert (found.n_rows, found.only_in_second) == (2, ("c.z",))
+    assert len(found.only_in_first) == 7
+    assert found.differences[0].largest == 0.0
+    with pytest.raises(OrchestrationError, match=r"no common communication point: 0 to 1 s and 7 to 8 s"):
+        compare(arm, Result(np.array([7.0, 8.0]), ("b.y",), np.zeros((2, 1))))
+
+
+def test_compare_counts_nan_as_the_largest_difference(arm: Result) -> None:
+    other = replace(arm, rows=arm.rows.copy())
+    other.rows[2, 0] = np.nan
+    worst = compare(arm, other).worst
+    assert worst is not None
+    assert (worst.name, worst.at) == ("a.x[1]", 1.0)
+    assert np.isnan(worst.largest)
+
+
+def test_names_arrays_and_patterns_are_recorded(fig2: System) -> None:
+    stop = 3 * fig2.run_step()
+    assert simulate(fig2, stop, record="plant.x").names == ("plant.x[1]", "plant.x[2]")
+    assert simulate(fig2, stop, record="plant.x[2]").names == ("plant.x[2]",)
+    some = simulate(fig2, stop, record=["controller.e", "plant.?x[*]", "plant.x[1]", "controller.e[1]"])
+    assert some.names == ("controller.e[1]", "controller.e[2]", "plant.dx[1]", "plant.dx[2]", "plant.x[1]")
+    with pytest.raises(SystemDescriptionError, match=r"^record: no output fits 'plnt\.\*'; did you mean plant\."):
+        simulate(fig2, stop, record="plnt.*")
+    with pytest.raises(SystemDescriptionError, match=r"^record has 3; names of outputs are needed"):
+        Options(record=["plant.x", 3])  # pyright: ignore[reportArgumentType] - it is refused
+    with pytest.raises(SystemDescriptionError, match=r"^record is given twice"):
+        simulate(fig2, stop, record="plant.x", options=Options(record="plant.q"))
+
+
+def test_a_path_is_run_and_progress_is_told(fig2: System, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path, stop = fig2.write(tmp_path / "fig2.ssp"), 3 * fig2.run_step()
+    told: list[tuple[int, int]] = []
+    result = simulate(str(path), stop, progress=lambda done, total: told.append((done, total)))
+    assert result == simulate(fig2, stop, progress=True)
+    assert told[-1] == (3, 3)
+    assert capsys.readouterr().out == ""

@@ -1,0 +1,46 @@
+"""The paper's scenarios as systems that are ready to run."""
+
+from pathlib import Path
+
+from orchestration.errors import UnknownNameError
+from orchestration.fmi.names import suggestion
+from orchestration.paper.built_fmus import built, fmus
+from orchestration.paper.scenarios import SCENARIOS, VARIANTS
+from orchestration.system.system import System
+
+
+def scenario(name: str, *, controller: str | Path | None = None) -> System:
+    """A scenario of the paper as a system; its FMUs are built when they are not there yet.
+
+    Parameters
+    ----------
+    name
+        ``fig2`` to ``fig7``, ``ideal`` or ``spong-ortega``.
+    controller
+        Another controller: the path of an FMU, or the model identifier of a shipped one such as
+        ``SlotineLiAdaptiveImpedance``. Default: that of the scenario.
+
+    Raises
+    ------
+    UnknownNameError
+        If there is no such scenario.
+    OrchestrationError
+        If an FMU cannot be built or read.
+
+    Examples
+    --------
+    >>> from orchestration import scenario
+    >>> system = scenario("fig2", controller="SlotineLiAdaptiveImpedance")
+    >>> system["controller"].description.model_name, system.stop_time
+    ('SlotineLiAdaptiveImpedance', 2.0)
+    """
+    from fmus.catalog import MODELS
+
+    known = {**SCENARIOS, **VARIANTS}
+    if name not in known:
+        msg = f"There is no scenario {name}; {suggestion(name, known)}"
+        raise UnknownNameError(msg)
+    system = known[name].system(fmus(known[name].units.values()))
+    if controller is None:
+        return system
+    return system.replace("controller", built(str(controller)) if str(controller) in MODELS else controller)

@@ -1,0 +1,81 @@
+"""Connections as text: ``plant.x -> controller.x`` for scalars and for whole arrays."""
+
+from collections.abc import Iterable, Sequence
+
+from orchestration.errors import SystemDescriptionError
+from orchestration.fmi.names import arrays, suggestion
+from orchestration.system.component import Component, Connection, sources_of
+
+ARROW = "->"
+
+
+def parsed(line: str | Connection, components: Sequence[Component]) -> list[Connection]:
+    """Connections that a text means, one for each pair of scalars.
+
+    Parameters
+    ----------
+    line
+        ``source.output -> target.input``. Both ends are scalars, or arrays of the same shape. A `Connection` is
+        kept as it is.
+
+    Raises
+    ------
+    SystemDescriptionError
+        If the text has another form, a name is unknown, or the shapes differ.
+    """
+    if isinstance(line, Connection):
+        return [line]
+    if not isinstance(line, str) or line.count(ARROW) != 1:
+        msg = f"{line!r} is not a connection such as 'plant.x -> controller.x'."
+        raise SystemDescriptionError(msg)
+    paths = [text.strip() for text in line.split(ARROW)]
+    (source, outputs), (target, inputs) = (_end(path, line, components) for path in paths)
+    if len(outputs) != len(inputs):
+        counts = f"{paths[0]} has {len(outputs)} and {paths[1]} has {len(inputs)} elements"
+        msg = f"Connection {line.strip()}: {counts}; both ends need the same number."
+        raise SystemDescriptionError(msg)
+    return [Connection(source, output, target, input_) for output, input_ in zip(outputs, inputs, strict=True)]
+
+
+def _end(path: str, line: str, components: Sequence[Component]) -> tuple[str, list[str]]:
+    """Component and variables, in the order of their elements, of one end."""
+    name, dot, variable = path.partition(".")
+    by_name = {component.name: component for component in components}
+    if not dot or not variable:
+        msg = f"Connection {line.strip()}: {path!r} is not component.variable."
+        raise SystemDescriptionError(msg)
+    if name not in by_name:
+        msg = f"Connection {line.strip()}: there is no component {name}; {suggestion(name, by_name)}"
+        raise SystemDescriptionError(msg)
+    known = tuple(by_name[name].description.variables)
+    if variable in known:
+        return name, [variable]
+    positions = arrays(known).get(variable)
+    if positions is None:
+        msg = f"Connection {line.strip()}: {name} has no variable {variable}; {suggestion(variable, known)}"
+        raise SystemDescriptionError(msg)
+    return name, [known[i] for i in positions.ravel()]
+
+
+def by_equal_names(components: Sequence[Component], taken: Iterable[Connection] = ()) -> list[Connection]:
+    """Connections from outputs to all inputs of the same name that have no source yet.
+
+    Raises
+    ------
+    SystemDescriptionError
+        If two components have an output of a name that an input could take.
+    """
+    driven = {(connection.target, connection.input) for connection in taken}
+    found = []
+    for target in components:
+        for variable in target.description.of_causality("input"):
+            if (target.name, variable.name) in driven:
+                continue
+            sources = sources_of(components, target, variable.name)
+            if len(sources) > 1:
+                names = " or ".join(source.name for source in sources)
+                msg = f"{target.name}.{variable.name} could come from {names}; connect it by hand."
+                raise SystemDescriptionError(msg)
+            if sources:
+                found.append(Connection(sources[0].name, variable.name, target.name, variable.name))
+    return found
