@@ -19,7 +19,7 @@ def unit(width: int) -> Path:
     """The FMU of a trivial model, from the cache or built now."""
     model = SampledModel(f"Trivial{width}", "Subtracts its inputs from the time", sample_time=STEP)
     u = model.input("u", [0.0] * width, description="Signals")
-    model.output("y", model.time - u, description="t - u")
+    model.output("y", model.time - u, description="t - u", scalar=False)
     return build(model)
 
 
