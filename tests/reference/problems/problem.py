@@ -8,9 +8,10 @@ z' = A z + B u. With u held over h the component moves by z+ = Phi z + Gamma u, 
 (K. J. Astrom, B. Wittenmark, "Computer-Controlled Systems", 3rd ed., section 2.3).
 """
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, lru_cache
 from typing import Protocol
 
 import numpy as np
@@ -101,9 +102,17 @@ def assemble(
 
 def free_motion(A: np.ndarray, start: Sequence[float], t: np.ndarray) -> np.ndarray:
     """Return exp(A t) z(0), shape (n, *shape of t), for A of shape (n, n), z(0) of shape (n,) and times t, s."""
-    t = np.asarray(t, dtype=float)
-    motion = expm(A * t[..., None, None]) @ np.asarray(start, dtype=float)
+    A, t = np.asarray(A, dtype=float), np.asarray(t, dtype=float)
+    motion = _exponentials(A.tobytes(), t.tobytes()).reshape(*t.shape, *A.shape) @ np.asarray(start, dtype=float)
     return np.moveaxis(motion, -1, 0)
+
+
+@lru_cache(maxsize=64)
+def _exponentials(matrix: bytes, times: bytes) -> np.ndarray:
+    """Return exp(A t) for all times, shape (n_times, n, n); the same ones serve the runs of all algorithms."""
+    A, t = np.frombuffer(matrix), np.frombuffer(times)
+    n = math.isqrt(A.size)
+    return expm(A.reshape(n, n) * t[:, None, None])
 
 
 def held(A: np.ndarray, B: np.ndarray, h: float) -> tuple[np.ndarray, np.ndarray]:
