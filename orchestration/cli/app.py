@@ -37,8 +37,25 @@ app = typer.Typer(
     no_args_is_help=True,
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
-    help="Adaptive impedance control (Lu & Meng 1991) as interchangeable FMUs (FMI 2.0, co-simulation).",
+    context_settings={"help_option_names": ["-h", "--help"]},
 )
+
+
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        from importlib.metadata import version
+
+        typer.echo(f"adaptimp {version('adaptimp')}")
+        raise typer.Exit
+
+
+@app.callback()
+def common(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_print_version, is_eager=True, help="Print the version.")
+    ] = False,
+) -> None:
+    """Adaptive impedance control (Lu & Meng 1991) as interchangeable FMUs (FMI 2.0, co-simulation)."""
 
 
 @app.command()
@@ -76,9 +93,12 @@ def paper(
 
 @app.command()
 def run(
-    system: Annotated[str, typer.Argument(help="A scenario (fig2, fig3, ..., fig7) or an .ssp file.")],
+    system: Annotated[
+        str, typer.Argument(help="A scenario (fig2, ..., fig7, ideal, spong-ortega), an .ssp file or one .fmu file.")
+    ],
     controller: Annotated[
-        Path | None, typer.Option(help="FMU to put in the place of the component 'controller'.")
+        str | None,
+        typer.Option(help="FMU in the place of the component 'controller': a file, or HoganImpedance and the like."),
     ] = None,
     map_: Annotated[
         list[str] | None,
@@ -90,7 +110,11 @@ def run(
     ] = None,
     set_: Annotated[
         list[str] | None,
-        typer.Option("--set", metavar="COMP.VAR=VALUE", help="Start value; may be repeated."),
+        typer.Option(
+            "--set",
+            metavar="COMP.VAR=VALUE",
+            help="Start value; of an array one for all, or [A,B,...]; may be repeated.",
+        ),
     ] = None,
     algorithm: Annotated[
         str, typer.Option(help="gauss-seidel, jacobi, iterative, newton or adaptive.")
@@ -118,8 +142,11 @@ def run(
     step: Annotated[float | None, typer.Option(help="Communication step, s.")] = None,
     sample_time: Annotated[float | None, typer.Option(help="Communication step and every sample_time, s.")] = None,
     stop: Annotated[float | None, typer.Option(help="Stop time, s.")] = None,
-    out: Annotated[Path | None, typer.Option(help="File for the result, .csv or .parquet.")] = None,
-    record: Annotated[str | None, typer.Option(help="Outputs to record: COMP.VAR,...; all by default.")] = None,
+    out: Annotated[Path | None, typer.Option("--out", "-o", help="File for the result, .csv or .parquet.")] = None,
+    record: Annotated[
+        list[str] | None,
+        typer.Option(metavar="COMP.VAR,...", help="Outputs, arrays or patterns to record; may be repeated."),
+    ] = None,
     every: Annotated[int, typer.Option(help="Record every n-th step.")] = 1,
     verdict: Annotated[
         bool, typer.Option("--verdict/--no-verdict", help="Warn before the run if the algorithm is unstable.")
@@ -134,7 +161,7 @@ def run(
     ] = False,
 ) -> None:
     """Run a system and print what it did."""
-    from orchestration.cli.run import AlgorithmRequest, RunRequest, run_system
+    from orchestration.cli.run import AlgorithmRequest, RunRequest, recorded, run_system
 
     run_system(
         RunRequest(
@@ -152,7 +179,7 @@ def run(
             sample_time=sample_time,
             stop=stop,
             out=out,
-            record=record.split(",") if record else None,
+            record=recorded(record),
             strict=strict,
             assumptions=assumptions,
             allow_stale_inputs=allow_stale_inputs,

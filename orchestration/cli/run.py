@@ -34,6 +34,7 @@ PROGRESS_AFTER = 1.0  # s
 FORMATS = (".csv", ".parquet")
 T = TypeVar("T", int, float)
 _SETTING = re.compile(r"([^=\s]+)=(.*)", re.DOTALL)
+_COMMA = re.compile(r",(?![^\[]*\])")  # a comma within brackets is part of a name
 
 
 @dataclass(frozen=True)
@@ -76,7 +77,7 @@ class RunRequest:
     """Options of ``adaptimp run``; times in s."""
 
     system: str
-    controller: Path | None
+    controller: str | None
     mapping: Sequence[str]
     settings: Sequence[str]
     algorithm: AlgorithmRequest
@@ -180,16 +181,10 @@ def _system(request: RunRequest) -> System:
     if request.step is not None and request.sample_time is not None:
         msg = "--step and --sample-time exclude each other: the latter sets the step too."
         raise SystemDescriptionError(msg)
-    if request.system.endswith(".ssp"):
-        system = System.read(request.system)
-    else:
-        from orchestration.paper.built_fmus import fmus, scenario
-
-        chosen = scenario(request.system)
-        system = chosen.system(fmus(chosen.units.values()))
+    system = _named(request.system)
     if request.controller is not None:
         mapping = dict(map(setting_of("--map"), request.mapping))
-        system = system.replace("controller", request.controller, mapping)
+        system = system.replace("controller", _controller(request.controller), mapping)
     elif request.mapping:
         msg = "--map says what --controller calls our variables; give one."
         raise SystemDescriptionError(msg)
@@ -199,11 +194,43 @@ def _system(request: RunRequest) -> System:
     return system
 
 
-def _setting(text: str) -> tuple[str, str]:
+def _named(name: str) -> System:
+    """The system of a file, or a scenario by name."""
+    path = Path(name)
+    if path.suffix.lower() == ".fmu":
+        component = path.stem.replace(".", "_")
+        return System.of({component: path}, component)
+    if path.suffix.lower() == ".ssp":
+        return System.read(path)
+    from orchestration.paper.ready import scenario
+
+    return scenario(name)
+
+
+def _controller(name: str) -> Path:
+    """The FMU of a file, or a shipped one by its model identifier."""
+    from fmus.catalog import MODELS
+    from orchestration.paper.built_fmus import built
+
+    return built(name) if name in MODELS and not Path(name).exists() else Path(name)
+
+
+def recorded(texts: Sequence[str] | None) -> list[str] | None:
+    """Names and patterns of ``--record``, which may be given several times with several names each."""
+    if not texts:
+        return None
+    return [name.strip() for text in texts for name in _COMMA.split(text) if name.strip()]
+
+
+def _setting(text: str) -> tuple[str, str | list[str]]:
+    """Name and value of ``--set``; a value in brackets is a list."""
     match = _SETTING.fullmatch(text)
     if match is None:
         msg = f"--set {text}: COMPONENT.VARIABLE=VALUE is needed, such as controller.K[1]=4000."
         raise SystemDescriptionError(msg)
+    value = match[2].strip()
+    if value.startswith("[") and value.endswith("]"):
+        return match[1], [element.strip() for element in value[1:-1].split(",")]
     return match[1], match[2]
 
 

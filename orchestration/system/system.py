@@ -206,7 +206,7 @@ class System:
         msg = f"System {self.name} has no component {name}; it has {known}."
         raise SystemDescriptionError(msg)
 
-    def set(self, values: "Mapping[str, float | bool | str | Sequence[float]]") -> "System":
+    def set(self, values: "Mapping[str, float | bool | str | Sequence[float] | Sequence[str]]") -> "System":
         """Return the system with other start values.
 
         A value that differs from an assumed value is no longer marked as assumed.

@@ -56,6 +56,59 @@ def test_options_do_what_the_library_does(adaptimp: Command, fig2: System, tmp_p
     assert table.shape == (501, 3)
 
 
+def columns(path: Path) -> list[str]:
+    """Names of the columns of a CSV file, without time."""
+    with path.open(newline="") as file:
+        return next(csv.reader(file))[1:]
+
+
+def test_names_arrays_and_patterns_are_recorded(adaptimp: Command, tmp_path: Path) -> None:
+    """The option is repeatable, and the last one is not the only one."""
+    outcome = adaptimp(
+        *("run", "fig2", "--stop", "1e-3", "-o", "x.csv"),
+        *("--record", "plant.x[2],plant.q", "--record", "controller.e*", "--record", "plant.x[2]"),
+    )  # fmt: skip
+    assert outcome.code == 0
+    e = [f"controller.e[{i}]" for i in (1, 2)]
+    assert columns(tmp_path / "x.csv") == ["plant.x[2]", "plant.q[1]", "plant.q[2]", *e]
+
+
+def test_arrays_are_set_with_one_number_or_one_each(adaptimp: Command, fig2: System, tmp_path: Path) -> None:
+    settings = ("--set", "controller.K=8000", "--set", "plant.m=[2, 1.5]")
+    outcome = adaptimp("run", "fig2", "--stop", "0.01", *settings, "--record", "plant.x", "-o", "x.csv")
+    assert outcome.code == 0
+    expected = simulate(fig2.set({"controller.K": 8000.0, "plant.m": [2.0, 1.5]}), 0.01, record="plant.x")
+    table = np.genfromtxt(tmp_path / "x.csv", delimiter=",", skip_header=1)
+    np.testing.assert_array_equal(table[:, 1:], expected["plant.x"])
+    refused = adaptimp("run", "fig2", "--set", "controller.K=[1,2,3]")
+    assert refused.code == 2
+    assert refused.sentence.startswith("controller.K has 2 elements, but 3 values are given")
+
+
+def test_a_controller_is_named_by_its_model(adaptimp: Command) -> None:
+    outcome = adaptimp("run", "fig2", "--stop", "1e-3", "--controller", "SlotineLiAdaptiveImpedance")
+    assert outcome.code == 0
+    assert "controller.s[1]" in outcome.out
+
+
+def test_one_fmu_runs_alone(adaptimp: Command, fmu_folder: Path, tmp_path: Path) -> None:
+    plant = fmu_folder / "Plant.fmu"
+    outcome = adaptimp("run", plant, "--stop", "0.01", "--step", "1e-3", "--record", "Plant.x", "-o", "x.csv")
+    assert outcome.code == 0
+    assert "Plant.tau[1]" in outcome.err  # keeps its start value, as a warning says
+    assert columns(tmp_path / "x.csv") == ["Plant.x[1]", "Plant.x[2]"]
+    without = adaptimp("run", plant)
+    assert (without.code, without.sentence) == (
+        2,
+        "System Plant has no communication step; give one, in s, as `step` or --step.",
+    )
+
+
+def test_version_and_short_help(adaptimp: Command) -> None:
+    assert re.fullmatch(r"adaptimp \d+\.\d+\.\d+\n", adaptimp("--version").out)
+    assert adaptimp("run", "-h").out == adaptimp("run", "--help").out != ""
+
+
 def test_a_package_runs_like_its_scenario(adaptimp: Command, packages: dict[str, Path], tmp_path: Path) -> None:
     for system in ("fig2", packages["good"]):
         assert adaptimp("run", system, "--stop", "0.05", "--out", f"{Path(system).stem}.csv").code == 0

@@ -45,7 +45,7 @@ BAD_OPTIONS = {
     "fig2 --stop -1": r"The run from 0 s to -1 s is not a multiple of the step",
     "fig2 --controller missing.fmu": r"missing\.fmu: there is no such FMU\.",
     "missing.ssp": r"missing\.ssp: there is no such package\.",
-    "fig1": r"There is no scenario fig1; there are fig2, fig3, fig4",
+    "fig1": r"There is no scenario fig1; did you mean fig",
     "fig2 --algorithm euler": r"There is no algorithm 'euler'; there are gauss-seidel, jacobi",
     "fig2 --order plant,sensor": r"order plant, sensor must name each of trajectory, sensor, controller, act",
     "fig2 --record plant.energy": r"plant has no variable energy; it has ",
