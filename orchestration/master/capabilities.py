@@ -51,6 +51,24 @@ def check_capabilities(system: System, algorithm: Algorithm, crossings: Crossing
         raise SystemDescriptionError(msg)
 
 
+def check_tolerances(system: System, algorithm: Algorithm) -> None:
+    """Refuse absolute tolerances of units that no output has: they would do nothing.
+
+    Raises
+    ------
+    SystemDescriptionError
+        Naming the unit, and those of the outputs.
+    """
+    owner = algorithm.control or algorithm.correction
+    outputs = [v for c in system.components for v in c.description.of_causality("output") if v.type == REAL]
+    units = dict.fromkeys(variable.unit for variable in outputs)
+    for unit in owner.tolerance.absolute if owner else ():
+        if unit not in units:
+            known = ", ".join(name or "none" for name in units)
+            msg = f"The absolute tolerance in {unit} does nothing: the units of the outputs are {known}."
+            raise SystemDescriptionError(msg)
+
+
 def _require(component: Component, capability: str, what: str) -> None:
     """Refuse a component whose FMU does not declare a capability flag."""
     if not component.description.can(capability):

@@ -35,13 +35,14 @@ from orchestration.fmi.codes import WORST_ACCEPTED
 from orchestration.fmi.instance import Instance
 from orchestration.master.algorithm import SEQUENTIAL, Algorithm
 from orchestration.master.block import Block
-from orchestration.master.capabilities import check_capabilities, check_crossings
+from orchestration.master.capabilities import check_capabilities, check_crossings, check_tolerances
 from orchestration.master.failure_text import failure_message
 from orchestration.master.flatten import Assembly, assemble
 from orchestration.master.initialization import initialize, opened, set_values
 from orchestration.master.kernel import fixed_step
 from orchestration.master.kernel.codes import Failure
 from orchestration.master.kernel.step_program import operations_of_step
+from orchestration.master.memory import require_memory
 from orchestration.master.options import Options
 from orchestration.master.recorder import Recorder, Sink, not_finite
 from orchestration.master.snapshot import Snapshot, identity
@@ -90,10 +91,12 @@ class Simulation:
         metadata: Mapping[str, str] | None = None,
     ) -> None:
         check_crossings(system, options.crossings)
+        check_tolerances(system, algorithm)
         check_capabilities(system, algorithm, options.crossings, options.ratios)
         self.system, self.grid, self.algorithm, self.options = system, grid, algorithm, options
         self._metadata = dict(metadata or {})
         self._path: Path | None = None
+        self._varies = algorithm.control is not None or bool(options.crossings.outputs)  # the number of rows
         self._plain = algorithm.plain and not options.crossings.outputs and not options.slow
         self._kept: list[Snapshot] = []
         self._changes: list[list[float | str]] = []  # time, variable, value
@@ -119,7 +122,9 @@ class Simulation:
             self._state = self._layout.coupling.state
             stack.callback(lambda: self._layout.free(self._instances))
             stack.callback(self._free_snapshots)
-            known = None if self.algorithm.control or self.options.crossings.outputs else self._expected()
+            known = None if self._varies else self.grid.n // self.options.every + 1
+            if known is not None and self._path is None:
+                require_memory(self.system.name, self.grid.n, known, len(self._assembly.columns))
             self._recorder = Recorder(len(self._assembly.columns), known, self._sink(stack))
             times, rows = self._recorder.room()
             times[0] = self.grid.times[0]
@@ -210,14 +215,20 @@ class Simulation:
         times, rows = self._recorder.rows()
         assembly = self._assembly
         return Result(
-            times, assembly.columns, rows, assembly.units, self.steps_per_tick, self._described(), self._periods()
+            times,
+            assembly.columns,
+            rows,
+            assembly.units,
+            self.steps_per_tick,
+            self._described(),
+            self.system.sample_times,
         )
 
     @property
     def steps_per_tick(self) -> dict[str, int]:
         """Rows per sampling period, by component; empty if rows do not fall on the ticks."""
         every = self.options.every
-        if self.algorithm.control is not None or self.options.crossings.outputs:
+        if self._varies:
             return {}
         return {name: n // every for name, n in self.grid.steps_per_tick.items() if n % every == 0}
 
@@ -307,7 +318,7 @@ class Simulation:
         from orchestration.results.parquet_file import ParquetSink
 
         columns, units = self._assembly.columns, self._assembly.units
-        ticks = {"steps_per_tick": self.steps_per_tick, "sample_times": self._periods()}
+        ticks = {"steps_per_tick": self.steps_per_tick, "sample_times": self.system.sample_times}
         self._stream = stack.enter_context(ParquetSink(self._path, columns, units, self._metadata, **ticks))
         return self._stream
 
@@ -379,13 +390,6 @@ class Simulation:
             return int(self._state.interval), self.grid.n
         span = self.grid.times[-1] - self.grid.times[0]
         return int(1000 * (self.time - self.grid.times[0]) / span), 1000
-
-    def _expected(self) -> int:
-        return self.grid.n // self.options.every + 1
-
-    def _periods(self) -> dict[str, float]:
-        periods = {c.name: c.sample_time for c in self.system.components}
-        return {name: float(period) for name, period in periods.items() if period is not None}
 
     def _identity(self) -> str:
         """Return the values that a run must share with a snapshot that it restores."""

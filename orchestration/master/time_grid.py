@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from orchestration.errors import SystemDescriptionError
+from orchestration.master.memory import require_memory
 from orchestration.system.system import RATIO_TOLERANCE, System
 
 
@@ -77,7 +78,7 @@ def fixed_grid(system: System, span: tuple[float, float], step: float, *, stale:
     _require_positive(step)
     lengths = np.array([step], dtype=float)
     ratios = _ratios(system, lengths, stale=stale)
-    return Grid(_points(span, step), lengths, float(step), ratios)
+    return Grid(_points(system.name, span, step), lengths, float(step), ratios)
 
 
 def given_grid(system: System, times: np.ndarray, *, stale: bool) -> Grid:
@@ -138,11 +139,14 @@ def _require_positive(step: float) -> None:
         raise SystemDescriptionError(msg)
 
 
-def _points(span: tuple[float, float], step: float) -> np.ndarray:
+def _points(name: str, span: tuple[float, float], step: float) -> np.ndarray:
     """Communication points t0 + k step, s, shape (n + 1,)."""
     t0, stop_time = span
+    if not (math.isfinite(stop_time) and stop_time > t0):
+        msg = f"The run from {t0:g} s to {stop_time:g} s does not have a positive, finite length."
+        raise SystemDescriptionError(msg)
     count = (stop_time - t0) / step
-    n = round(count) if np.isfinite(count) else -1
+    n = round(count) if math.isfinite(count) else -1
     if n < 1 or abs(count - n) > RATIO_TOLERANCE * n:
         whole = t0 + max(1, n) * step
         msg = (
@@ -150,6 +154,7 @@ def _points(span: tuple[float, float], step: float) -> np.ndarray:
             f" stop at {whole:.9g} s instead."
         )
         raise SystemDescriptionError(msg)
+    require_memory(name, n, n, 0)  # the points are made of two arrays
     return t0 + np.arange(n + 1) * step
 
 

@@ -321,6 +321,12 @@ class System:
         """Judge the stability of an algorithm at a step, s, near a time, s; see `orchestration.analysis.stability`."""
         return analysis("stability")(self, step, algorithm, at=at)
 
+    @property
+    def sample_times(self) -> dict[str, float]:
+        """Sampling periods of the sampled components, s, by name."""
+        periods = {component.name: component.sample_time for component in self.components}
+        return {name: float(period) for name, period in periods.items() if period is not None}
+
     def unconnected_inputs(self) -> list[str]:
         """Return the inputs without a source, which keep their start value, as ``component.input``."""
         driven = {(c.target, c.input) for c in self.connections}
