@@ -213,16 +213,8 @@ class Simulation:
         """Return the rows recorded so far; the arrays are views of the run's memory where that is possible."""
         self._block.require_begun()
         times, rows = self._recorder.rows()
-        assembly = self._assembly
-        return Result(
-            times,
-            assembly.columns,
-            rows,
-            assembly.units,
-            self.steps_per_tick,
-            self._described(),
-            self.system.sample_times,
-        )
+        columns, units, periods = self._assembly.columns, self._assembly.units, self.system.sample_times
+        return Result(times, columns, rows, units, self.steps_per_tick, self._described(), periods)
 
     @property
     def steps_per_tick(self) -> dict[str, int]:
