@@ -24,6 +24,7 @@ from orchestration.errors import (
     SystemDescriptionError,
 )
 from orchestration.master.algorithm import Algorithm, Tolerance, find_algorithm
+from orchestration.master.capabilities import check_tolerances
 from orchestration.master.options import Crossings
 from orchestration.master.options import Progress as Report
 from orchestration.master.simulate import Options, prepare
@@ -107,6 +108,7 @@ def run_system(request: RunRequest) -> None:
         return
     if request.order is not None:
         system = system.ordered(request.order)
+    check_tolerances(system, algorithm)
     step = system.run_step(request.step)
     order = " > ".join(component.name for component in system.components)
     typer.echo(f"{system.name}: {algorithm.name}, order {order}, step {step:g} s")

@@ -52,7 +52,9 @@ def check_capabilities(system: System, algorithm: Algorithm, crossings: Crossing
 
 
 def check_tolerances(system: System, algorithm: Algorithm) -> None:
-    """Refuse absolute tolerances of units that no output has: they would do nothing.
+    """Refuse absolute tolerances of units that no output has, which would do nothing.
+
+    A script may share one algorithm among systems, so only who names an algorithm for one system asks for this.
 
     Raises
     ------

@@ -35,7 +35,7 @@ from orchestration.fmi.codes import WORST_ACCEPTED
 from orchestration.fmi.instance import Instance
 from orchestration.master.algorithm import SEQUENTIAL, Algorithm
 from orchestration.master.block import Block
-from orchestration.master.capabilities import check_capabilities, check_crossings, check_tolerances
+from orchestration.master.capabilities import check_capabilities, check_crossings
 from orchestration.master.failure_text import failure_message
 from orchestration.master.flatten import Assembly, assemble
 from orchestration.master.initialization import initialize, opened, set_values
@@ -91,7 +91,6 @@ class Simulation:
         metadata: Mapping[str, str] | None = None,
     ) -> None:
         check_crossings(system, options.crossings)
-        check_tolerances(system, algorithm)
         check_capabilities(system, algorithm, options.crossings, options.ratios)
         self.system, self.grid, self.algorithm, self.options = system, grid, algorithm, options
         self._metadata = dict(metadata or {})
