@@ -54,7 +54,9 @@ def run(
         h = steps[k] if steps.size > 1 else steps[0]
         for j in range(n):
             operation = operations[j]
-            if operation.kind == Kind.TRANSFER:
+            if operation.kind == Kind.STEP:
+                status = call_do_step(operation.function, operation.instance, t, h)
+            elif operation.kind == Kind.TRANSFER:
                 status = call_transfer(
                     operation.function,
                     operation.instance,
@@ -62,8 +64,6 @@ def run(
                     operation.count,
                     operation.place,
                 )
-            elif operation.kind == Kind.STEP:
-                status = call_do_step(operation.function, operation.instance, t, h)
             elif operation.kind == Kind.COPY_REALS:
                 copy_values(operation, reals)
                 continue
