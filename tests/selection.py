@@ -40,7 +40,7 @@ QUICK = ("golden/*", "property/*", "unit/*", "faults/*", "conformance/*")
 SLOW = ("unit/fmus/test_documented_examples.py", "unit/orchestration/analysis/test_stability.py")
 """Files that take seconds though they start no process."""
 
-QUICK_UNITS = ("Plant", "ForceSensor")
+QUICK_FMUS = ("Plant", "ForceSensor")
 """FMUs that stand for all in quick tests: a continuous one, and a sampled one with random numbers."""
 
 
@@ -52,7 +52,7 @@ def mark(items: Iterable[Any]) -> None:
         path = item.path.relative_to(TESTS).as_posix()
         if _is_in(path, PROCESSES) or _is_disturbed(getattr(item, "module", None)):
             item.add_marker(pytest.mark.processes)
-        elif _is_in(path, QUICK) and not _is_in(path, SLOW) and _unit(item) in (None, *QUICK_UNITS):
+        elif _is_in(path, QUICK) and not _is_in(path, SLOW) and _fmu(item) in (None, *QUICK_FMUS):
             item.add_marker(pytest.mark.quick)
 
 
@@ -74,7 +74,7 @@ def _is_disturbed(module: ModuleType | None) -> bool:
     return any(isinstance(origin, str) and origin.partition(".")[0] in DISTURBED for origin in origins)
 
 
-def _unit(item: Any) -> object:
+def _fmu(item: Any) -> object:
     """The model of the catalog that the test is about, None if it is not about a certain model."""
     called = getattr(item, "callspec", None)
-    return called.params.get("unit") if called else None
+    return called.params.get("identifier") if called else None

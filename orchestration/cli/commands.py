@@ -80,7 +80,7 @@ def export_scenario(name: str, out: Path) -> None:
         raise SystemDescriptionError(msg)
     chosen = scenario(name)
     require_folder(out.parent)
-    system = chosen.system(fmus(chosen.units.values()))
+    system = chosen.system(fmus(chosen.models.values()))
     system.write(out)
     counts = f"{len(system.components)} components, {len(system.connections)} connections"
     typer.echo(f"wrote {out}: {counts}, {len(system.assumptions)} assumed values with their reasons")

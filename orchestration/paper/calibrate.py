@@ -50,7 +50,7 @@ NUDGES = tuple(1e-14 * k for k in range(-20, 21))  # rad, added to the arm's fir
 def laboratory() -> Laboratory:
     """A laboratory that has the FMUs of all scenarios."""
     scenarios = (*SCENARIOS.values(), *VARIANTS.values())
-    return Laboratory(fmus(sorted({i for scenario in scenarios for i in scenario.units.values()})))
+    return Laboratory(fmus(sorted({i for scenario in scenarios for i in scenario.models.values()})))
 
 
 def noise_bound(lab: Laboratory) -> float:

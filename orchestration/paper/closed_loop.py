@@ -94,17 +94,17 @@ def paper_loop(joints: int) -> Loop | None:
     """
     if joints == 2:
         chosen = VARIANTS["ideal"]
-        return Loop(chosen.system(fmus(chosen.units.values())).with_sample_time(STEP), TORQUE_LIMITS)
+        return Loop(chosen.system(fmus(chosen.models.values())).with_sample_time(STEP), TORQUE_LIMITS)
     if joints == 3:
-        units = {
+        models = {
             "trajectory": "VirtualTrajectory",
             "sensor": "ForceSensor",
             "controller": "HoganImpedance3R",
             "actuator": "Actuator3R",
             "plant": "Plant3R",
         }
-        files = fmus(units.values())
-        named = {name: files[unit] for name, unit in units.items()}
+        files = fmus(models.values())
+        named = {name: files[model] for name, model in models.items()}
         system = System.connected_by_name("redundant", named, step=STEP)
         return Loop(system, (REDUNDANT_LIMIT,) * 3)
     return None

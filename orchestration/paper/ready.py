@@ -40,7 +40,7 @@ def scenario(name: str, *, controller: str | Path | None = None) -> System:
     if name not in known:
         msg = f"There is no scenario {name}; {suggestion(name, known)}"
         raise UnknownNameError(msg)
-    system = known[name].system(fmus(known[name].units.values()))
+    system = known[name].system(fmus(known[name].models.values()))
     if controller is None:
         return system
     return system.replace("controller", built(str(controller)) if str(controller) in MODELS else controller)

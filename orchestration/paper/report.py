@@ -45,7 +45,7 @@ def reproduce(folder: Path, tell: Tell, image: str = "png", *, fresh: bool = Fal
         Whether to measure the claims even if they are in the cache.
     """
     scenarios = {**SCENARIOS, **VARIANTS}
-    identifiers = {i for scenario in scenarios.values() for i in scenario.units.values()}
+    identifiers = {i for scenario in scenarios.values() for i in scenario.models.values()}
     tell(f"Building {len(identifiers)} FMUs, or taking them from the cache")
     laboratory = Laboratory(fmus(sorted(identifiers)))
     results: dict[str, Result] = {}

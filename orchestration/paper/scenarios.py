@@ -68,7 +68,7 @@ class Scenario:
 
     Attributes
     ----------
-    units
+    models
         Component name to model identifier, in the order of stepping.
     values
         Start values by ``component.variable``.
@@ -80,7 +80,7 @@ class Scenario:
 
     name: str
     caption: str
-    units: Mapping[str, str]
+    models: Mapping[str, str]
     values: Mapping[str, Value]
     step: float
     sampling: str
@@ -88,7 +88,7 @@ class Scenario:
 
     def system(self, fmus: Mapping[str, Path]) -> System:
         """The system that is run, with the reasons for its assumed values, from FMU files by model identifier."""
-        files = {component: fmus[identifier] for component, identifier in self.units.items()}
+        files = {component: fmus[identifier] for component, identifier in self.models.items()}
         system = System.connected_by_name(self.name, files, step=self.step, stop_time=self.stop_time)
         numbers = {path: value.number for path, value in self.values.items()}
         assumptions = {path: value.origin for path, value in self.values.items() if value.assumed}
@@ -141,7 +141,7 @@ _TARGET = {
     "controller.gravity": Value(0.0, "assumed: as in the plant"),
 }
 _CRITICAL_DAMPING = _both("controller.B", 2.0 * math.sqrt(TARGET_INERTIA * TARGET_STIFFNESS), "V: B = 2 sqrt(M K)")
-_UNITS = {
+_MODELS = {
     "trajectory": "VirtualTrajectory",
     "sensor": "ForceSensor",
     "controller": "HoganImpedance",
@@ -185,13 +185,13 @@ def _known_masses(m2: float) -> dict[str, Value]:
 
 def _conventional(name: str, caption: str, m2: float) -> Scenario:
     values = {**_CONVENTIONAL, **_known_masses(m2)}
-    return Scenario(name, caption, _UNITS, values, CONVENTIONAL_STEP, _CONVENTIONAL_SAMPLING)
+    return Scenario(name, caption, _MODELS, values, CONVENTIONAL_STEP, _CONVENTIONAL_SAMPLING)
 
 
 def _adaptive(name: str, caption: str, controller: str, values: Mapping[str, Value]) -> Scenario:
-    units = {**_UNITS, "controller": controller}
+    models = {**_MODELS, "controller": controller}
     numbers = {**_ADAPTIVE, **_known_masses(WRONG_M2), **values}
-    return Scenario(name, caption, units, numbers, ADAPTIVE_STEP, ADAPTIVE_SAMPLING)
+    return Scenario(name, caption, models, numbers, ADAPTIVE_STEP, ADAPTIVE_SAMPLING)
 
 
 CRAIG, SLOTINE_LI = "CraigAdaptiveImpedance", "SlotineLiAdaptiveImpedance"
@@ -226,7 +226,7 @@ VARIANTS = {
         Scenario(
             "ideal",
             "Conventional control with the true mass, a perfect sensor and the damping of Figs. 5 to 7",
-            _UNITS,
+            _MODELS,
             {
                 **_ARM_AND_WALL,
                 **_PERFECT_SENSOR,

@@ -69,18 +69,18 @@ def measure_memory(fmu: str, n_rows: str, parquet: str | None = None) -> dict[st
     return {"peak": peak * unit, "peak_before": before * unit, "size": size, "seconds": seconds}
 
 
-def chain(fmu: str, n_units: int) -> Any:
+def chain(fmu: str, n_fmus: int) -> Any:
     """Components of one FMU, each output to the next component; every component has as many inputs as outputs."""
     from orchestration.fmi.description import read_description
     from orchestration.system.system import Component, Connection, System
 
     description = read_description(Path(fmu))
-    units = [f"unit{i + 1}" for i in range(n_units)]
+    names = [f"member{i + 1}" for i in range(n_fmus)]
     inputs, outputs = ([v.name for v in description.of_causality(kind)] for kind in ("input", "output"))
     links = [
-        Connection(units[i - 1], y, units[i], u) for i in range(n_units) for y, u in zip(outputs, inputs, strict=True)
+        Connection(names[i - 1], y, names[i], u) for i in range(n_fmus) for y, u in zip(outputs, inputs, strict=True)
     ]
-    return System("ring", tuple(Component(name, description) for name in units), tuple(links), step=2.0**-10)
+    return System("ring", tuple(Component(name, description) for name in names), tuple(links), step=2.0**-10)
 
 
 if __name__ == "__main__":

@@ -104,7 +104,7 @@ def run(name: str = "fig2", n_steps: int | None = None, repetitions: int = REPET
         If a loop does not compute what it should.
     """
     about = scenario(name)
-    system = about.system(fmus(about.units.values()))
+    system = about.system(fmus(about.models.values()))
     n_steps = n_steps or round(system.run_stop_time() / system.run_step())
     with Bench(system, n_steps) as b, TemporaryDirectory() as folder:
         checks = check(b, n_steps)

@@ -62,12 +62,12 @@ class BareUnits:
 
     def __init__(self, fmus: Mapping[str, Path], saturation: bool, folder: Path) -> None:
         for name in COMPONENTS:
-            unit = folder / name
-            unit.mkdir()
+            member = folder / name
+            member.mkdir()
             with ZipFile(fmus[name]) as archive:
                 for file in _MODEL_FILES:
-                    (unit / file).write_bytes(archive.read(f"sources/{file}"))
-            (unit / "runtime.c").write_bytes((HERE / "bare_unit.c").read_bytes())
+                    (member / file).write_bytes(archive.read(f"sources/{file}"))
+            (member / "runtime.c").write_bytes((HERE / "bare_unit.c").read_bytes())
             (folder / f"{name}.c").write_text(_UNIT.format(name=name), encoding="utf-8")
         sources = [HERE / "bare.c", *(folder / f"{name}.c" for name in COMPONENTS)]
         self._library = _compile(sources, folder / "bare", f"-DCONTROLLER_SEES_SATURATION={saturation:d}")

@@ -63,12 +63,12 @@ RATIOS = (
 )
 STEPS, SLOW_STEPS, REPETITIONS = 40_000, 2_000, 15
 PIECE = 10_000  # steps: about a millisecond, in which a call from Python is lost
-N_UNITS = 5
+N_FMUS = 5
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Measure, print and write; returns the exit code."""
-    parser = argparse.ArgumentParser(description="Time per step of five trivial units.")
+    parser = argparse.ArgumentParser(description="Time per step of five trivial FMUs.")
     parser.add_argument("--json", type=Path, help="file to write")
     parser.add_argument("--repetitions", type=int, default=REPETITIONS, help="at least 9 for a record")
     parser.add_argument("--steps", type=int, default=STEPS, help="steps per repetition of the fast variants")
@@ -96,7 +96,7 @@ def run(n_steps: int = STEPS, repetitions: int = REPETITIONS) -> dict[str, Any]:
     BenchmarkError
         If a loop does not compute what it should.
     """
-    found = {system.name: measure(system, n_steps, repetitions) for system in (chain(N_UNITS), ring(N_UNITS, 6))}
+    found = {system.name: measure(system, n_steps, repetitions) for system in (chain(N_FMUS), ring(N_FMUS, 6))}
     goals = [goal for name, result in found.items() for goal in _goals(name, result)]
     return {"systems": found, "goals": goals, "machine": machine(), "versions": versions()}
 

@@ -24,7 +24,7 @@ from tests.benchmarks.report import alternate, machine, undisturbed, versions, w
 from tests.benchmarks.rig import Rig
 from tests.benchmarks.trivial import ring
 
-UNITS, WIDTHS, STEPS = (2, 4, 8, 16, 32, 64), (1, 10, 100), (1_000, 10_000, 100_000, 1_000_000)
+SIZES, WIDTHS, STEPS = (2, 4, 8, 16, 32, 64), (1, 10, 100), (1_000, 10_000, 100_000, 1_000_000)
 REPETITIONS = 9
 WORK = 2_000_000  # values that a repetition moves: steps x FMUs x variables, within the next two
 FEWEST_STEPS, MOST_STEPS = 500, 20_000
@@ -46,7 +46,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def run(
-    units: Sequence[int] = UNITS,
+    sizes: Sequence[int] = SIZES,
     widths: Sequence[int] = WIDTHS,
     steps: Sequence[int] = STEPS,
     *,
@@ -68,16 +68,16 @@ def run(
         If a loop does not compute what it should.
     """
     return {
-        "size": [measure_size(n, width, repetitions, work) for width in widths for n in units],
+        "size": [measure_size(n, width, repetitions, work) for width in widths for n in sizes],
         "length": [measure_length(n, repetitions) for n in steps],
         "machine": machine(),
         "versions": versions(),
     }
 
 
-def measure_size(n_units: int, width: int, repetitions: int, work: int) -> dict[str, float]:
+def measure_size(n_fmus: int, width: int, repetitions: int, work: int) -> dict[str, float]:
     """Cost of a step of one ring, ns."""
-    system, values = ring(n_units, width), n_units * width
+    system, values = ring(n_fmus, width), n_fmus * width
     n = min(MOST_STEPS, max(FEWEST_STEPS, work // values))
     piece = max(100, PIECE_VALUES // values)
     with ExitStack() as stack:
@@ -93,13 +93,13 @@ def measure_size(n_units: int, width: int, repetitions: int, work: int) -> dict[
         seconds = alternate(measures, dict.fromkeys(measures, n), repetitions)
     ns = {name: undisturbed(pieces, n) for name, pieces in seconds.items()}
     return {
-        "units": n_units,
+        "fmus": n_fmus,
         "variables": width,
         "steps": n,
         **ns,
         "ours/c": ns["ours"] / ns["c"],
         "silent": ns["ours_silent"] / ns["c_silent"],
-        "per_unit": ns["ours"] / n_units,
+        "per_fmu": ns["ours"] / n_fmus,
         "median_ours/c": float(np.median(seconds["ours"].sum(axis=1) / seconds["c"].sum(axis=1))),
     }
 
@@ -119,8 +119,8 @@ def measure_length(n: int, repetitions: int) -> dict[str, float]:
 
 
 def _print(result: dict[str, Any], console: Console) -> None:
-    _table("ns per step, rings of units", result["size"], console)
-    _table(f"ns per step, ring of {RING[0]} units with {RING[1]} variables", result["length"], console)
+    _table("ns per step, rings of FMUs", result["size"], console)
+    _table(f"ns per step, ring of {RING[0]} FMUs with {RING[1]} variables", result["length"], console)
 
 
 def _table(title: str, records: Sequence[dict[str, float]], console: Console) -> None:

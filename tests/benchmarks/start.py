@@ -24,7 +24,7 @@ from rich.console import Console
 from rich.table import Table
 
 from tests.benchmarks.report import Goal, machine, print_goals, versions, write_json
-from tests.benchmarks.trivial import unit
+from tests.benchmarks.trivial import trivial_fmu
 
 MODULES = (
     *("numpy", "numba", "fmpy", "pyarrow.parquet", "casadi"),
@@ -39,7 +39,7 @@ MODULES = (
 ALGORITHMS = ("gauss-seidel", "iterative", "newton", "adaptive")
 REPETITIONS, ROWS, FEW_ROWS = 5, 1_000_000, 10
 COLD_REPETITIONS = 2  # compilation takes long
-COLUMNS_PER_UNIT = 10  # of the four FMUs of the runs that measure memory
+COLUMNS_PER_FMU = 10  # of the four FMUs of the runs that measure memory
 CACHED_LIMIT = 0.7  # s, of gauss-seidel
 PLAIN_LIMIT, GENERAL_LIMIT = 1.5, 6.0  # s of processor time, cold: the plain loop, the loop of all algorithms
 MEMORY_FACTOR, MEMORY_EXTRA = 1.1, 50e6  # of the data, and bytes
@@ -90,13 +90,13 @@ def run(
 
 def measure_memory(n_rows: int) -> dict[str, Any]:
     """Peak memory above that of a process that records ten rows, in memory and to Parquet."""
-    fmu, found = str(unit(COLUMNS_PER_UNIT)), {}
+    fmu, found = str(trivial_fmu(COLUMNS_PER_FMU)), {}
     with TemporaryDirectory() as folder:
         for name, file in (("in_memory", ()), ("streamed", (f"{folder}/rows.parquet",))):
             few, many = (child("memory", fmu, str(n), *file) for n in (FEW_ROWS, n_rows))
             found[name] = {
                 "rows": n_rows,
-                "data": 8 * n_rows * (4 * COLUMNS_PER_UNIT + 1),  # with the times
+                "data": 8 * n_rows * (4 * COLUMNS_PER_FMU + 1),  # with the times
                 "above": many["peak"] - few["peak"],
                 "few": few["peak"],
                 "seconds": many["seconds"],
@@ -122,7 +122,7 @@ def child(*arguments: str, cache: str | None = None) -> dict[str, float]:
 
 
 def _first_call(algorithm: str, repetitions: int) -> dict[str, Any]:
-    fmu = str(unit(1))
+    fmu = str(trivial_fmu(1))
     cold, cached = [], []
     for _ in range(min(repetitions, COLD_REPETITIONS)):
         with TemporaryDirectory() as cache:

@@ -28,7 +28,7 @@ Record = Callable[[str, object], None]
 def bench(request: pytest.FixtureRequest):
     """A system of the paper with `CHANGES`, ready to run `N_STEPS` steps."""
     about = scenario(request.param)
-    with Bench(about.system(fmus(about.units.values())).set(CHANGES[about.name]), N_STEPS) as b:
+    with Bench(about.system(fmus(about.models.values())).set(CHANGES[about.name]), N_STEPS) as b:
         yield b
 
 
@@ -43,7 +43,7 @@ def test_every_loop_records_the_same_bits(bench: Bench) -> None:
 
 def test_the_comparison_has_noise_slow_updates_and_saturation() -> None:
     about = scenario("fig5")
-    system = about.system(fmus(about.units.values())).set(CHANGES["fig5"])
+    system = about.system(fmus(about.models.values())).set(CHANGES["fig5"])
     with Bench(system, N_STEPS) as b:
         ours = b.records(b.time_ours, N_STEPS)
         column = b.assembly.columns.index
@@ -136,7 +136,7 @@ def test_overhead_writes_its_numbers(tmp_path: Path, record_property: Record) ->
 
 def test_scaling_measures_sizes_and_lengths() -> None:
     result = scaling.run((2, 3), (1, 2), (50,), repetitions=1, work=100)
-    assert [(record["units"], record["variables"]) for record in result["size"]] == [(2, 1), (3, 1), (2, 2), (3, 2)]
+    assert [(record["fmus"], record["variables"]) for record in result["size"]] == [(2, 1), (3, 1), (2, 2), (3, 2)]
     assert [record["steps"] for record in result["length"]] == [50]
     assert all(record["ours"] > 0 for record in result["size"])
 
@@ -147,7 +147,7 @@ def test_start_measures_fresh_processes() -> None:
     assert memory["in_memory"]["data"] == 8 * 1000 * 41
     assert all(found["few"] > 0 for found in memory.values())
     assert start.child("import", "json")["seconds"] > 0
-    times = start.child("simulate", str(start.unit(1)), "gauss-seidel")
+    times = start.child("simulate", str(start.trivial_fmu(1)), "gauss-seidel")
     assert times.keys() == {"imports", "first", "second", "processor"}
 
 

@@ -24,21 +24,21 @@ def load(fmu_folder: Path, tmp_path_factory: pytest.TempPathFactory) -> Callable
 
 
 @pytest.fixture(params=list(MODELS))
-def unit(request: pytest.FixtureRequest) -> str:
+def identifier(request: pytest.FixtureRequest) -> str:
     """Name of each FMU in turn."""
     return request.param
 
 
 @pytest.fixture
-def fmu(fmu_folder: Path, unit: str) -> Path:
+def fmu(fmu_folder: Path, identifier: str) -> Path:
     """File of each FMU in turn."""
-    return fmu_folder / f"{unit}.fmu"
+    return fmu_folder / f"{identifier}.fmu"
 
 
 @pytest.fixture
-def binary(load: Callable[[str], Binary], unit: str) -> Binary:
+def binary(load: Callable[[str], Binary], identifier: str) -> Binary:
     """Binary of each FMU in turn."""
-    return load(unit)
+    return load(identifier)
 
 
 @pytest.fixture

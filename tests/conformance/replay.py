@@ -10,20 +10,20 @@ from orchestration.paper.reference_data import FOLDER
 from tests.driver import Driver
 
 
-def table(unit: str, suffix: str, folder: Path = FOLDER) -> np.ndarray:
+def table(identifier: str, suffix: str, folder: Path = FOLDER) -> np.ndarray:
     """The structured array in ``UNIT_suffix.csv``; only times where a unit has no inputs."""
-    path = folder / unit / f"{unit}_{suffix}.csv"
-    return read_csv(path) if path.exists() else table(unit, "ref", folder)[["time"]]
+    path = folder / identifier / f"{identifier}_{suffix}.csv"
+    return read_csv(path) if path.exists() else table(identifier, "ref", folder)[["time"]]
 
 
-def options(unit: str, folder: Path = FOLDER) -> dict[str, float]:
+def options(identifier: str, folder: Path = FOLDER) -> dict[str, float]:
     """What ``UNIT_ref.opt`` says."""
-    return read_ref_opt_file(folder / unit / f"{unit}_ref.opt")
+    return read_ref_opt_file(folder / identifier / f"{identifier}_ref.opt")
 
 
-def replay(unit: str, driver: Driver) -> dict[str, np.ndarray]:
+def replay(identifier: str, driver: Driver) -> dict[str, np.ndarray]:
     """Outputs by name at the communication points of the reference."""
-    inputs, step = table(unit, "in"), options(unit)["StepSize"]
+    inputs, step = table(identifier, "in"), options(identifier)["StepSize"]
 
     def apply(row: np.void) -> None:
         names = [name for name in row.dtype.names or () if name != "time"]
@@ -40,9 +40,9 @@ def replay(unit: str, driver: Driver) -> dict[str, np.ndarray]:
     return {name: np.array([row[name] for row in rows]) for name in rows[0]}
 
 
-def assert_reproduces(unit: str, path: Path, open_fmu: Callable[..., Driver]) -> None:
+def assert_reproduces(identifier: str, path: Path, open_fmu: Callable[..., Driver]) -> None:
     """An FMU shows its reference's outputs, within RelTol of each column's largest absolute value."""
-    expected, tolerance = table(unit, "ref"), options(unit)["RelTol"]
-    for name, column in replay(unit, open_fmu(path)).items():
+    expected, tolerance = table(identifier, "ref"), options(identifier)["RelTol"]
+    for name, column in replay(identifier, open_fmu(path)).items():
         atol = tolerance * np.max(np.abs(expected[name]))
         np.testing.assert_allclose(column, expected[name], rtol=0, atol=atol, err_msg=name)

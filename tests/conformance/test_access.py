@@ -49,7 +49,7 @@ def test_10_a_get_of_any_selection(binary: Binary, create: Create) -> None:
         np.testing.assert_array_equal(list(values), [alone[name] for name in chosen])
 
 
-@pytest.mark.parametrize("unit", [name for name in MODELS if name != "VirtualTrajectory"])  # it has no inputs
+@pytest.mark.parametrize("identifier", [name for name in MODELS if name != "VirtualTrajectory"])  # it has no inputs
 def test_10_a_set_of_any_selection(binary: Binary, create: Create) -> None:
     names = numbers(binary, "input")
     instance = create(binary).initialize()

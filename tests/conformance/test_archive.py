@@ -126,9 +126,9 @@ def test_07_same_definition_on_another_processor() -> None:
     assert described[0] == described[1] == described[2]
 
 
-def test_07_compiler_gives_the_same_bytes(unit: str, tmp_path: Path, fmu: Path) -> None:
+def test_07_compiler_gives_the_same_bytes(identifier: str, tmp_path: Path, fmu: Path) -> None:
     """Compiled again in this process, with an empty cache."""
-    again = build(MODELS[unit](), tmp_path, cache=tmp_path / "cache")
+    again = build(MODELS[identifier](), tmp_path, cache=tmp_path / "cache")
     assert again.read_bytes() == fmu.read_bytes()
 
 

@@ -50,13 +50,13 @@ BASE_UNITS = {
 CANCELLING = {
     "HoganImpedance3R": {("tau_cmd[3]", "null_damping")},
     **{
-        unit: {
+        identifier: {
             (f"{output}[{i}]", known)
             for i in range(1, n + 1)
             for output in ("tau", "saturated")
             for known in ("sample_time", "time_constant", f"tau_rate_max[{i}]")
         }
-        for unit, n in (("Actuator", 2), ("Actuator3R", 3))
+        for identifier, n in (("Actuator", 2), ("Actuator3R", 3))
     },
 }
 
@@ -93,8 +93,8 @@ def test_01_guid_is_the_binarys(xml: etree._Element, binary: Binary, create: Cal
     assert create(binary, guid=guid).component
 
 
-def test_01_guid_is_a_hash_of_the_definition(xml: etree._Element, unit: str) -> None:
-    model = MODELS[unit]()
+def test_01_guid_is_a_hash_of_the_definition(xml: etree._Element, identifier: str) -> None:
+    model = MODELS[identifier]()
     assert etree.fromstring(definition(model)[1]).get("guid") == xml.get("guid")
     model.description += "."
     assert etree.fromstring(definition(model)[1]).get("guid") != xml.get("guid")

@@ -122,14 +122,14 @@ def page(fmu: Path) -> Page:
     return Page(entry(fmu, "documentation/index.html").decode("utf-8"))
 
 
-def test_page_is_valid_html(page: Page, unit: str) -> None:
+def test_page_is_valid_html(page: Page, identifier: str) -> None:
     assert page.declaration == "DOCTYPE html"
     tags = [tag for tag, _ in page.seen]
     assert tags[:3] == ["html", "head", "meta"]
     assert page.seen[0][1]["lang"]
     assert page.seen[2][1] == {"charset": "utf-8"}
     assert tags.count("title") == tags.count("h1") == tags.count("body") == 1
-    assert page.texts["title"] == [unit]
+    assert page.texts["title"] == [identifier]
     identifiers = [attributes["id"] for _, attributes in page.seen if "id" in attributes]
     assert len(set(identifiers)) == len(identifiers) > 0
     assert all("alt" in attributes for tag, attributes in page.seen if tag == "img")
@@ -170,8 +170,8 @@ def test_links_lead_to_entries_of_the_archive(page: Page, fmu: Path) -> None:
         assert resolved in entries
 
 
-def test_page_holds_the_equations_word_for_word(page: Page, unit: str) -> None:
-    model = MODELS[unit]()
+def test_page_holds_the_equations_word_for_word(page: Page, identifier: str) -> None:
+    model = MODELS[identifier]()
     titles = list(model.documentation)
     assert titles[0].startswith("fmus.")
     for title in titles:
@@ -191,8 +191,8 @@ def test_page_lists_every_variable_with_its_start(page: Page, binary: Binary) ->
     assert sorted(page.rows) == expected
 
 
-def test_page_states_semantics_and_limits(page: Page, unit: str) -> None:
-    model = MODELS[unit]()
+def test_page_states_semantics_and_limits(page: Page, identifier: str) -> None:
+    model = MODELS[identifier]()
     points = " ".join(page.texts["li"])
     assert ("Sampled" in points) == isinstance(model, SampledModel)
     assert "1e7" in points

@@ -22,18 +22,18 @@ Load = Callable[[str], Binary]
 def real_inputs() -> list[tuple[str, str]]:
     """Each FMU's first and last Real input."""
     pairs = []
-    for unit, declare in MODELS.items():
+    for identifier, declare in MODELS.items():
         names = [v.name for v in declare().variables if v.role.name == "INPUT" and v.type.name == "REAL"]
-        pairs += [(unit, name) for name in (names[:1] + names[-1:])]
+        pairs += [(identifier, name) for name in (names[:1] + names[-1:])]
     return pairs
 
 
 @pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf])
-@pytest.mark.parametrize(("unit", "name"), real_inputs())
+@pytest.mark.parametrize(("identifier", "name"), real_inputs())
 def test_11_input_that_is_not_finite_is_stored_then_reported(
-    load: Load, create: Create, unit: str, name: str, value: float
+    load: Load, create: Create, identifier: str, name: str, value: float
 ) -> None:
-    instance = create(load(unit)).enter()
+    instance = create(load(identifier)).enter()
     good = instance.get(name)[0]
     assert instance.set({name: value}) == OK
     np.testing.assert_array_equal(instance.get(name), value)
@@ -136,10 +136,10 @@ def controllers() -> list[str]:
     return [name for name, declare in MODELS.items() if {"tau_cmd[1]", "q[2]"} <= {v.name for v in declare().variables}]
 
 
-@pytest.mark.parametrize("unit", controllers())
+@pytest.mark.parametrize("identifier", controllers())
 @pytest.mark.parametrize("q2", [0.0, math.pi])
-def test_11_singular_arm_is_reported(load: Load, create: Create, unit: str, q2: float) -> None:
-    binary = load(unit)
+def test_11_singular_arm_is_reported(load: Load, create: Create, identifier: str, q2: float) -> None:
+    binary = load(identifier)
     elbows = [name for name in binary.names("input") if name.startswith("q[") and name != "q[1]"]
     singular, regular = dict.fromkeys(elbows, 0.0) | {"q[2]": q2}, dict.fromkeys(elbows, 1.4)
     instance = create(binary).enter()
@@ -161,12 +161,12 @@ def test_11_singular_arm_is_reported(load: Load, create: Create, unit: str, q2: 
     assert instance.step(H) == OK
 
 
-@pytest.mark.parametrize("unit", ["Plant", "Plant3R", "VirtualTrajectory"])
+@pytest.mark.parametrize("identifier", ["Plant", "Plant3R", "VirtualTrajectory"])
 @pytest.mark.parametrize("normal", [(-1.0, 0.1), (0.0, 0.0), (-1.0 - 1e-8, 0.0), (2.0, 0.0)])
 def test_11_wall_normal_must_have_length_one(
-    load: Load, create: Create, unit: str, normal: tuple[float, float]
+    load: Load, create: Create, identifier: str, normal: tuple[float, float]
 ) -> None:
-    instance = create(load(unit), start={"wall_normal[1]": normal[0], "wall_normal[2]": normal[1]}).enter()
+    instance = create(load(identifier), start={"wall_normal[1]": normal[0], "wall_normal[2]": normal[1]}).enter()
     assert instance.call("fmi2ExitInitializationMode") == ERROR
     assert "wall_normal" in instance.last
     assert instance.set({"wall_normal[1]": 0.6, "wall_normal[2]": -0.8}) == OK

@@ -45,10 +45,10 @@ def test_07_sources_compile_without_a_warning(fmu: Path, tmp_path: Path) -> None
 
 
 @pytest.mark.parametrize("compiler", COMPILERS)
-@pytest.mark.parametrize("unit", ["Plant", "ForceSensor"])
-def test_07_fast_math_is_refused(compiler: str, unit: str, fmu_folder: Path, tmp_path: Path) -> None:
+@pytest.mark.parametrize("identifier", ["Plant", "ForceSensor"])
+def test_07_fast_math_is_refused(compiler: str, identifier: str, fmu_folder: Path, tmp_path: Path) -> None:
     """A compiler that may take every number for finite removes the tests that find NaN and infinity."""
-    fmu, command = fmu_folder / f"{unit}.fmu", COMPILERS[compiler]
+    fmu, command = fmu_folder / f"{identifier}.fmu", COMPILERS[compiler]
     if shutil.which(command[0]) is None:
         pytest.skip(f"{compiler} is not installed")
     assert compiled(command, fmu, tmp_path).returncode == 0

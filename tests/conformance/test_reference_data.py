@@ -21,56 +21,58 @@ def test_every_unit_has_a_reference() -> None:
     assert {path.name for path in FOLDER.iterdir() if path.is_dir()} == set(MODELS)
 
 
-def test_unit_reproduces_its_reference(unit: str, fmu: Path, open_fmu: Callable[..., Driver]) -> None:
-    assert_reproduces(unit, fmu, open_fmu)
+def test_unit_reproduces_its_reference(identifier: str, fmu: Path, open_fmu: Callable[..., Driver]) -> None:
+    assert_reproduces(identifier, fmu, open_fmu)
 
 
-def test_files_are_complete_and_small(unit: str, binary: Binary) -> None:
-    folder = FOLDER / unit
+def test_files_are_complete_and_small(identifier: str, binary: Binary) -> None:
+    folder = FOLDER / identifier
     inputs, outputs = binary.names("input"), binary.names("output")
-    expected = [f"{unit}_in.csv"] * bool(inputs) + [f"{unit}_ref.csv", f"{unit}_ref.opt"]
+    expected = [f"{identifier}_in.csv"] * bool(inputs) + [f"{identifier}_ref.csv", f"{identifier}_ref.opt"]
     assert sorted(path.name for path in folder.iterdir()) == expected
     assert sum(path.stat().st_size for path in folder.iterdir()) <= LARGEST
-    driven = (table(unit, "in").dtype.names or ())[1:]
+    driven = (table(identifier, "in").dtype.names or ())[1:]
     assert set(inputs) <= set(driven)
     assert set(driven) <= {*inputs, *binary.names("parameter", variability="tunable")}
-    assert list(table(unit, "ref").dtype.names or ()) == ["time", *outputs]
+    assert list(table(identifier, "ref").dtype.names or ()) == ["time", *outputs]
 
 
-def test_times_are_those_of_the_options(unit: str) -> None:
-    experiment = options(unit)
+def test_times_are_those_of_the_options(identifier: str) -> None:
+    experiment = options(identifier)
     assert experiment["StartTime"] == 0
     for suffix in ("in", "ref"):
-        time = table(unit, suffix)["time"]
+        time = table(identifier, suffix)["time"]
         # ten digits of a time of at most 2 s: 5e-10
         np.testing.assert_allclose(time, experiment["StepSize"] * np.arange(time.size), rtol=0, atol=1e-9)
         assert time[-1] == experiment["StopTime"]
 
 
-def test_generator_reproduces_the_files(unit: str, tmp_path: Path) -> None:
+def test_generator_reproduces_the_files(identifier: str, tmp_path: Path) -> None:
     """Through fmpy's own loop; to the tolerance, since another platform's last digit may differ."""
-    write_reference(unit, tmp_path)
-    assert sorted(p.name for p in (tmp_path / unit).iterdir()) == sorted(p.name for p in (FOLDER / unit).iterdir())
-    assert options(unit, tmp_path) == options(unit)
+    write_reference(identifier, tmp_path)
+    assert sorted(p.name for p in (tmp_path / identifier).iterdir()) == sorted(
+        p.name for p in (FOLDER / identifier).iterdir()
+    )
+    assert options(identifier, tmp_path) == options(identifier)
     for suffix in ("in", "ref"):
-        written, kept = table(unit, suffix, tmp_path), table(unit, suffix)
+        written, kept = table(identifier, suffix, tmp_path), table(identifier, suffix)
         assert written.dtype.names == kept.dtype.names
         for name in kept.dtype.names or ():
-            atol = options(unit)["RelTol"] * np.max(np.abs(kept[name]))
+            atol = options(identifier)["RelTol"] * np.max(np.abs(kept[name]))
             np.testing.assert_allclose(written[name], kept[name], rtol=0, atol=atol, err_msg=name)
 
 
-@pytest.mark.parametrize("unit", ["Plant", "Plant3R"])
-def test_the_plants_touch_the_wall_and_leave_it(unit: str) -> None:
-    touching = table(unit, "ref")["penetration"] > 0
+@pytest.mark.parametrize("identifier", ["Plant", "Plant3R"])
+def test_the_plants_touch_the_wall_and_leave_it(identifier: str) -> None:
+    touching = table(identifier, "ref")["penetration"] > 0
     assert touching.any()
     assert not touching[0]
     assert not touching[-1]
 
 
-@pytest.mark.parametrize("unit", ["Actuator", "Actuator3R"])
-def test_the_actuators_saturate_both_ways(unit: str) -> None:
-    reference, driven = table(unit, "ref"), table(unit, "in")
+@pytest.mark.parametrize("identifier", ["Actuator", "Actuator3R"])
+def test_the_actuators_saturate_both_ways(identifier: str) -> None:
+    reference, driven = table(identifier, "ref"), table(identifier, "in")
     for name in (n for n in reference.dtype.names or () if n.startswith("tau")):
         limit = driven[name.replace("tau", "tau_max")][0]
         assert reference[name].max() == limit
@@ -94,9 +96,9 @@ def test_the_trajectory_follows_its_straight_segment() -> None:
     assert 3 < on_segment.sum() < on_segment.size
 
 
-@pytest.mark.parametrize("unit", [name for name in MODELS if "Adaptive" in name])
-def test_the_adaptive_controllers_adapt_and_reject_noise(unit: str) -> None:
-    reference = table(unit, "ref")
+@pytest.mark.parametrize("identifier", [name for name in MODELS if "Adaptive" in name])
+def test_the_adaptive_controllers_adapt_and_reject_noise(identifier: str) -> None:
+    reference = table(identifier, "ref")
     assert np.ptp(reference["p_hat[2]"]) > 1e-3
     if "gamma" in (reference.dtype.names or ()):
         assert 0 < np.count_nonzero(reference["gamma"]) < reference.size

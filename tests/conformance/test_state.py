@@ -254,7 +254,7 @@ def test_13_foreign_states_are_refused(binary: Binary, create: Create, load: Loa
 # 14: split steps, many instances, no leak
 
 
-def sampled_units() -> list[str]:
+def sampled_fmus() -> list[str]:
     """FMUs with a sample time."""
     return [name for name, declare in MODELS.items() if "sample_time" in {v.name for v in declare().variables}]
 
@@ -270,24 +270,24 @@ def rows_of(instance: Instance, steps: Sequence[float], parts: int) -> np.ndarra
     return np.array(rows)
 
 
-@pytest.mark.parametrize("unit", sampled_units())
+@pytest.mark.parametrize("identifier", sampled_fmus())
 @pytest.mark.parametrize("parts", [2, 3, 8])
 @pytest.mark.parametrize("ratio", [0.5, 0.7, 1.0, 2.0, 3.0, 1 / 3, 7.25])
-def test_14_split_steps_of_sampled_units_are_bitwise_the_same(
-    load: Load, create: Create, unit: str, ratio: float, parts: int
+def test_14_split_steps_of_sampled_fmus_are_bitwise_the_same(
+    load: Load, create: Create, identifier: str, ratio: float, parts: int
 ) -> None:
-    binary = load(unit)
+    binary = load(identifier)
     rows = [rows_of(create(binary, start=scene(binary)).initialize(), [ratio * H] * 60, n) for n in (1, parts)]
     np.testing.assert_array_equal(rows[0], rows[1])
 
 
-@pytest.mark.parametrize("unit", sorted(name for name in MODELS if name.startswith("Plant")))
+@pytest.mark.parametrize("identifier", sorted(name for name in MODELS if name.startswith("Plant")))
 @pytest.mark.parametrize(("substeps", "parts"), [(2, 2), (8, 2), (8, 4), (64, 8)])
 def test_14_split_steps_of_the_plant_are_bitwise_the_same(
-    load: Load, create: Create, unit: str, substeps: int, parts: int
+    load: Load, create: Create, identifier: str, substeps: int, parts: int
 ) -> None:
     """Where both grids coincide. Powers of two, so that h / substeps is the same number in both."""
-    binary = load(unit)
+    binary = load(identifier)
     dt = 2.0**-14
     steps = [substeps * dt] * (512 // substeps)  # 31 ms
     rows = [rows_of(create(binary, start=scene(binary) | {"dt_max": dt}).initialize(), steps, n) for n in (1, parts)]

@@ -28,7 +28,7 @@ _CHANGES = {
 def run(name: str, sample_time: float) -> Result:
     """Return a run of 2 s at a sampling period, s."""
     scenario = SCENARIOS[name]
-    system = scenario.system(fmus(scenario.units.values())).set(_CHANGES[name]).with_sample_time(sample_time)
+    system = scenario.system(fmus(scenario.models.values())).set(_CHANGES[name]).with_sample_time(sample_time)
     return simulate(system, options=Options(strict=True))
 
 

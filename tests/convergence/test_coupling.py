@@ -25,7 +25,7 @@ ORDER = (0.9, 1.1)
 def joint_angles(algorithm: str, step: float) -> np.ndarray:
     """Return the joint angles at the end of a run, rad, shape (2,)."""
     scenario = SCENARIOS["fig4"]
-    system = scenario.system(fmus(scenario.units.values())).with_sample_time(step)
+    system = scenario.system(fmus(scenario.models.values())).with_sample_time(step)
     options = Options(record=["plant.q[1]", "plant.q[2]"], strict=True)
     return simulate(system, STOP, step, algorithm, options=options).rows[-1]
 

@@ -22,7 +22,7 @@ def adaptimp(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 def fig2(fmu_folder: Path) -> System:
     """The system of Fig. 2."""
     scenario = SCENARIOS["fig2"]
-    return scenario.system({unit: fmu_folder / f"{unit}.fmu" for unit in scenario.units.values()})
+    return scenario.system({identifier: fmu_folder / f"{identifier}.fmu" for identifier in scenario.models.values()})
 
 
 @pytest.fixture(scope="module")

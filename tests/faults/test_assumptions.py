@@ -10,10 +10,10 @@ from tests.faults.cli import Command
 
 # What section V leaves open: the wall and how deep the segment lies in it, the elbow, gravity, the sampling.
 OPEN = {
-    *(f"{unit}.{name}" for unit in ("plant", "trajectory") for name in ("wall_normal[1]", "wall_normal[2]")),
+    *(f"{component}.{name}" for component in ("plant", "trajectory") for name in ("wall_normal[1]", "wall_normal[2]")),
     *("plant.wall_offset", "trajectory.wall_offset", "trajectory.depth"),
     *("plant.q_start[1]", "plant.q_start[2]", "plant.gravity", "controller.gravity"),
-    *(f"{unit}.sample_time" for unit in ("trajectory", "sensor", "controller", "actuator")),
+    *(f"{component}.sample_time" for component in ("trajectory", "sensor", "controller", "actuator")),
 }
 # Adaptation, and noise: its shape, when there is any, and which.
 ADAPTIVE = {"controller.Gamma[2]", *(f"controller.Psi[{i}]" for i in (1, 2))}
@@ -28,7 +28,7 @@ FURTHER = {
 
 def system(fmu_folder: Path, name: str) -> System:
     scenario = SCENARIOS[name]
-    return scenario.system({unit: fmu_folder / f"{unit}.fmu" for unit in scenario.units.values()})
+    return scenario.system({component: fmu_folder / f"{component}.fmu" for component in scenario.models.values()})
 
 
 @pytest.mark.parametrize("name", SCENARIOS)

@@ -19,9 +19,9 @@ def test_a_good_unit(fmu_folder: Path, capsys: Captured) -> None:
     assert err == ""
 
 
-@pytest.mark.parametrize("unit", ["CraigAdaptiveImpedance", "HoganImpedance3R"])
-def test_a_good_controller_drives_the_papers_loop(fmu_folder: Path, capsys: Captured, unit: str) -> None:
-    assert run_check(fmu_folder / f"{unit}.fmu", "controller", True) == 0
+@pytest.mark.parametrize("identifier", ["CraigAdaptiveImpedance", "HoganImpedance3R"])
+def test_a_good_controller_drives_the_papers_loop(fmu_folder: Path, capsys: Captured, identifier: str) -> None:
+    assert run_check(fmu_folder / f"{identifier}.fmu", "controller", True) == 0
     report = json.loads(capsys.readouterr().out)
     assert report["findings"] == []
     assert report["role"] == "controller"

@@ -18,13 +18,13 @@ def masked(text: str) -> str:
     return text
 
 
-@pytest.mark.parametrize("unit", ["Plant", "HoganImpedance"])
-def test_model_description(unit: str, assert_golden: Callable[[str, str], None]) -> None:
-    _, description = definition(MODELS[unit]())
-    assert_golden(f"{unit}.xml", masked(description.decode()))
+@pytest.mark.parametrize("identifier", ["Plant", "HoganImpedance"])
+def test_model_description(identifier: str, assert_golden: Callable[[str, str], None]) -> None:
+    _, description = definition(MODELS[identifier]())
+    assert_golden(f"{identifier}.xml", masked(description.decode()))
 
 
-@pytest.mark.parametrize("unit", ["Plant", "HoganImpedance"])
-def test_tables(unit: str, assert_golden: Callable[[str, str], None]) -> None:
-    sources, _ = definition(MODELS[unit]())
-    assert_golden(f"{unit}.c", masked(sources["model.c"]))
+@pytest.mark.parametrize("identifier", ["Plant", "HoganImpedance"])
+def test_tables(identifier: str, assert_golden: Callable[[str, str], None]) -> None:
+    sources, _ = definition(MODELS[identifier]())
+    assert_golden(f"{identifier}.c", masked(sources["model.c"]))

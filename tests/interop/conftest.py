@@ -13,7 +13,7 @@ from tests.interop.foreign.builders import hand_written, without_compiler
 def fig5(fmu_folder: Path) -> System:
     """The system of Fig. 5: noise, a wrong mass, contact."""
     scenario = SCENARIOS["fig5"]
-    return scenario.system({unit: fmu_folder / f"{unit}.fmu" for unit in scenario.units.values()})
+    return scenario.system({identifier: fmu_folder / f"{identifier}.fmu" for identifier in scenario.models.values()})
 
 
 @pytest.fixture(scope="session")

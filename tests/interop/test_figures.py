@@ -36,7 +36,7 @@ WATCHED = [
 def figure_system(fmu_folder: Path, figure: str) -> System:
     """The system of a figure, with the wall before the arm's start so that there is contact."""
     scenario = SCENARIOS[figure]
-    system = scenario.system({unit: fmu_folder / f"{unit}.fmu" for unit in scenario.units.values()})
+    system = scenario.system({identifier: fmu_folder / f"{identifier}.fmu" for identifier in scenario.models.values()})
     return system.set({"plant.wall_offset": -1.501, "trajectory.wall_offset": -1.501})
 
 
@@ -82,7 +82,7 @@ def test_there_are_six_figures_and_contact(fmu_folder: Path) -> None:
 def whole(fmu_folder: Path, figure: str, tmp_path: Path) -> tuple[System, Path, int]:
     """A figure as it is, its package, and the number of its steps."""
     scenario = SCENARIOS[figure]
-    system = scenario.system({unit: fmu_folder / f"{unit}.fmu" for unit in scenario.units.values()})
+    system = scenario.system({identifier: fmu_folder / f"{identifier}.fmu" for identifier in scenario.models.values()})
     return system, system.write(tmp_path / "whole.ssp"), round(system.run_stop_time() / system.run_step())
 
 

@@ -160,7 +160,7 @@ def test_check_has_no_objection_to_the_python_class(slave: Path) -> None:
 
 
 @pytest.mark.parametrize("sequential", [True, False])
-def test_a_container_of_our_units(fig5: System, tmp_path: Path, sequential: bool) -> None:
+def test_a_container_of_our_fmus(fig5: System, tmp_path: Path, sequential: bool) -> None:
     """Bitwise the loop of its parts.
 
     In sequence, the controller sees the trajectory of this tick, as in the order of Fig. 5. Else it sees what

@@ -33,7 +33,7 @@ class Case(NamedTuple):
 def case(fmu_folder: Path, tmp_path_factory: pytest.TempPathFactory) -> Case:
     """Our runs of fig2."""
     scenario = SCENARIOS["fig2"]
-    system = scenario.system({unit: fmu_folder / f"{unit}.fmu" for unit in scenario.units.values()})
+    system = scenario.system({identifier: fmu_folder / f"{identifier}.fmu" for identifier in scenario.models.values()})
     times = np.array([(k * STEP_NS) / 1e9 for k in range(STEPS + 1)])
     return Case(
         system,

@@ -20,7 +20,7 @@ from tests.interop.peers import run_ecospy, run_libcosim, unavailable
 STEP, STEP_NS = 1e-4, 100_000
 STEPS = 20
 
-pytestmark = pytest.mark.parametrize("unit", list(MODELS))
+pytestmark = pytest.mark.parametrize("identifier", list(MODELS))
 
 
 def alone(fmu: Path) -> System:
@@ -37,8 +37,8 @@ def ours(system: System, times: np.ndarray | None = None) -> Result:
         return simulate(system, STEPS * STEP, STEP, "jacobi", times=times)
 
 
-def test_fmpy_simulates(fmu_folder: Path, unit: str) -> None:
-    fmu = fmu_folder / f"{unit}.fmu"
+def test_fmpy_simulates(fmu_folder: Path, identifier: str) -> None:
+    fmu = fmu_folder / f"{identifier}.fmu"
     result = simulate_fmu(str(fmu), stop_time=STEPS * STEP, output_interval=STEP, step_size=STEP)
     columns = [name for name in result.dtype.names or () if name != "time"]
     outputs = [v.name for v in read_model_description(str(fmu)).modelVariables if v.causality == "output"]
@@ -47,8 +47,8 @@ def test_fmpy_simulates(fmu_folder: Path, unit: str) -> None:
     assert all(np.isfinite(result[name].astype(float)).all() for name in columns)
 
 
-def test_fmpy_steps_one_instance(fmu_folder: Path, unit: str, tmp_path: Path) -> None:
-    fmu = fmu_folder / f"{unit}.fmu"
+def test_fmpy_steps_one_instance(fmu_folder: Path, identifier: str, tmp_path: Path) -> None:
+    fmu = fmu_folder / f"{identifier}.fmu"
     folder = extract(str(fmu), unzipdir=str(tmp_path))
     description = read_model_description(folder)
     assert description.coSimulation is not None
@@ -77,8 +77,8 @@ def test_fmpy_steps_one_instance(fmu_folder: Path, unit: str, tmp_path: Path) ->
 
 
 @pytest.mark.skipif(bool(unavailable("ecospy")), reason=str(unavailable("ecospy")))
-def test_ecos_steps(fmu_folder: Path, unit: str, tmp_path: Path) -> None:
-    system = alone(fmu_folder / f"{unit}.fmu")
+def test_ecos_steps(fmu_folder: Path, identifier: str, tmp_path: Path) -> None:
+    system = alone(fmu_folder / f"{identifier}.fmu")
     result = ours(system)
     values = run_ecospy(system.write(tmp_path / "alone.ssp"), STEP, STEPS, result.names)
     assert values.shape == result.rows.shape
@@ -86,8 +86,8 @@ def test_ecos_steps(fmu_folder: Path, unit: str, tmp_path: Path) -> None:
 
 
 @pytest.mark.skipif(bool(unavailable("libcosimpy")), reason=str(unavailable("libcosimpy")))
-def test_libcosim_steps(fmu_folder: Path, unit: str, tmp_path: Path) -> None:
-    system = alone(fmu_folder / f"{unit}.fmu")
+def test_libcosim_steps(fmu_folder: Path, identifier: str, tmp_path: Path) -> None:
+    system = alone(fmu_folder / f"{identifier}.fmu")
     result = ours(system, np.array([(k * STEP_NS) / 1e9 for k in range(STEPS + 1)]))
     values = run_libcosim(system.write(tmp_path / "alone.ssp"), STEP_NS, STEPS, result.names)
     np.testing.assert_array_equal(values, result.rows[1:])

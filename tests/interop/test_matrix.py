@@ -17,9 +17,9 @@ import pytest
 from fmus.catalog import MODELS
 from tests.interop.matrix import compare, runner
 from tests.interop.matrix.compare import BITWISE, CLOSE, DIFFERS, FAILS, PASSES, ROUNDED, STEPS_AGREE, Verdict, judge
-from tests.interop.matrix.jobs import FIGURES, our_rows, unit_job
+from tests.interop.matrix.jobs import FIGURES, fmu_job, our_rows
 from tests.interop.matrix.outcomes import Outcomes, measure
-from tests.interop.matrix.protocol import SYSTEM, UNIT, Job, Record
+from tests.interop.matrix.protocol import FMU, SYSTEM, Job, Record
 from tests.interop.matrix.render import cell, render
 from tests.interop.matrix.runner import Answer, ask
 from tests.interop.matrix.tools import KEYS, module
@@ -35,7 +35,7 @@ NEEDS = {"ecospy": "ecospy", "ecos_cli": "ecospy", "libcosim": "libcosimpy"}
 @pytest.fixture(scope="module")
 def fmus(fmu_folder: Path) -> dict[str, Path]:
     """All FMUs' files."""
-    return {unit: fmu_folder / f"{unit}.fmu" for unit in MODELS}
+    return {identifier: fmu_folder / f"{identifier}.fmu" for identifier in MODELS}
 
 
 @pytest.fixture(scope="module")
@@ -70,7 +70,7 @@ def test_every_unit_and_figure_was_run_in_every_tool(kept: Outcomes) -> None:
     text = DOCUMENT.read_text(encoding="utf-8")
     for key in KEYS:
         tool = module(key).TOOL
-        expected = [*MODELS] * (UNIT in tool.kinds) + [*FIGURES] * (SYSTEM in tool.kinds)
+        expected = [*MODELS] * (FMU in tool.kinds) + [*FIGURES] * (SYSTEM in tool.kinds)
         assert list(kept.verdicts[key]) == expected, key
         assert f"| {tool.distribution} {kept.versions[tool.distribution]} |" in text
     for name in (*MODELS, *FIGURES):
@@ -135,7 +135,7 @@ def test_distances_show_one_digit() -> None:
 
 
 def test_a_crash_and_a_hang_are_entries(fmus: dict[str, Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    unit = unit_job("VirtualTrajectory", fmus, tmp_path)
+    identifier = fmu_job("VirtualTrajectory", fmus, tmp_path)
     tool = module("fmpy_simulate").TOOL
     for call, failure in {
         "import os, signal; os.kill(os.getpid(), signal.SIGSEGV)": "the process ends with SIGSEGV",
@@ -144,7 +144,7 @@ def test_a_crash_and_a_hang_are_entries(fmus: dict[str, Path], tmp_path: Path, m
         "": "exit code 0",
     }.items():
         monkeypatch.setattr(runner, "_python", lambda _, call=call: [*PYTHON, call])
-        answer = ask(tool, unit, timeout=1.0 if call == HANG else 600.0)
+        answer = ask(tool, identifier, timeout=1.0 if call == HANG else 600.0)
         assert answer.failure.endswith(failure)
 
 
@@ -155,6 +155,6 @@ HANG = "import time; time.sleep(3600)"
 def test_a_wrong_input_is_noticed(fmus: dict[str, Path], tmp_path: Path) -> None:
     """Else an entry could be bitwise with inputs that do nothing."""
     tool = module("fmpy_simulate").TOOL
-    right = unit_job("Actuator", fmus, tmp_path)
+    right = fmu_job("Actuator", fmus, tmp_path)
     wrong = replace(right, stimulus={name: values[::-1] for name, values in right.stimulus.items()})
     assert judge(right, ask(tool, wrong), our_rows(right, tool, fmus)).kind == DIFFERS

@@ -31,7 +31,7 @@ def schemas() -> dict[str, Any]:
 @pytest.fixture(scope="module", params=FIGURES)
 def package(request: pytest.FixtureRequest, fmu_folder: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A figure's package."""
-    fmus = {unit: fmu_folder / f"{unit}.fmu" for unit in MODELS}
+    fmus = {identifier: fmu_folder / f"{identifier}.fmu" for identifier in MODELS}
     return figure_system(request.param, fmus).write(tmp_path_factory.mktemp("package") / f"{request.param}.ssp")
 
 

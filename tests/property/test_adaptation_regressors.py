@@ -64,7 +64,7 @@ def test_regressor_gives_the_difference_of_the_dynamics(law: str) -> None:
 
 
 def test_both_regressors_agree_where_their_motions_do() -> None:
-    """(34) becomes (13) at dx_r = dx, ddx_r = ddx; every column is the force at a unit p."""
+    """(34) becomes (13) at dx_r = dx, ddx_r = ddx; every column is the force at a unit vector p."""
     at = poses()
     dx, ddx = (
         np.array([pose.dx for pose in at]),

@@ -40,7 +40,7 @@ def setup(scenario: Scenario, **changes: Any) -> Setup:
         return values[f"{path}[1]"], values[f"{path}[2]"]
 
     numbers: dict[str, Any] = {
-        "controller": scenario.units["controller"],
+        "controller": scenario.models["controller"],
         "sample_time": scenario.step,
         "B": pair("controller.B"),
         "Psi": pair("controller.Psi"),
@@ -62,7 +62,7 @@ def setup(scenario: Scenario, **changes: Any) -> Setup:
 
 def run(scenario: Scenario, **changes: float) -> Result:
     """Return the co-simulated run of a scenario; changes are written as ``component__variable``."""
-    system = scenario.system(fmus(scenario.units.values()))
+    system = scenario.system(fmus(scenario.models.values()))
     system = system.set({path.replace("__", "."): value for path, value in changes.items()})
     return simulate(system, options=Options(strict=True))
 

@@ -39,7 +39,7 @@ def reference(m2: float, sample_time: float) -> dict[str, np.ndarray]:
 def system(name: str, sample_time: float, dt_max: float) -> System:
     """Return the system of a scenario at another sampling period, s, and sub-step of the plant, s."""
     scenario = SCENARIOS[name]
-    base = scenario.system(fmus(scenario.units.values()))
+    base = scenario.system(fmus(scenario.models.values()))
     return base.with_sample_time(sample_time).set({"plant.dt_max": dt_max})
 
 

@@ -34,8 +34,10 @@ def wall_at(degrees: float, offset: float) -> dict[str, float]:
     """The wall, and the straight segment, with the paper's normal (-1, 0) turned by an angle."""
     angle = math.pi + math.radians(degrees)
     values = {}
-    for unit in ("plant", "trajectory"):
-        values |= pair(f"{unit}.wall_normal", math.cos(angle), math.sin(angle)) | {f"{unit}.wall_offset": offset}
+    for component in ("plant", "trajectory"):
+        values |= pair(f"{component}.wall_normal", math.cos(angle), math.sin(angle)) | {
+            f"{component}.wall_offset": offset
+        }
     return values
 
 

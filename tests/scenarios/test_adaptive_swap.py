@@ -78,10 +78,10 @@ def test_a_controller_with_the_torque_alone_is_enough(tmp_path: Path) -> None:
     np.testing.assert_array_equal(result["controller.tau_cmd[1]"][1:], result["plant.q[1]"][:-1])
 
 
-@pytest.mark.parametrize("unit", ["VirtualTrajectory", "Plant"])
-def test_another_unit_is_refused_as_a_controller(unit: str) -> None:
+@pytest.mark.parametrize("identifier", ["VirtualTrajectory", "Plant"])
+def test_another_unit_is_refused_as_a_controller(identifier: str) -> None:
     with pytest.raises(SystemDescriptionError, match=r"controller has no variable tau_cmd\[1\]; it has "):
-        system("fig5").replace("controller", files()[unit])
+        system("fig5").replace("controller", files()[identifier])
 
 
 def test_a_controller_of_three_joints_does_not_fit_two() -> None:

@@ -27,7 +27,7 @@ ARM = start.ARMS[3]
 @cache
 def result(null_damping: float) -> Result:
     """The wall task, 2 s."""
-    fmus = {name: files()[unit] for name, unit in UNITS.items()}
+    fmus = {name: files()[identifier] for name, identifier in UNITS.items()}
     system = System.connected_by_name("redundant", fmus, stop_time=2.0)
     return run(system.set({"controller.null_damping": null_damping}).with_sample_time(STEP))
 

@@ -34,7 +34,10 @@ STATED = {  # section V
 def systems(fmu_folder: Path) -> dict[str, System]:
     """The systems by the names of their figures."""
     chosen = [SCENARIOS[name] for name in NAMES]
-    return {s.name: s.system({unit: fmu_folder / f"{unit}.fmu" for unit in s.units.values()}) for s in chosen}
+    return {
+        s.name: s.system({identifier: fmu_folder / f"{identifier}.fmu" for identifier in s.models.values()})
+        for s in chosen
+    }
 
 
 @pytest.fixture(scope="module")

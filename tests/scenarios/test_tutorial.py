@@ -64,7 +64,7 @@ def test_both_laws_agree_wherever_the_arm_is(followed: tuple[Path, dict[int, Pri
 @on_linux
 def test_what_is_lost_without_saving_state(followed: tuple[Path, dict[int, Printed]]) -> None:
     """Adaptive steps, located crossings and snapshots, as the page says; the one in Python has them."""
-    fig5 = SCENARIOS["fig5"].system(fmus(SCENARIOS["fig5"].units.values()))
+    fig5 = SCENARIOS["fig5"].system(fmus(SCENARIOS["fig5"].models.values()))
     c = fig5.replace("controller", followed[0] / "CartesianC.fmu", NAMES)
     crossings = Options(crossings=Crossings(["plant.gap"]))
     for options, algorithm in ((Options(), "adaptive"), (crossings, "gauss-seidel")):

@@ -8,7 +8,7 @@ from types import ModuleType
 
 import pytest
 
-from tests.selection import PROCESSES, QUICK, QUICK_UNITS, SLOW, TESTS, mark
+from tests.selection import PROCESSES, QUICK, QUICK_FMUS, SLOW, TESTS, mark
 
 UNIT = TESTS / "unit" / "test_example.py"
 
@@ -51,11 +51,10 @@ def test_a_module_that_imports_processes_signals_or_clocks_is_known(name: object
     assert marks(UNIT, disturbed) == {"processes"}
 
 
-def test_a_test_about_a_unit_is_quick_for_two_of_them() -> None:
+def test_a_test_about_an_fmu_is_quick_for_two_of_them() -> None:
     file = TESTS / "conformance" / "test_numbers.py"
-    assert {unit for unit in ("Actuator", "Plant", "ForceSensor") if "quick" in marks(file, unit=unit)} == {
-        *QUICK_UNITS
-    }
+    about = {name: marks(file, identifier=name) for name in ("Actuator", "Plant", "ForceSensor")}
+    assert {name for name, given in about.items() if "quick" in given} == {*QUICK_FMUS}
     assert marks(file) == {"quick"}
 
 

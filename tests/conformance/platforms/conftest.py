@@ -46,9 +46,9 @@ def portable(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def content(portable: Path) -> Callable[[str, str], bytes]:
     """Reads an FMU's shared library for a platform."""
 
-    def read(unit: str, platform: str) -> bytes:
-        with zipfile.ZipFile(portable / f"{unit}.fmu") as archive:
-            return archive.read(f"binaries/{platform}/{unit}{PLATFORMS[platform].extension}")
+    def read(identifier: str, platform: str) -> bytes:
+        with zipfile.ZipFile(portable / f"{identifier}.fmu") as archive:
+            return archive.read(f"binaries/{platform}/{identifier}{PLATFORMS[platform].extension}")
 
     return read
 

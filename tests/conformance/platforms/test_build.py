@@ -17,11 +17,11 @@ COMPILED_AGAIN = ("VirtualTrajectory", "SpongOrtegaAdaptiveImpedance")
 
 
 def test_07_every_platform_is_in_every_fmu(portable: Path) -> None:
-    assert {path.name for path in portable.iterdir()} == {f"{unit}.fmu" for unit in MODELS}
-    for unit in MODELS:
-        with zipfile.ZipFile(portable / f"{unit}.fmu") as archive:
+    assert {path.name for path in portable.iterdir()} == {f"{identifier}.fmu" for identifier in MODELS}
+    for identifier in MODELS:
+        with zipfile.ZipFile(portable / f"{identifier}.fmu") as archive:
             binaries = {name for name in archive.namelist() if name.startswith("binaries/")}
-        assert binaries == {f"binaries/{p.name}/{unit}{p.extension}" for p in PLATFORMS.values()}
+        assert binaries == {f"binaries/{p.name}/{identifier}{p.extension}" for p in PLATFORMS.values()}
 
 
 def test_07_description_and_sources_are_those_of_one_platform(portable: Path, fmu: Path) -> None:
@@ -32,8 +32,8 @@ def test_07_description_and_sources_are_those_of_one_platform(portable: Path, fm
 
 
 @pytest.mark.parametrize("platform", PLATFORMS)
-def test_07_binaries_are_small(content: Callable[[str, str], bytes], unit: str, platform: str) -> None:
-    assert len(content(unit, platform)) < SIZE_LIMIT
+def test_07_binaries_are_small(content: Callable[[str, str], bytes], identifier: str, platform: str) -> None:
+    assert len(content(identifier, platform)) < SIZE_LIMIT
 
 
 def test_07_second_build_compiles_and_writes_nothing(
@@ -57,11 +57,11 @@ def test_07_second_build_compiles_and_writes_nothing(
 
 
 @pytest.mark.parametrize("platform", [name for name in PLATFORMS if name != host_platform().name])
-@pytest.mark.parametrize("unit", COMPILED_AGAIN)
+@pytest.mark.parametrize("identifier", COMPILED_AGAIN)
 def test_07_compiler_gives_the_same_bytes(
     portable: Path,
     content: Callable[[str, str], bytes],
-    unit: str,
+    identifier: str,
     platform: str,
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
@@ -73,11 +73,11 @@ def test_07_compiler_gives_the_same_bytes(
     monkeypatch.setenv("ZIG_LOCAL_CACHE_DIR", str(tmp_path / "zig"))
     sources = tmp_path / "sources"
     sources.mkdir()
-    with zipfile.ZipFile(portable / f"{unit}.fmu") as archive:
+    with zipfile.ZipFile(portable / f"{identifier}.fmu") as archive:
         for name in archive.namelist():
             if name.startswith("sources/"):
                 (sources / PurePosixPath(name).name).write_bytes(archive.read(name))
-    output = tmp_path / f"{unit}{PLATFORMS[platform].extension}"
+    output = tmp_path / f"{identifier}{PLATFORMS[platform].extension}"
     compile_library(sources / "model.c", output, PLATFORMS[platform])
     assert any((tmp_path / "zig").rglob("*.o*")), "nothing was compiled"
-    assert output.read_bytes() == content(unit, platform)
+    assert output.read_bytes() == content(identifier, platform)

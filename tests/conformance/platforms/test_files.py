@@ -36,32 +36,32 @@ def without_underscore(names: Iterable[str]) -> set[str]:
 
 
 @darwin
-def test_08_darwin_is_a_library_for_macos_11(content: Content, unit: str, platform: str) -> None:
-    library = macho.read(content(unit, platform))
+def test_08_darwin_is_a_library_for_macos_11(content: Content, identifier: str, platform: str) -> None:
+    library = macho.read(content(identifier, platform))
     assert library.processor == DARWIN[platform]
     assert library.kind == macho.DYLIB
     assert (library.platform, library.minimum) == (macho.MACOS, (11, 0))
 
 
 @darwin
-def test_08_darwin_exports_the_34_functions(content: Content, unit: str, platform: str) -> None:
-    library = macho.read(content(unit, platform))
+def test_08_darwin_exports_the_34_functions(content: Content, identifier: str, platform: str) -> None:
+    library = macho.read(content(identifier, platform))
     assert without_underscore(library.exported - DARWIN_HEADER) == set(FUNCTIONS)
 
 
 @darwin
-def test_08_darwin_needs_the_system_only(content: Content, unit: str, platform: str) -> None:
-    library = macho.read(content(unit, platform))
+def test_08_darwin_needs_the_system_only(content: Content, identifier: str, platform: str) -> None:
+    library = macho.read(content(identifier, platform))
     assert library.needed == ("/usr/lib/libSystem.B.dylib",)
-    assert library.install_name == f"@rpath/{unit}.dylib"
+    assert library.install_name == f"@rpath/{identifier}.dylib"
     assert library.search_paths == ()
     assert without_underscore(library.imported - {"dyld_stub_binder"}) <= MATHEMATICS | MEMORY | TEXT
 
 
-def test_08_apple_processors_find_it_signed(content: Content, unit: str) -> None:
+def test_08_apple_processors_find_it_signed(content: Content, identifier: str) -> None:
     """On ARM, macOS ends a process that maps a page without a matching signature, ad hoc at least."""
-    signature = macho.read(content(unit, "aarch64-darwin")).signature
-    assert signature == macho.Signature(f"{unit}.dylib", ad_hoc=True, pages_match=True)
+    signature = macho.read(content(identifier, "aarch64-darwin")).signature
+    assert signature == macho.Signature(f"{identifier}.dylib", ad_hoc=True, pages_match=True)
 
 
 def test_08_a_changed_page_does_not_match_its_signature(content: Content) -> None:
@@ -72,45 +72,45 @@ def test_08_a_changed_page_does_not_match_its_signature(content: Content) -> Non
     assert not signature.pages_match
 
 
-def test_08_windows_exports_the_34_functions(content: Content, unit: str) -> None:
-    library = pe.read(content(unit, "win64"))
-    assert (library.processor, library.is_dll, library.name) == (pe.X86_64, True, f"{unit}.dll")
+def test_08_windows_exports_the_34_functions(content: Content, identifier: str) -> None:
+    library = pe.read(content(identifier, "win64"))
+    assert (library.processor, library.is_dll, library.name) == (pe.X86_64, True, f"{identifier}.dll")
     assert sorted(library.exported) == sorted(FUNCTIONS)
 
 
-def test_08_windows_needs_the_system_only(content: Content, unit: str) -> None:
-    imported = pe.read(content(unit, "win64")).imported
+def test_08_windows_needs_the_system_only(content: Content, identifier: str) -> None:
+    imported = pe.read(content(identifier, "win64")).imported
     assert set(imported) <= WINDOWS_RUNTIME | {"kernel32.dll"}
     assert set(imported["kernel32.dll"]) <= KERNEL
 
 
-def test_07_windows_has_no_date_and_no_path(content: Content, unit: str) -> None:
+def test_07_windows_has_no_date_and_no_path(content: Content, identifier: str) -> None:
     """The header's date is a hash, and no debug entry names a symbol file."""
-    assert pe.read(content(unit, "win64")).debug == (pe.REPRODUCIBLE,)
+    assert pe.read(content(identifier, "win64")).debug == (pe.REPRODUCIBLE,)
 
 
-def test_08_linux_on_arm_exports_the_34_functions(content: Content, unit: str, tmp_path: Path) -> None:
-    library = arm_library(content, unit, tmp_path)
+def test_08_linux_on_arm_exports_the_34_functions(content: Content, identifier: str, tmp_path: Path) -> None:
+    library = arm_library(content, identifier, tmp_path)
     assert library.exported == set(FUNCTIONS)
 
 
-def test_08_linux_on_arm_needs_libc_and_libm_of_glibc_2_17(content: Content, unit: str, tmp_path: Path) -> None:
-    library = arm_library(content, unit, tmp_path)
+def test_08_linux_on_arm_needs_libc_and_libm_of_glibc_2_17(content: Content, identifier: str, tmp_path: Path) -> None:
+    library = arm_library(content, identifier, tmp_path)
     assert set(library.needed) <= {"libc.so.6", "libm.so.6"}
     assert library.search_paths == ()
     assert library.versions == {"GLIBC_2.17"}
     assert library.imported <= MATHEMATICS | MEMORY | TEXT
 
 
-def arm_library(content: Content, unit: str, folder: Path) -> elf.Library:
+def arm_library(content: Content, identifier: str, folder: Path) -> elf.Library:
     """The dynamic section of aarch64-linux's library, once its processor is checked."""
-    file = folder / f"{unit}.so"
-    file.write_bytes(content(unit, "aarch64-linux"))
+    file = folder / f"{identifier}.so"
+    file.write_bytes(content(identifier, "aarch64-linux"))
     assert struct.unpack_from("<H", file.read_bytes(), 18) == (AARCH64,)
     return elf.read(file)
 
 
 @pytest.mark.parametrize("platform", ["win64", "darwin64", "aarch64-linux", "aarch64-darwin"])
-def test_07_no_trace_of_where_it_was_built(content: Content, unit: str, platform: str) -> None:
-    data = content(unit, platform)
+def test_07_no_trace_of_where_it_was_built(content: Content, identifier: str, platform: str) -> None:
+    data = content(identifier, platform)
     assert not re.findall(rb"/(?:tmp|home|root|work|var|private)/[\w./-]*|adaptimp-\w{8}|[A-Z]:\\\\?[\w.\\ -]+", data)

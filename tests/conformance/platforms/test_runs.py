@@ -51,7 +51,7 @@ def binaries(portable: Path, tmp_path_factory: pytest.TempPathFactory) -> dict[s
 def fig2(portable: Path) -> Plan:
     """The five FMUs of Fig. 2 for 2 s: free motion, contact from 0.92 s to 1.08 s, free motion."""
     scenario = SCENARIOS["fig2"]
-    system = scenario.system({unit: portable / f"{unit}.fmu" for unit in scenario.units.values()})
+    system = scenario.system({identifier: portable / f"{identifier}.fmu" for identifier in scenario.models.values()})
     steps = round(system.run_stop_time() / system.run_step())
     return Plan(system, np.full(steps, system.step), passes=len(system.components))
 
@@ -111,18 +111,18 @@ def test_10_driver_is_the_master_bit_for_bit(fig2: Plan, fig2_outputs: Outputs) 
 
 
 def test_10_driver_is_ctypes_bit_for_bit(
-    alone: Plan, alone_outputs: Outputs, binaries: dict[str, Binary], unit: str
+    alone: Plan, alone_outputs: Outputs, binaries: dict[str, Binary], identifier: str
 ) -> None:
-    inputs = {name: alone.given[f"{unit}.{name}"] for name in binaries[unit].names("input")}
-    instance = Instance(binaries[unit], start=scene(binaries[unit]))
+    inputs = {name: alone.given[f"{identifier}.{name}"] for name in binaries[identifier].names("input")}
+    instance = Instance(binaries[identifier], start=scene(binaries[identifier]))
     with instance.initialize():
         rows = [instance.outputs()]
         for k, (t, h) in enumerate(zip(alone.times, alone.lengths, strict=True)):
             assert instance.set({name: values[k] for name, values in inputs.items()}) == OK
             assert instance.step(h, t) == OK, instance.last
             rows.append(instance.outputs())
-    for name, values in zip(binaries[unit].names("output"), np.transpose(rows), strict=True):
-        assert alone_outputs[f"{unit}.{name}"].tobytes() == values.tobytes(), name
+    for name, values in zip(binaries[identifier].names("output"), np.transpose(rows), strict=True):
+        assert alone_outputs[f"{identifier}.{name}"].tobytes() == values.tobytes(), name
 
 
 def test_10_platforms_agree_on_fig2(

@@ -64,9 +64,9 @@ def unpack(fmu: Path, folder: Path, fault: Fault | None = None) -> Path:
     return folder
 
 
-def scene_header(unit: str) -> str:
+def scene_header(identifier: str) -> str:
     """Start values of an FMU's scene as a C table that ends with a name NULL."""
-    rows = [f'    {{"{name}", {float(value)!r}}},' for name, value in SCENES.get(unit, {}).items()]
+    rows = [f'    {{"{name}", {float(value)!r}}},' for name, value in SCENES.get(identifier, {}).items()]
     head = "typedef struct {\n    const char *name;\n    double value;\n} SceneValue;"
     return "\n".join([head, "static const SceneValue scene_values[] = {", *rows, "    {NULL, 0},", "};", ""])
 

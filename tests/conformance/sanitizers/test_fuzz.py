@@ -66,14 +66,14 @@ def fuzz(sources: Path, runs: int) -> subprocess.CompletedProcess[str]:
     return subprocess.run(command, cwd=sources, capture_output=True, text=True, check=False, errors="replace")
 
 
-@pytest.mark.parametrize("unit", ["Plant", "CraigAdaptiveImpedance"])
-def test_no_finding(fmu_folder: Path, tmp_path: Path, unit: str) -> None:
+@pytest.mark.parametrize("identifier", ["Plant", "CraigAdaptiveImpedance"])
+def test_no_finding(fmu_folder: Path, tmp_path: Path, identifier: str) -> None:
     require_clang()
-    run = fuzz(unpack(fmu_folder / f"{unit}.fmu", tmp_path / unit), RUNS)
+    run = fuzz(unpack(fmu_folder / f"{identifier}.fmu", tmp_path / identifier), RUNS)
     assert run.returncode == 0, run.stderr[-6000:]
     done = re.findall(r"^#(\d+).*cov: (\d+) ft: (\d+)", run.stderr, re.MULTILINE)
     executions, coverage, features = map(int, done[-1])
-    sys.stdout.write(f"{unit}: {executions} executions, cov {coverage}, ft {features}\n")
+    sys.stdout.write(f"{identifier}: {executions} executions, cov {coverage}, ft {features}\n")
     # The harness does fuzz: 5,000 executions of the plant reach cov 1012.
     assert executions >= RUNS
     assert coverage > 800

@@ -21,7 +21,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(description="Our FMUs and packages in other tools.")
     parser.add_argument("--only", action="append", choices=KEYS, help="a tool; may be repeated")
     parser.add_argument(
-        "--job", action="append", choices=(*MODELS, *FIGURES), help="a unit or a figure; may be repeated"
+        "--job", action="append", choices=(*MODELS, *FIGURES), help="an FMU or a figure; may be repeated"
     )
     parser.add_argument("--steps", type=int, help="steps of a figure, if not all")
     parser.add_argument("--render", action="store_true", help="measure nothing, render what was kept")

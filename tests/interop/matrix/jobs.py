@@ -13,20 +13,20 @@ from orchestration.paper.scenarios import SCENARIOS
 from orchestration.system.system import Component
 from tests.conformance.replay import options, table
 from tests.driver import Driver
-from tests.interop.matrix.protocol import NANOSECONDS, SYSTEM, UNIT, Job, Part, Tool
+from tests.interop.matrix.protocol import FMU, NANOSECONDS, SYSTEM, Job, Part, Tool
 
 FIGURES = tuple(name for name in SCENARIOS if name.startswith("fig"))
 ALONE = "unit"  # the component of an FMU's job
 
 
-def unit_job(unit: str, fmus: Mapping[str, Path], folder: Path) -> Job:
-    """An FMU alone, driven by ``fmus/reference/UNIT/UNIT_in.csv``."""
-    inputs, step = table(unit, "in"), options(unit)["StepSize"]
+def fmu_job(identifier: str, fmus: Mapping[str, Path], folder: Path) -> Job:
+    """An FMU alone, driven by ``fmus/reference/FMU/UNIT_in.csv``."""
+    inputs, step = table(identifier, "in"), options(identifier)["StepSize"]
     driven = [name for name in inputs.dtype.names or () if name != "time"]
-    description = read_description(fmus[unit])
+    description = read_description(fmus[identifier])
     start = {name: float(inputs[name][0]) for name in driven}
-    system = System(unit, (Component(ALONE, description, start),), step=step, stop_time=(len(inputs) - 1) * step)
-    job = _job(system, UNIT, len(inputs) - 1, folder)
+    system = System(identifier, (Component(ALONE, description, start),), step=step, stop_time=(len(inputs) - 1) * step)
+    job = _job(system, FMU, len(inputs) - 1, folder)
     return replace(job, stimulus={f"{ALONE}.{name}": [float(x) for x in inputs[name]] for name in driven})
 
 
@@ -39,7 +39,7 @@ def figure_job(figure: str, fmus: Mapping[str, Path], folder: Path, n_steps: int
 def figure_system(figure: str, fmus: Mapping[str, Path]) -> System:
     """The system of a figure."""
     scenario = SCENARIOS[figure]
-    return scenario.system({identifier: fmus[identifier] for identifier in scenario.units.values()})
+    return scenario.system({identifier: fmus[identifier] for identifier in scenario.models.values()})
 
 
 def our_rows(job: Job, tool: Tool, fmus: Mapping[str, Path]) -> np.ndarray:
@@ -47,7 +47,7 @@ def our_rows(job: Job, tool: Tool, fmus: Mapping[str, Path]) -> np.ndarray:
     times = np.arange(job.n_steps + 1) * job.step
     if tool.clock == NANOSECONDS:
         times = np.arange(job.n_steps + 1) * round(job.step * 1e9) / 1e9
-    if job.kind == UNIT:
+    if job.kind == FMU:
         return _replayed(job, times, nanoseconds=tool.clock == NANOSECONDS)
     system = figure_system(job.name, fmus)
     if tool.clock == NANOSECONDS:

@@ -9,8 +9,8 @@ import numpy as np
 
 from fmus.catalog import MODELS
 from tests.interop.matrix.compare import Verdict, judge
-from tests.interop.matrix.jobs import FIGURES, figure_job, our_rows, unit_job
-from tests.interop.matrix.protocol import SYSTEM, UNIT, Job, Tool
+from tests.interop.matrix.jobs import FIGURES, figure_job, fmu_job, our_rows
+from tests.interop.matrix.protocol import FMU, SYSTEM, Job, Tool
 from tests.interop.matrix.runner import ask
 from tests.interop.matrix.tools import KEYS, module
 
@@ -76,7 +76,7 @@ def measure(
     versions: dict[str, str] = {}
     for name in jobs:
         rows: dict[tuple[str, str, int], np.ndarray] = {}
-        for tool in (t for t in chosen if (UNIT if name in MODELS else SYSTEM) in t.kinds):
+        for tool in (t for t in chosen if (FMU if name in MODELS else SYSTEM) in t.kinds):
             job = _job(name, tool, fmus, folder, n_steps)
             ours = (tool.algorithm, tool.clock, job.n_steps)
             if ours not in rows:
@@ -91,6 +91,6 @@ def measure(
 
 def _job(name: str, tool: Tool, fmus: dict[str, Path], folder: Path, n_steps: int | None) -> Job:
     if name in MODELS:
-        return unit_job(name, fmus, folder)
+        return fmu_job(name, fmus, folder)
     job = figure_job(name, fmus, folder)
     return replace(job, n_steps=min(n_steps or job.n_steps, tool.longest))

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-UNIT, SYSTEM = "unit", "system"
+FMU, SYSTEM = "fmu", "system"
 INDEX, NANOSECONDS = "index", "nanoseconds"
 JACOBI, GAUSS_SEIDEL = "jacobi", "gauss-seidel"
 
@@ -30,7 +30,7 @@ class Tool:
     distribution
         Package of PyPI whose version counts.
     kinds
-        What it runs: `UNIT`, `SYSTEM`, or both.
+        What it runs: `FMU`, `SYSTEM`, or both.
     inputs
         How the inputs of an FMU alone go in; empty for tools that run no FMU.
     algorithm
@@ -92,7 +92,7 @@ class Job:
     Attributes
     ----------
     kind
-        `UNIT`: one component, driven by `stimulus`; `SYSTEM`: components and connections.
+        `FMU`: one component, driven by `stimulus`; `SYSTEM`: components and connections.
     ssp
         The same as an SSP package; that of an FMU has row 0 of the stimulus as start values.
     connections

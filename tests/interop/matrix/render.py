@@ -20,7 +20,7 @@ from tests.interop.matrix.compare import (
 )
 from tests.interop.matrix.jobs import FIGURES
 from tests.interop.matrix.outcomes import Outcomes
-from tests.interop.matrix.protocol import SYSTEM, UNIT, Tool
+from tests.interop.matrix.protocol import FMU, SYSTEM, Tool
 from tests.interop.matrix.tools import KEYS, module
 
 TEMPLATE = Path(__file__).parent / "interop.md.j2"
@@ -35,7 +35,7 @@ def render(outcomes: Outcomes) -> str:
     )
     template = environment.from_string(TEMPLATE.read_text(encoding="utf-8"))
     return template.render(
-        units=_table("unit", [t for t in tools if UNIT in t.kinds], tuple(MODELS), outcomes),
+        fmus=_table("FMU", [t for t in tools if FMU in t.kinds], tuple(MODELS), outcomes),
         systems=_table("package", [t for t in tools if SYSTEM in t.kinds], FIGURES, outcomes),
         findings=[line for tool in tools for line in _findings(tool, outcomes)],
         partial=_partial(tools, outcomes),
@@ -43,7 +43,7 @@ def render(outcomes: Outcomes) -> str:
         tasks={tool.key: _task(tool) for tool in tools},
         versions=outcomes.versions,
         agreement=AGREEMENT,
-        unit_steps=_unit_steps(outcomes),
+        steps_of_fmus=_steps_of_fmus(outcomes),
     )
 
 
@@ -94,12 +94,12 @@ def _partial(tools: Sequence[Tool], outcomes: Outcomes) -> list[str]:
 
 def _task(tool: Tool) -> str:
     """What a tool does here."""
-    kinds = " and ".join({UNIT: "units", SYSTEM: "figures"}[kind] for kind in tool.kinds)
+    kinds = " and ".join({FMU: "FMUs", SYSTEM: "figures"}[kind] for kind in tool.kinds)
     own = "; in an environment of its own" if tool.requirements else ""
-    return ("checks " if UNIT in tool.kinds and not tool.inputs else "runs ") + kinds + own
+    return ("checks " if FMU in tool.kinds and not tool.inputs else "runs ") + kinds + own
 
 
-def _unit_steps(outcomes: Outcomes) -> str:
+def _steps_of_fmus(outcomes: Outcomes) -> str:
     """How many steps the FMUs take."""
     steps = sorted(
         {verdict.steps for row in outcomes.verdicts.values() for job, verdict in row.items() if job in MODELS}
@@ -109,5 +109,5 @@ def _unit_steps(outcomes: Outcomes) -> str:
 
 def _listed(jobs: Sequence[str]) -> str:
     """Names of jobs, or what they are together."""
-    groups = {"all units": tuple(MODELS), "all figures": FIGURES}
+    groups = {"all FMUs": tuple(MODELS), "all figures": FIGURES}
     return next((name for name, group in groups.items() if tuple(jobs) == group), ", ".join(jobs))

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from tests.interop.matrix.protocol import UNIT, Job, Record, Tool
+from tests.interop.matrix.protocol import FMU, Job, Record, Tool
 from tests.interop.matrix.worker import FAILED, VERSION
 
 ROOT = Path(__file__).parents[3]
@@ -68,4 +68,4 @@ def _failure(done: subprocess.CompletedProcess[str], job: Job) -> str:
     said = [line.removeprefix(FAILED) for line in lines if line.startswith(FAILED)]
     message = said[-1] if said else (lines[-1] if lines else f"exit code {done.returncode}")
     message = re.sub(r"(\.\.\.)?/\S*/", "", message)  # files without their folders
-    return message.replace(job.name, "X") if job.kind == UNIT else message
+    return message.replace(job.name, "X") if job.kind == FMU else message

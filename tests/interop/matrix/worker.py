@@ -27,7 +27,7 @@ def main(key: str, job: str, out: str) -> int:
     except Exception as error:  # whatever a tool raises is its answer
         traceback.print_exc()
         text = str(error) if isinstance(error, ToolError) else f"{type(error).__name__}: {error}"
-        text += f' The unit\'s last message: "{said[-1]}"' if said else ""
+        text += f' The FMU\'s last message: "{said[-1]}"' if said else ""
         sys.stderr.write(f"\n{FAILED}{' '.join(text.split())}\n")
         return 1
     return 0

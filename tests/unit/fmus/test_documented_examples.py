@@ -41,8 +41,8 @@ def test_the_documented_test_passes(namespace: dict[str, Any], fmu_folder: Path)
     try:
         test(fmu)
     finally:
-        for unit in opened:
-            unit.close()
+        for driver in opened:
+            driver.close()
     assert opened
 
 

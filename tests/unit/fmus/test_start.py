@@ -21,26 +21,26 @@ def vector(values: dict[str, float], name: str) -> np.ndarray:
     return np.array([values[f"{name}[1]"], values[f"{name}[2]"]])
 
 
-def starts(unit: Driver) -> dict[str, float]:
+def starts(driver: Driver) -> dict[str, float]:
     """Start values of inputs and parameters."""
-    return {name: float(v.start) for name, v in unit.variables.items() if v.type == "Real" and v.start is not None}
+    return {name: float(v.start) for name, v in driver.variables.items() if v.type == "Real" and v.start is not None}
 
 
 def defaults(open_fmu: Open, name: str, t0: float = 0.0) -> Driver:
     """An FMU initialized with nothing set."""
-    unit = open_fmu(name)
-    unit.initialize(t0=t0)
-    return unit
+    driver = open_fmu(name)
+    driver.initialize(t0=t0)
+    return driver
 
 
 @pytest.mark.parametrize("name", MODELS)
 def test_every_unit_initialized_with_its_defaults_shows_finite_outputs(open_fmu: Open, name: str) -> None:
-    unit = defaults(open_fmu, name)
-    assert all(np.isfinite(value) for value in unit.outputs().values())
-    assert unit.outputs()
-    unit.step(0.0, 1e-4)
-    assert all(np.isfinite(value) for value in unit.outputs().values())
-    assert not unit.messages
+    driver = defaults(open_fmu, name)
+    assert all(np.isfinite(value) for value in driver.outputs().values())
+    assert driver.outputs()
+    driver.step(0.0, 1e-4)
+    assert all(np.isfinite(value) for value in driver.outputs().values())
+    assert not driver.messages
 
 
 @pytest.mark.parametrize("n", start.ARMS)
@@ -75,14 +75,14 @@ def test_inputs_of_controllers_start_where_plant_and_trajectory_are(open_fmu: Op
         defaults(open_fmu, "Plant").outputs(),
         defaults(open_fmu, "VirtualTrajectory").outputs(),
     )
-    for signal, unit in (
+    for signal, source in (
         ("q", plant),
         ("dq", plant),
         ("x_v", trajectory),
         ("dx_v", trajectory),
         ("ddx_v", trajectory),
     ):
-        np.testing.assert_array_equal(vector(inputs, signal), vector(unit, signal))
+        np.testing.assert_array_equal(vector(inputs, signal), vector(source, signal))
     np.testing.assert_allclose(vector(inputs, "ddq"), vector(plant, "ddq"), rtol=0, atol=PRINTED)
     np.testing.assert_array_equal(vector(inputs, "F_hat"), vector(plant, "F_ext"))
 

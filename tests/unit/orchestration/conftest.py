@@ -30,7 +30,7 @@ def strange(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
 def fig2(fmu_folder: Path) -> System:
     """The system of Fig. 2."""
     scenario = SCENARIOS["fig2"]
-    return scenario.system({unit: fmu_folder / f"{unit}.fmu" for unit in scenario.units.values()})
+    return scenario.system({identifier: fmu_folder / f"{identifier}.fmu" for identifier in scenario.models.values()})
 
 
 @pytest.fixture

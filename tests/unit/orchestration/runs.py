@@ -39,7 +39,7 @@ ALGORITHMS = {
 def paper(fmu_folder: Path, name: str) -> System:
     """A system of the paper, in contact from the start; Figs. 5 to 7 with noise."""
     scenario = SCENARIOS[name]
-    system = scenario.system({unit: fmu_folder / f"{unit}.fmu" for unit in scenario.units.values()})
+    system = scenario.system({identifier: fmu_folder / f"{identifier}.fmu" for identifier in scenario.models.values()})
     return system.set(IN_CONTACT).with_sample_time(SAMPLE_TIME)
 
 

@@ -1,8 +1,8 @@
 """Adapter for CasADi's importer of FMUs."""
 
-from tests.interop.matrix.protocol import CHECKED, UNIT, Job, Record, Tool
+from tests.interop.matrix.protocol import CHECKED, FMU, Job, Record, Tool
 
-TOOL = Tool("casadi", "CasADi DaeBuilder", "casadi", (UNIT,))
+TOOL = Tool("casadi", "CasADi DaeBuilder", "casadi", (FMU,))
 
 
 def run(job: Job) -> Record:

@@ -4,13 +4,13 @@ import csv
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from tests.interop.matrix.protocol import SYSTEM, UNIT, Job, Record, Tool, ordered
+from tests.interop.matrix.protocol import FMU, SYSTEM, Job, Record, Tool, ordered
 
 TOOL = Tool(
     "cofmupy",
     "CoFMuPy",
     "cofmupy",
-    (UNIT, SYSTEM),
+    (FMU, SYSTEM),
     "a CSV stream with `previous` interpolation",
     requirements=("cofmupy==1.0.0", "numpy"),
 )

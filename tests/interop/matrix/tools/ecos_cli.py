@@ -8,9 +8,9 @@ from zipfile import ZipFile
 
 import numpy as np
 
-from tests.interop.matrix.protocol import SYSTEM, UNIT, Job, Record, Tool, ToolError
+from tests.interop.matrix.protocol import FMU, SYSTEM, Job, Record, Tool, ToolError
 
-TOOL = Tool("ecos_cli", "ecos CLI", "ecospy", (UNIT, SYSTEM), "a scenario file with an action per step")
+TOOL = Tool("ecos_cli", "ecos CLI", "ecospy", (FMU, SYSTEM), "a scenario file with an action per step")
 _NAMESPACE = "http://github.com/Ecos-platform/libecos/resources/schema/ScenarioConfig"
 _KINDS = {"Real": "real", "Integer": "integer", "Boolean": "boolean"}
 RESOLUTION = 5e-7  # its files have six decimals

@@ -2,10 +2,10 @@
 
 from pathlib import Path
 
-from tests.interop.matrix.protocol import SYSTEM, UNIT, Job, Record, Tool
+from tests.interop.matrix.protocol import FMU, SYSTEM, Job, Record, Tool
 from tests.interop.peers import run_ecospy
 
-TOOL = Tool("ecospy", "ecospy", "ecospy", (UNIT, SYSTEM), "`set_real`, `set_bool` before each step")
+TOOL = Tool("ecospy", "ecospy", "ecospy", (FMU, SYSTEM), "`set_real`, `set_bool` before each step")
 
 
 def run(job: Job) -> Record:

@@ -4,13 +4,13 @@ from typing import Any, cast
 
 import numpy as np
 
-from tests.interop.matrix.protocol import UNIT, Job, Record, Tool, ordered
+from tests.interop.matrix.protocol import FMU, Job, Record, Tool, ordered
 
 TOOL = Tool(
     "fmpy_simulate",
     "fmpy simulate_fmu",
     "fmpy",
-    (UNIT,),
+    (FMU,),
     "the argument `input`, a structured array; `step_size` and `output_interval` are both the step",
 )
 

@@ -1,8 +1,8 @@
 """Adapter for fmpy's static check."""
 
-from tests.interop.matrix.protocol import CHECKED, UNIT, Job, Record, Tool, ToolError
+from tests.interop.matrix.protocol import CHECKED, FMU, Job, Record, Tool, ToolError
 
-TOOL = Tool("fmpy_validate", "fmpy validate", "fmpy", (UNIT,))
+TOOL = Tool("fmpy_validate", "fmpy validate", "fmpy", (FMU,))
 
 
 def run(job: Job) -> Record:

@@ -7,14 +7,14 @@ from typing import Any, cast
 
 import numpy as np
 
-from tests.interop.matrix.protocol import SYSTEM, UNIT, Job, Record, Tool, ordered
+from tests.interop.matrix.protocol import FMU, SYSTEM, Job, Record, Tool, ordered
 
 TOOL = Tool(
     "fmucontainer",
     "fmucontainer",
     "fmu-manipulation-toolbox",
-    (UNIT, SYSTEM),
-    "a container with this one unit, in fmpy's `simulate_fmu`; inputs are inputs of the container",
+    (FMU, SYSTEM),
+    "a container with this one FMU, in fmpy's `simulate_fmu`; inputs are inputs of the container",
 )
 OUTPUT, INPUT = "shown.", "driven."
 

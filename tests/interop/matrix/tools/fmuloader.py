@@ -6,13 +6,13 @@ from zipfile import ZipFile
 
 import numpy as np
 
-from tests.interop.matrix.protocol import UNIT, Job, Record, Tool
+from tests.interop.matrix.protocol import FMU, Job, Record, Tool
 
 TOOL = Tool(
     "fmuloader",
     "fmuloader",
     "fmuloader",
-    (UNIT,),
+    (FMU,),
     "`set_real`, `set_boolean` before each step",
     requirements=("fmuloader==0.1.2rc0", "numpy"),
 )

@@ -3,9 +3,9 @@
 import subprocess
 import sys
 
-from tests.interop.matrix.protocol import CHECKED, UNIT, Job, Record, Tool, ToolError
+from tests.interop.matrix.protocol import CHECKED, FMU, Job, Record, Tool, ToolError
 
-TOOL = Tool("fmutool", "fmutool -check", "fmu-manipulation-toolbox", (UNIT,))
+TOOL = Tool("fmutool", "fmutool -check", "fmu-manipulation-toolbox", (FMU,))
 
 
 def run(job: Job) -> Record:

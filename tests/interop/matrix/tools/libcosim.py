@@ -2,14 +2,14 @@
 
 from pathlib import Path
 
-from tests.interop.matrix.protocol import NANOSECONDS, SYSTEM, UNIT, Job, Record, Tool
+from tests.interop.matrix.protocol import FMU, NANOSECONDS, SYSTEM, Job, Record, Tool
 from tests.interop.peers import run_libcosim
 
 TOOL = Tool(
     "libcosim",
     "libcosimpy",
     "libcosimpy",
-    (UNIT, SYSTEM),
+    (FMU, SYSTEM),
     "an override manipulator before each step",
     clock=NANOSECONDS,
 )

@@ -1,13 +1,13 @@
 """Adapter for PathSim with its block for co-simulation FMUs."""
 
-from tests.interop.matrix.protocol import SYSTEM, UNIT, Job, Record, Tool, ordered, require_constant_parameters
+from tests.interop.matrix.protocol import FMU, SYSTEM, Job, Record, Tool, ordered, require_constant_parameters
 
 TOOL = Tool(
     "pathsim",
     "PathSim",
     "pathsim-fmi",
-    (UNIT, SYSTEM),
-    "`Source` blocks connected to the unit, which takes what they show at the end of the step; no parameters",
+    (FMU, SYSTEM),
+    "`Source` blocks connected to the FMU, which takes what they show at the end of the step; no parameters",
     requirements=("pathsim-fmi==0.1.1", "numpy"),
     longest=2000,
 )

@@ -1,13 +1,13 @@
 """Adapter for sofirpy's loop over FMUs."""
 
-from tests.interop.matrix.protocol import SYSTEM, UNIT, Job, Record, Tool, ordered
+from tests.interop.matrix.protocol import FMU, SYSTEM, Job, Record, Tool, ordered
 
 TOOL = Tool(
     "sofirpy",
     "sofirpy",
     "sofirpy",
-    (UNIT, SYSTEM),
-    "a Python model of its kind whose outputs are connected to the unit's inputs and tunable parameters",
+    (FMU, SYSTEM),
+    "a Python model of its kind whose outputs are connected to the FMU's inputs and tunable parameters",
     requirements=("sofirpy==1.0.2", "numpy", "setuptools<81"),  # sofirpy imports pkg_resources
 )
 

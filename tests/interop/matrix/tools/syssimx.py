@@ -1,12 +1,12 @@
 """Adapter for SySSimX, whose signals carry units."""
 
-from tests.interop.matrix.protocol import SYSTEM, UNIT, Job, Record, Tool, ordered, require_constant_parameters
+from tests.interop.matrix.protocol import FMU, SYSTEM, Job, Record, Tool, ordered, require_constant_parameters
 
 TOOL = Tool(
     "syssimx",
     "SySSimX",
     "syssimx",
-    (UNIT, SYSTEM),
+    (FMU, SYSTEM),
     "`set_inputs` before each step; no parameters",
     requirements=("syssimx[fmu]==0.4.3", "numpy"),
     longest=2000,

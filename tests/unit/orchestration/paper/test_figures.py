@@ -23,7 +23,7 @@ from orchestration.paper.figures import draw
 from orchestration.paper.laboratory import Job, Laboratory
 from orchestration.paper.scenarios import SCENARIOS
 
-files = draw({"fig2": Laboratory(fmus(SCENARIOS["fig2"].units.values())).run(Job("fig2"))}, Path(sys.argv[1]))
+files = draw({"fig2": Laboratory(fmus(SCENARIOS["fig2"].models.values())).run(Job("fig2"))}, Path(sys.argv[1]))
 changed = [name for name, value in before.items() if matplotlib.rcParams[name] != value]
 print(json.dumps({
     "backend": matplotlib.get_backend(),

@@ -14,7 +14,7 @@ AWAY = Job("fig2", {"plant.wall_offset": 10.0, "trajectory.wall_offset": 10.0}) 
 
 @pytest.fixture(scope="module")
 def laboratory() -> Laboratory:
-    return Laboratory(fmus(SCENARIOS["fig2"].units.values()))
+    return Laboratory(fmus(SCENARIOS["fig2"].models.values()))
 
 
 def test_a_run_that_never_touches_the_wall_says_so(laboratory: Laboratory) -> None:
