@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     )
     from orchestration.fmi.fmu import Fmu
     from orchestration.master.algorithm import Algorithm, Correction, StepControl, Tolerance
+    from orchestration.master.form import FormalityWarning
     from orchestration.master.options import Crossings, Options
     from orchestration.master.simulate import UnconnectedInputWarning, prepare, simulate, stream
     from orchestration.master.simulation import Simulation
@@ -50,6 +51,7 @@ _HOME = {
     "Correction": "master.algorithm",
     "Crossings": "master.options",
     "Fmu": "fmi.fmu",
+    "FormalityWarning": "master.form",
     "InitializationError": "errors",
     "Ledger": "analysis.energy",
     "Options": "master.options",
@@ -86,6 +88,7 @@ __all__ = [
     "Correction",
     "Crossings",
     "Fmu",
+    "FormalityWarning",
     "InitializationError",
     "Ledger",
     "Options",

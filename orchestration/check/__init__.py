@@ -22,6 +22,7 @@ from orchestration.errors import ArchiveError
 __all__ = ["Candidate", "Finding", "Report", "Role", "Severity", "Trial", "check"]
 
 STATIC = (
+    archive_rules.entries_are_unique,
     archive_rules.sources_are_complete,
     archive_rules.tool_is_not_needed,
     description_rules.combinations_are_legal,

@@ -7,7 +7,9 @@ REAL, INTEGER, BOOLEAN, STRING = "Real", "Integer", "Boolean", "String"
 
 SAVES_STATE, SERIALIZES_STATE = "canGetAndSetFMUstate", "canSerializeFMUstate"
 INTERPOLATES, DIFFERENTIATES = "canInterpolateInputs", "providesDirectionalDerivative"
-CAPABILITIES = (SAVES_STATE, SERIALIZES_STATE, INTERPOLATES, DIFFERENTIATES)
+VARIES_STEP = "canHandleVariableCommunicationStepSize"
+ONE_INSTANCE = "canBeInstantiatedOnlyOncePerProcess"
+CAPABILITIES = (SAVES_STATE, SERIALIZES_STATE, INTERPOLATES, DIFFERENTIATES, VARIES_STEP, ONE_INSTANCE)
 """Capability flags of an FMU for co-simulation that a master asks for."""
 
 

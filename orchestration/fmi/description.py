@@ -8,13 +8,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
-from re import ASCII
-from re import compile as pattern
 
 from orchestration.errors import ArchiveError, SystemDescriptionError
 from orchestration.fmi.codes import BOOLEAN, CAPABILITIES, INTEGER, REAL, STRING
 from orchestration.fmi.document import (
+    APPROX,
     DERIVATIVES,
+    EXACT,
     INITIAL_UNKNOWNS,
     OUTPUTS,
     Declared,
@@ -24,13 +24,12 @@ from orchestration.fmi.document import (
     read_bytes,
     require_valid,
 )
+from orchestration.fmi.formalities import RULES
 from orchestration.fmi.units import UnitDefinition, defined
 from orchestration.sandbox.archive import screen
 
 SAMPLE_TIME = "sample_time"
 """Name of the parameter that tells a sampled component's period, s."""
-IDENTIFIER = pattern(r"[A-Za-z_]\w*", ASCII)
-"""What a model identifier must match: it names a file, and functions in C."""
 _VERSIONS = ("1.0", "2.0", "3.0")
 
 
@@ -47,6 +46,8 @@ class Variable:
         Whether the value is a difference, to which the offset of its unit does not apply.
     declared
         Name in the FMU, if the variable has another name in the system; see `Description.renamed`.
+    initial
+        How the FMU begins with the variable: exact, approx or calculated; None for an input.
     """
 
     name: str
@@ -60,11 +61,17 @@ class Variable:
     direct: bool = False
     relative: bool = False
     declared: str = ""
+    initial: str | None = None
 
     @property
     def fmu_name(self) -> str:
         """The variable's name in the FMU."""
         return self.declared or self.name
+
+    @property
+    def can_start(self) -> bool:
+        """Whether a start value can be set: of an input, or where the FMU's own is exact or approx (section 4.2.4)."""
+        return self.causality == "input" or (self.variability != "constant" and self.initial in (EXACT, APPROX))
 
 
 @dataclass(frozen=True, repr=False)
@@ -75,6 +82,8 @@ class Description:
     ----------
     capabilities
         Names of the flags of the co-simulation element that are true.
+    formalities
+        Sentences on rules of form that the FMU breaks; see `orchestration.fmi.formalities`.
     """
 
     path: Path
@@ -84,6 +93,7 @@ class Description:
     variables: Mapping[str, Variable]
     units: Mapping[str, UnitDefinition]
     capabilities: frozenset[str] = frozenset()
+    formalities: tuple[str, ...] = ()
 
     def __repr__(self) -> str:
         """Model name, file and number of variables."""
@@ -141,16 +151,17 @@ def read_description(path: Path) -> Description:
 
 @lru_cache(maxsize=256)
 def _read_description(path: Path, modified: int, size: int) -> Description:  # noqa: ARG001 - the cache's key
-    screen(path)
+    formalities = list(screen(path))
     try:
         document = _document(path)
         _require_consistent(document)
     except DocumentError as error:
         msg = f"{path} is not a valid FMU: {error}"
         raise ArchiveError(msg) from error
-    if not IDENTIFIER.fullmatch(document.identifier):
-        msg = f"{path}: the model identifier {document.identifier!r} is not a C identifier."
+    if not _names_a_file(document.identifier):
+        msg = f"{path}: the model identifier {document.identifier!r} is not the name of a library."
         raise ArchiveError(msg)
+    formalities += [sentence for rule in RULES for sentence in rule(document)]
     direct = _direct(document)
     return Description(
         path,
@@ -160,7 +171,13 @@ def _read_description(path: Path, modified: int, size: int) -> Description:  # n
         {v.name: _variable(v, direct=v.index in direct) for v in document.variables},
         {name: UnitDefinition(name, u if u and u.convertible else None) for name, u in document.units.items()},
         frozenset(filter(document.flag, CAPABILITIES)),
+        tuple(formalities),
     )
+
+
+def _names_a_file(identifier: str) -> bool:
+    """Whether an identifier with an extension is a file in a given folder, on every platform."""
+    return identifier.isprintable() and identifier.strip(". ") != "" and not set(identifier) & set('/\\:*?"<>|')
 
 
 def _document(path: Path) -> Document:
@@ -233,6 +250,7 @@ def _variable(declared: Declared, *, direct: bool) -> Variable:
         description=declared.description,
         direct=direct,
         relative=declared.relative,
+        initial=declared.initial,
     )
 
 

@@ -18,7 +18,7 @@ from orchestration.fmi.codes import (
     status_name,
 )
 from orchestration.fmi.description import Description
-from orchestration.fmi.library import Library, library_path
+from orchestration.fmi.library import Library, library_path, needed_functions
 from orchestration.fmi.logging import Messages, callbacks, listen
 from orchestration.fmi.signatures import CO_SIMULATION
 from orchestration.fmi.units import Linear
@@ -104,6 +104,12 @@ class Instance:
             raise
         instance.description, instance._unloads = description, True
         return instance
+
+    @property
+    def formalities(self) -> list[str]:
+        """Sentences on rules of form that the library breaks, and that no step needs."""
+        missing = self.library.lacks()
+        return [f"Its library does not export {', '.join(missing)}."] if missing else []
 
     @property
     def component(self) -> int:
@@ -241,13 +247,13 @@ class Instance:
 
 
 def _loaded(name: str, description: Description, folder: Path) -> Library:
-    """Load the library for this machine in an unpacked FMU; it has all functions of FMI 2.0 for co-simulation."""
+    """Load the library for this machine in an unpacked FMU; it has all functions that a run may call."""
     try:
         library = Library(library_path(folder, description))
     except OSError as error:
         msg = f"{name}: {description.path.name} cannot be loaded: {error}"
         raise ArchiveError(msg) from error
-    if missing := library.lacks():
+    if missing := library.lacks(needed_functions(description)):
         library.close()
         msg = f"{name}: {description.path.name} cannot be loaded: its library does not export {', '.join(missing)}."
         raise ArchiveError(msg)

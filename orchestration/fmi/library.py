@@ -9,6 +9,7 @@ from typing import Any, cast
 
 from orchestration.errors import ArchiveError
 from orchestration.fmi import signatures
+from orchestration.fmi.codes import DIFFERENTIATES, INTERPOLATES, SAVES_STATE, SERIALIZES_STATE
 from orchestration.fmi.description import Description
 
 # Folders below ``binaries/``, the usual one first, by sys.platform: of x86-64, of ARM; and the extension.
@@ -17,6 +18,26 @@ _PLATFORMS: dict[str, tuple[tuple[str, ...], tuple[str, ...], str]] = {
     "darwin": (("darwin64", "x86_64-darwin"), ("aarch64-darwin", "darwin64"), ".dylib"),
     "win32": (("win64", "x86_64-windows"), ("win64", "x86_64-windows"), ".dll"),
 }
+
+
+_ALWAYS = (
+    *("fmi2Instantiate", "fmi2FreeInstance", "fmi2SetupExperiment", "fmi2EnterInitializationMode"),
+    *("fmi2ExitInitializationMode", "fmi2DoStep", "fmi2Terminate"),
+)
+_BY_CAPABILITY = {
+    SAVES_STATE: ("fmi2GetFMUstate", "fmi2SetFMUstate", "fmi2FreeFMUstate"),
+    SERIALIZES_STATE: ("fmi2SerializedFMUstateSize", "fmi2SerializeFMUstate", "fmi2DeSerializeFMUstate"),
+    INTERPOLATES: ("fmi2SetRealInputDerivatives",),
+    DIFFERENTIATES: ("fmi2GetDirectionalDerivative",),
+}
+
+
+def needed_functions(description: Description) -> list[str]:
+    """Return the functions that a run of an FMU may call: by its variables and its capability flags."""
+    types = dict.fromkeys(variable.type for variable in description.variables.values())
+    access = [f"fmi2{verb}{kind}" for kind in types for verb in ("Get", "Set")]
+    optional = [name for flag, names in _BY_CAPABILITY.items() if description.can(flag) for name in names]
+    return [*_ALWAYS, *access, *optional]
 
 
 def needed_to_run(entry: str) -> bool:
@@ -92,9 +113,9 @@ class Library:
         self._dll: ctypes.CDLL | None = ctypes.CDLL(str(path))
         self._functions: dict[str, Any] = {}
 
-    def lacks(self) -> Sequence[str]:
-        """Functions of FMI 2.0 for co-simulation that are not exported."""
-        return [name for name in signatures.FUNCTIONS if not hasattr(self._dll, name)]
+    def lacks(self, functions: Sequence[str] = signatures.FUNCTIONS) -> list[str]:
+        """Functions that are not exported; by default of all functions of FMI 2.0 for co-simulation."""
+        return [name for name in functions if not hasattr(self._dll, name)]
 
     def function(self, name: str) -> Callable[..., Any]:
         """An FMI function with its C types.
@@ -115,7 +136,9 @@ class Library:
         return found
 
     def address(self, name: str) -> int:
-        """Address of an FMI function."""
+        """Address of an FMI function; 0 if the library does not export it, and so nobody may call it."""
+        if not hasattr(self._dll, name):
+            return 0
         function = cast("Any", self.function(name))  # ctypes does not name the type of its functions
         return int(ctypes.cast(function, ctypes.c_void_p).value or 0)
 

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 
 from orchestration.errors import SystemDescriptionError
-from orchestration.fmi.codes import DIFFERENTIATES, REAL, SAVES_STATE
+from orchestration.fmi.codes import DIFFERENTIATES, REAL, SAVES_STATE, VARIES_STEP
 from orchestration.master.algorithm import DIRECTIONAL, Algorithm
 from orchestration.master.options import Crossings
 from orchestration.system.system import Component, System
@@ -49,6 +49,29 @@ def check_capabilities(system: System, algorithm: Algorithm, crossings: Crossing
     if any(ratio > 1 for ratio in ratios.values()) and (algorithm.rolls_back or crossings.outputs):
         msg = f"Steps of several lengths do not go together with algorithm {algorithm.name} or crossings."
         raise SystemDescriptionError(msg)
+
+
+def check_steps(system: System, algorithm: Algorithm, crossings: Crossings, *, unequal: bool) -> None:
+    """Refuse a run whose steps differ in length if a component takes steps of one length only.
+
+    Parameters
+    ----------
+    unequal
+        Whether the given communication points differ in their distances.
+
+    Raises
+    ------
+    SystemDescriptionError
+        Naming the component, and what makes the steps differ.
+    """
+    reasons = {
+        f"algorithm {algorithm.name}, which controls its step": algorithm.control is not None,
+        f"locating crossings of {', '.join(crossings.outputs)}": bool(crossings.outputs),
+        "a run with communication points that differ in their distances": unequal,
+    }
+    for what in (reason for reason, applies in reasons.items() if applies):
+        for component in system.components:
+            _require(component, VARIES_STEP, what)
 
 
 def check_tolerances(system: System, algorithm: Algorithm) -> None:

@@ -2,11 +2,12 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
+from pathlib import Path
 
 import numpy as np
 
 from orchestration.errors import InitializationError
-from orchestration.fmi.codes import REAL, WORST_ACCEPTED, accepted
+from orchestration.fmi.codes import ONE_INSTANCE, REAL, WORST_ACCEPTED, accepted
 from orchestration.fmi.instance import Instance
 from orchestration.fmi.library import needed_to_run
 from orchestration.master.algebraic_loops import solve_loops
@@ -34,13 +35,14 @@ def opened(system: System) -> Iterator[list[Instance]]:
         If a library cannot be loaded, or an FMU refuses to be instantiated.
     """
     with ExitStack() as stack:
-        folders = {
-            path: stack.enter_context(unpacked(path, needed_to_run))
-            for path in dict.fromkeys(c.description.path for c in system.components)
-        }
+        folders: dict[tuple[Path, str], Path] = {}
         instances = []
         for component in system.components:
-            folder = folders[component.description.path]
+            path, alone = component.description.path, component.description.can(ONE_INSTANCE)
+            key = (path, component.name if alone else "")
+            if key not in folders:  # a copy of the library has a memory of its own
+                folders[key] = stack.enter_context(unpacked(path, needed_to_run))
+            folder = folders[key]
             instance = Instance.open(component.name, component.description, folder)
             stack.callback(instance.close)
             scales = {
@@ -57,6 +59,7 @@ def opened(system: System) -> Iterator[list[Instance]]:
 def initialize(system: System, instances: Sequence[Instance], assembly: Assembly, t0: float) -> None:
     """Set start values, propagate outputs to inputs in initialization mode, and leave this mode.
 
+    Inputs get their start values in initialization mode, all other variables before it (FMI 2.0.4, section 4.2.4).
     Outputs are transferred to inputs until nothing changes, so a chain of any length settles. What does
     not settle is an algebraic loop, which `solve_loops` solves. Afterwards the buffers of `assembly`
     hold the outputs of row 0.
@@ -78,9 +81,13 @@ def initialize(system: System, instances: Sequence[Instance], assembly: Assembly
         If a call fails, or an algebraic loop has no solution near the start values.
     """
     for component, instance in zip(system.components, instances, strict=True):
-        set_values(component, instance, component.start)
+        inputs = component.description.of_causality("input")
+        given = {v.name: v.start for v in inputs if v.start is not None} | dict(component.start)
+        driven = {v.name for v in inputs}
+        set_values(component, instance, {name: value for name, value in given.items() if name not in driven})
         instance.set_up(t0)
         instance.call("fmi2EnterInitializationMode")
+        set_values(component, instance, {name: value for name, value in given.items() if name in driven})
     _propagate(system, instances, assembly)
     for instance in instances:
         instance.call("fmi2ExitInitializationMode")

@@ -24,6 +24,7 @@ import numpy as np
 
 from orchestration.errors import SystemDescriptionError
 from orchestration.master.algorithm import ALGORITHMS, Algorithm, find_algorithm
+from orchestration.master.form import report_descriptions
 from orchestration.master.options import Options, Progress
 from orchestration.master.progress import progress_bar
 from orchestration.master.provenance import provenance
@@ -176,6 +177,7 @@ def prepare(
     if order is not None:
         system = system.ordered(order)
     grid = _grid(system, (stop_time, step, times), chosen, options)
+    report_descriptions(system, strict=options.strict)
     _report_unconnected(system, options)
     metadata = provenance(
         system,

@@ -35,9 +35,10 @@ from orchestration.fmi.codes import WORST_ACCEPTED
 from orchestration.fmi.instance import Instance
 from orchestration.master.algorithm import SEQUENTIAL, Algorithm
 from orchestration.master.block import Block
-from orchestration.master.capabilities import check_capabilities, check_crossings
+from orchestration.master.capabilities import check_capabilities, check_crossings, check_steps
 from orchestration.master.failure_text import failure_message
 from orchestration.master.flatten import Assembly, assemble
+from orchestration.master.form import report_libraries
 from orchestration.master.initialization import initialize, opened, set_values
 from orchestration.master.kernel import fixed_step
 from orchestration.master.kernel.codes import Failure
@@ -92,6 +93,7 @@ class Simulation:
     ) -> None:
         check_crossings(system, options.crossings)
         check_capabilities(system, algorithm, options.crossings, options.ratios)
+        check_steps(system, algorithm, options.crossings, unequal=grid.unequal)
         self.system, self.grid, self.algorithm, self.options = system, grid, algorithm, options
         self._metadata = dict(metadata or {})
         self._path: Path | None = None
@@ -113,6 +115,7 @@ class Simulation:
         """Open and initialize the components; row 0 is recorded."""
         with ExitStack() as stack:
             self._instances: list[Instance] = stack.enter_context(opened(self.system))
+            report_libraries(self._instances, strict=self.options.strict)
             fetched = self.options.crossings.outputs
             self._assembly: Assembly = assemble(self.system, self._instances, self.options.record, fetched)
             initialize(self.system, self._instances, self._assembly, float(self.grid.times[0]))

@@ -39,6 +39,11 @@ class Grid:
         """Number of intervals."""
         return self.times.size - 1
 
+    @property
+    def unequal(self) -> bool:
+        """Whether the intervals differ in length by more than rounding."""
+        return bool(np.ptp(self.lengths) > RATIO_TOLERANCE * self.step)
+
     def ahead(self, until: float, now: float) -> int:
         """Return the index of the point at the time `until`, s, which must not lie before `now`, s.
 

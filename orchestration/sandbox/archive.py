@@ -20,11 +20,12 @@ MAX_ENTRIES = 20_000
 MAX_BYTES = 2 * 1024**3  # size of all entries after unpacking
 MAX_RATIO = 1000  # unpacked over packed size of an entry; source code and tables reach 30, a zip bomb 1000
 RATIO_FREE_BYTES = 1024**2  # the ratio of smaller entries is not limited
+_READ_BY_PEOPLE = ("documentation/", "sources/")
 # Exceptions of zipfile and zlib for a damaged archive.
 UNREADABLE = (zipfile.BadZipFile, zlib.error, EOFError, OSError, ValueError, KeyError, RuntimeError)
 
 
-def screen(path: Path) -> None:
+def screen(path: Path) -> tuple[str, ...]:
     """Refuse an archive that is unsafe to unpack.
 
     Parameters
@@ -32,13 +33,18 @@ def screen(path: Path) -> None:
     path
         Zip archive.
 
+    Returns
+    -------
+    tuple of str
+        A sentence for each rule of form that the archive breaks, and that makes it no less safe.
+
     Raises
     ------
     ArchiveError
         If the archive is missing, invalid or unsafe. The message names the file, the entry and the rule.
     """
     with _opened(path) as archive:
-        _screen(path, archive)
+        return tuple(_screen(path, archive))
 
 
 @contextmanager
@@ -114,8 +120,8 @@ def _opened(path: Path) -> Iterator[zipfile.ZipFile]:
         yield archive
 
 
-def _screen(path: Path, archive: zipfile.ZipFile) -> None:
-    """Refuse an open archive that is unsafe to unpack."""
+def _screen(path: Path, archive: zipfile.ZipFile) -> list[str]:
+    """Refuse an open archive that is unsafe to unpack; returns what breaks rules of form only."""
     entries = archive.infolist()
     if len(entries) > MAX_ENTRIES:
         msg = f"{path} has {len(entries)} entries, more than {MAX_ENTRIES}."
@@ -124,17 +130,29 @@ def _screen(path: Path, archive: zipfile.ZipFile) -> None:
     if total > MAX_BYTES:
         msg = f"{path} would unpack to {total} bytes, more than {MAX_BYTES}."
         raise ArchiveError(msg)
-    seen: set[str] = set()
+    seen: dict[str, zipfile.ZipInfo] = {}
+    formalities = []
     for entry in entries:
         fault = _fault(entry)
         if fault:
             msg = f"{path}: entry {entry.filename!r} {fault}."
             raise ArchiveError(msg)
-        key = str(PurePosixPath(entry.filename)).casefold()  # ./a, a// and a name the same file
-        if key in seen:
+        other = seen.setdefault(str(PurePosixPath(entry.filename)).casefold(), entry)  # ./a, a// and a are one file
+        if other is entry:
+            continue
+        if not _harmless(entry, other):
             msg = f"{path}: entry {entry.filename!r} occurs more than once."
             raise ArchiveError(msg)
-        seen.add(key)
+        formalities.append(f"The archive has the entries {other.filename!r} and {entry.filename!r}.")
+    return formalities
+
+
+def _harmless(entry: zipfile.ZipInfo, other: zipfile.ZipInfo) -> bool:
+    """Whether two entries with one name cannot stand for two contents: folders, or pages whose names differ in case."""
+    if entry.is_dir() and other.is_dir():
+        return True
+    names = [str(PurePosixPath(e.filename)) for e in (entry, other)]
+    return names[0] != names[1] and all(name.startswith(_READ_BY_PEOPLE) for name in names)
 
 
 def _fault(entry: zipfile.ZipInfo) -> str | None:

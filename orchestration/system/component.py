@@ -15,9 +15,6 @@ from orchestration.fmi.description import SAMPLE_TIME, Description, Variable, pa
 from orchestration.fmi.units import Linear, conversion
 from orchestration.system.display import component_html, component_line
 
-SETTABLE = ("parameter", "input")
-"""Causalities of variables whose start value a user may set."""
-
 
 @dataclass(frozen=True, repr=False)
 class Component:
@@ -181,14 +178,18 @@ def require_settable(component: Component, variable: Variable) -> None:
     Raises
     ------
     SystemDescriptionError
-        If the variable is neither a parameter nor an input, or is a String.
+        If the FMU computes the start value, or the variable is a String.
     """
-    if variable.causality not in SETTABLE:
-        path = f"{component.name}.{variable.name}"
-        msg = f"{path} has causality {variable.causality}; only parameters and inputs can be set."
+    path = f"{component.name}.{variable.name}"
+    if not variable.can_start:
+        why = "constant" if variable.variability == "constant" else f"{variable.initial}, so the FMU gives it"
+        msg = (
+            f"{path} has causality {variable.causality} and its start value is {why}; only parameters, inputs, and"
+            " variables whose start value is exact or approx can be set."
+        )
         raise SystemDescriptionError(msg)
     if variable.type == STRING:
-        msg = f"{component.name}.{variable.name} is a String; only Reals, Integers and Booleans can be set."
+        msg = f"{path} is a String; only Reals, Integers and Booleans can be set."
         raise SystemDescriptionError(msg)
 
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from orchestration.errors import SystemDescriptionError
 from orchestration.fmi.description import Description, read_description
 from orchestration.fmi.units import Linear
-from orchestration.system.component import SETTABLE, Component, Connection, sources_of, unit_scale
+from orchestration.system.component import Component, Connection, sources_of, unit_scale
 
 if TYPE_CHECKING:
     from orchestration.system.system import System
@@ -109,7 +109,7 @@ def _start(old: Component, new: Component, mapping: Mapping[str, str]) -> tuple[
     start, notices, lost, model = {}, [], [], new.description.model_name
     for name, value in old.start.items():
         variable = new.description.variables.get(name)
-        if variable is None or variable.causality not in SETTABLE:
+        if variable is None or not variable.can_start:
             lost.append(name)
             continue
         before = old.variable(name)

@@ -28,11 +28,20 @@ class UnreadableError(Exception):
 
 @dataclass(frozen=True)
 class Package:
-    """An FMU file under check: its path, the names in the archive and the description."""
+    """An FMU file under check.
+
+    Attributes
+    ----------
+    names
+        Names of the entries in the archive.
+    formalities
+        Sentences on rules of form that the archive breaks.
+    """
 
     path: Path
     names: frozenset[str]
     document: Document
+    formalities: tuple[str, ...] = ()
 
     def read(self, name: str, most: int) -> bytes:
         """Return the first bytes of an entry of the archive; empty if the entry cannot be read."""
@@ -59,7 +68,7 @@ def open_package(path: Path) -> Package:
         With the finding that ends the examination.
     """
     try:
-        screen(path)
+        formalities = screen(path)
         with zipfile.ZipFile(path) as archive:
             names = frozenset(archive.namelist())
     except ArchiveError as failed:
@@ -68,7 +77,13 @@ def open_package(path: Path) -> Package:
         raise UnreadableError(error("7", f"The archive cannot be read: {shown(failed)}.")) from failed
     if MODEL_DESCRIPTION not in names:
         raise UnreadableError(error("1", f"The archive has no {MODEL_DESCRIPTION}; it has {listed(sorted(names))}."))
-    return Package(path, names, _document(path))
+    return Package(path, names, _document(path), formalities)
+
+
+def entries_are_unique(package: Package) -> Iterator[Finding]:
+    """Check rule 7: no two entries of the archive have one name."""
+    for sentence in package.formalities:
+        yield error("7", shown(sentence, LONGEST_MESSAGE))
 
 
 def sources_are_complete(package: Package) -> Iterator[Finding]:

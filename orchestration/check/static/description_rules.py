@@ -6,30 +6,10 @@ from collections.abc import Iterator
 
 from orchestration.check.findings import Finding, error, shown, warning
 from orchestration.check.static.archive_rules import Package
-from orchestration.fmi.codes import REAL, SERIALIZES_STATE
-from orchestration.fmi.description import IDENTIFIER
-from orchestration.fmi.document import APPROX, CALCULATED, EXACT, Declared
+from orchestration.fmi import formalities
+from orchestration.fmi.codes import SERIALIZES_STATE
+from orchestration.fmi.document import Declared
 
-_ANY = frozenset({EXACT, APPROX, CALCULATED})
-_COMPUTED = frozenset({APPROX, CALCULATED})
-# FMI 2.0.5, section 2.2.7: `initial` by causality and variability; what is not listed is illegal.
-LEGAL: dict[tuple[str, str], frozenset[str]] = {
-    ("parameter", "fixed"): frozenset({EXACT}),
-    ("parameter", "tunable"): frozenset({EXACT}),
-    ("calculatedParameter", "fixed"): _COMPUTED,
-    ("calculatedParameter", "tunable"): _COMPUTED,
-    ("input", "discrete"): frozenset(),
-    ("input", "continuous"): frozenset(),
-    ("output", "constant"): frozenset({EXACT}),
-    ("output", "discrete"): _ANY,
-    ("output", "continuous"): _ANY,
-    ("local", "constant"): frozenset({EXACT}),
-    ("local", "fixed"): _COMPUTED,
-    ("local", "tunable"): _COMPUTED,
-    ("local", "discrete"): _ANY,
-    ("local", "continuous"): _ANY,
-    ("independent", "continuous"): frozenset(),
-}
 _ELEMENT = r"""(?:[A-Za-z_]\w*|'(?:[ !#-&(-\[\]-~]|\\['"?\\abfnrtv])+')(?:\[\d+(?:,\d+)*\])?"""
 _PATH = rf"{_ELEMENT}(?:\.{_ELEMENT})*"
 _STRUCTURED = re.compile(rf"{_PATH}|der\({_PATH}(?:,\d+)?\)", re.ASCII)  # section 2.2.9
@@ -37,32 +17,18 @@ _STRUCTURED = re.compile(rf"{_PATH}|der\({_PATH}(?:,\d+)?\)", re.ASCII)  # secti
 
 def combinations_are_legal(package: Package) -> Iterator[Finding]:
     """Check rule 2: causality, variability and `initial` of each variable go together."""
-    for variable in package.document.variables:
-        pair = (variable.causality, variable.variability)
-        name = shown(variable.name)
-        if variable.type != REAL and variable.variability == "continuous":
-            how = "declares" if "variability" in variable.given else "has, by default,"
-            yield error("2", f"{name} is not a Real, but {how} variability continuous; discrete is usual.")
-        elif pair not in LEGAL:
-            yield error("2", f"{name}: causality {pair[0]} and variability {pair[1]} exclude each other.")
-        elif LEGAL[pair] and variable.initial not in LEGAL[pair]:
-            legal = " or ".join(sorted(LEGAL[pair]))
-            yield error("2", f"{name}: initial {variable.initial} is illegal for a {pair[1]} {pair[0]}; {legal} is.")
+    for sentence in formalities.combinations(package.document, shown):
+        yield error("2", sentence)
 
 
 def starts_are_where_needed(package: Package) -> Iterator[Finding]:
     """Check rule 3: variables have a start value where FMI demands one, and only where FMI allows one."""
     for variable in package.document.variables:
-        name, kind = shown(variable.name), variable.causality
-        if kind in ("input", "independent") and "initial" in variable.given:
-            yield warning("3", f"{name} has initial {variable.initial}, but is an {kind}, which has none.")
-        needed = kind == "input" or (kind != "independent" and variable.initial in (EXACT, APPROX))
-        if needed and variable.start is None:
-            why = "is an input" if kind == "input" else f"has initial {variable.initial}"
-            yield error("3", f"{name} {why}, but no start value.")
-        elif variable.start is not None and not needed:
-            why = "is the independent variable" if kind == "independent" else "has initial calculated"
-            yield error("3", f"{name} {why}, but a start value.")
+        if variable.causality in ("input", "independent") and "initial" in variable.given:
+            said = f"{shown(variable.name)} has initial {variable.initial}, but is an {variable.causality}"
+            yield warning("3", f"{said}, which has none.")
+    for sentence in formalities.starts(package.document, shown):
+        yield error("3", sentence)
 
 
 def names_are_unique_and_structured(package: Package) -> Iterator[Finding]:
@@ -84,13 +50,17 @@ def units_are_declared(package: Package) -> Iterator[Finding]:
             yield warning("5", f"The unit {shown(name)} has no BaseUnit; importers cannot compare it.")
         elif not unit.convertible:
             yield error("5", f"The unit {shown(name)} has factor {unit.factor:g} and offset {unit.offset:g}.")
+    for sentence in formalities.units(document, shown):
+        yield error("5", sentence)
     for variable in document.variables:
         name, unit = shown(variable.name), variable.unit
         if variable.declared_type and variable.declared_type not in document.types:
             yield error("5", f"{name}: the type {shown(variable.declared_type)} is not declared.")
-        elif unit and unit not in document.units:
-            yield error("5", f"{name}: the unit {shown(unit)} is not declared in UnitDefinitions.")
-        elif variable.display_unit and variable.display_unit not in document.display_units.get(unit, ()):
+        elif (
+            unit in document.units
+            and variable.display_unit
+            and variable.display_unit not in document.display_units.get(unit, ())
+        ):
             yield error("5", f"{name}: the display unit {shown(variable.display_unit)} is not one of {shown(unit)}.")
 
 
@@ -123,8 +93,8 @@ def capabilities_agree(package: Package) -> Iterator[Finding]:
     document = package.document
     if document.flag(SERIALIZES_STATE) and not document.flag("canGetAndSetFMUstate"):
         yield error("6", f"{SERIALIZES_STATE} is true, but canGetAndSetFMUstate false: there is no state to serialize.")
-    if not IDENTIFIER.fullmatch(document.identifier):
-        yield error("6", f"The modelIdentifier {shown(document.identifier)!r} is not a C identifier.")
+    for sentence in formalities.identifier(document, shown):
+        yield error("6", sentence)
     exchange = document.root.find("ModelExchange")
     other = document.identifier if exchange is None else exchange.get("modelIdentifier")
     if other != document.identifier:

@@ -1,0 +1,50 @@
+"""Warns before a run of FMUs that break rules of form, which no step needs."""
+
+import warnings
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+from orchestration.errors import SystemDescriptionError
+from orchestration.fmi.instance import Instance
+from orchestration.system.system import System
+
+_LONGEST = 140  # characters of the first sentence
+
+
+class FormalityWarning(UserWarning):
+    """Warning that an FMU breaks rules of FMI that no step needs, so it is run all the same."""
+
+
+def report_descriptions(system: System, *, strict: bool) -> None:
+    """Warn once of each FMU of a system whose archive or description breaks rules of form.
+
+    Raises
+    ------
+    SystemDescriptionError
+        Instead of a warning, if `strict`.
+    """
+    files = {c.description.path: c.description.formalities for c in system.components}
+    _report(files.items(), strict=strict)
+
+
+def report_libraries(instances: Iterable[Instance], *, strict: bool) -> None:
+    """Warn once of each FMU whose library breaks rules of form.
+
+    Raises
+    ------
+    SystemDescriptionError
+        Instead of a warning, if `strict`.
+    """
+    _report({i.description.path: i.formalities for i in instances}.items(), strict=strict)
+
+
+def _report(found: Iterable[tuple[Path, Sequence[str]]], *, strict: bool) -> None:
+    for path, sentences in found:
+        if not sentences:
+            continue
+        first = sentences[0] if len(sentences[0]) <= _LONGEST else f"{sentences[0][:_LONGEST]}..."
+        more = f" ({len(sentences)} such faults; `adaptimp check` lists them)" if len(sentences) > 1 else ""
+        msg = f"{path.name} breaks a rule of FMI that no step needs: {first}{more}"
+        if strict:
+            raise SystemDescriptionError(msg)
+        warnings.warn(msg, FormalityWarning, stacklevel=5)
