@@ -100,9 +100,11 @@ class Fmu:
             folder = opened.enter_context(unpacked(self.description.path, needed_to_run))
             self._instance = Instance.open(self.name, self.description, folder, messages=self.messages)
             opened.callback(self._instance.close)
-            self.set(start, **values)
+            others, inputs = self._start_values({**(start or {}), **values})
+            self.set(others)
             self._call("fmi2SetupExperiment", 0, 0.0, self.time, 0, 0.0)
             self._call("fmi2EnterInitializationMode")
+            self.set(inputs)
             self._call("fmi2ExitInitializationMode")
             self._opened = opened.pop_all()
         self._initialized = True
@@ -267,6 +269,16 @@ class Fmu:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self.close()
+
+    def _start_values(self, given: Mapping[str, Value]) -> tuple[dict[str, Value], dict[str, Value]]:
+        """Start values that go in before initialization mode, and those of inputs, which go in within."""
+        inputs = self.description.of_causality("input")
+        called = {v.name: (v.name, v.name.partition("[")[0]) for v in inputs}  # an element also by its array
+        names = {name for both in called.values() for name in both}
+        others = {name: value for name, value in given.items() if name not in names}
+        driven = {name: value for name, value in given.items() if name in names}
+        declared = {v.name: v.start for v in inputs if v.start is not None and driven.keys().isdisjoint(called[v.name])}
+        return others, declared | driven
 
     def _key(self) -> bytes:
         """Return a key that marks the states of this FMU, so that a state of another FMU is noticed."""

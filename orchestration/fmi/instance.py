@@ -109,7 +109,7 @@ class Instance:
     def formalities(self) -> list[str]:
         """Sentences on rules of form that the library breaks, and that no step needs."""
         missing = self.library.lacks()
-        return [f"Its library does not export {', '.join(missing)}."] if missing else []
+        return [f"Its library does not export {_listed(missing)}."] if missing else []
 
     @property
     def component(self) -> int:
@@ -255,9 +255,15 @@ def _loaded(name: str, description: Description, folder: Path) -> Library:
         raise ArchiveError(msg) from error
     if missing := library.lacks(needed_functions(description)):
         library.close()
-        msg = f"{name}: {description.path.name} cannot be loaded: its library does not export {', '.join(missing)}."
+        msg = f"{name}: {description.path.name} cannot be loaded: its library does not export {_listed(missing)}."
         raise ArchiveError(msg)
     return library
+
+
+def _listed(names: Sequence[str], most: int = 6) -> str:
+    """Join the first names, and count the others."""
+    more = f", and {len(names) - most} more" if len(names) > most else ""
+    return ", ".join(names[:most]) + more
 
 
 def c_references(numbers: Iterable[int]) -> Any:

@@ -19,7 +19,7 @@ BAD_SETTINGS = {
     "arm.K_f=1": r"System fig2 has no component arm; it has trajectory, sensor, controller, actuator",
     "K_f=1": r"'K_f' is not of the form component\.variable, such as trajectory\.",
     "plant.K_f": r"--set plant\.K_f: COMPONENT\.VARIABLE=VALUE is needed, such as",
-    "plant.q[1]=0": r"plant\.q\[1\] has causality output; only parameters and inputs can be set\.",
+    "plant.q[1]=0": r"plant\.q\[1\] has causality output .*; only parameters, inputs, and variables .* can be set\.",
     "plant.K_f=hard": r"plant\.K_f = 'hard': a number is needed\.",
     "plant.K_f=": r"plant\.K_f = '': a number is needed\.",
     "sensor.seed=0.5": r"sensor\.seed = '0\.5': an integer of 32 bits is needed\.",

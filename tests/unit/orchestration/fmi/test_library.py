@@ -51,7 +51,7 @@ def test_a_missing_function_is_named(small: dict[str, Path], tmp_path: Path) -> 
     hollow = rewritten(small["Source"], tmp_path / "hollow.fmu", str, drop="binaries/")
     with zipfile.ZipFile(hollow, "a") as new:
         new.write(_shared(code, tmp_path), library)
-    with pytest.raises(ArchiveError, match=r"its library does not export fmi2GetTypesPlatform, .*fmi2DoStep"):
+    with pytest.raises(ArchiveError, match=r"its library does not export fmi2Instantiate, .*fmi2DoStep, .* more\."):
         simulate(system({"Source": hollow}, {"source": "Source"}))
 
 
