@@ -281,17 +281,21 @@ class Model:
 
 def _starts(start: Start, where: str) -> tuple[list[float], int | None]:
     """Start values as numbers, and their number; None for a scalar."""
+    if isinstance(start, int | float):
+        return [float(start)], None
+    if isinstance(start, str | ca.SX):
+        raise _not_numbers(start, where)
     try:
-        if isinstance(start, int | float):
-            return [float(start)], None
-        if isinstance(start, str | ca.SX):
-            raise TypeError
         values = [float(value) for value in start]
     except (TypeError, ValueError) as error:
-        shown = f"the symbol {start} of type SX" if isinstance(start, ca.SX) else repr(start)
-        msg = f"{where}: start {shown} is not a number; give a number, or a list of numbers for an array."
-        raise DefinitionError(msg) from error
+        raise _not_numbers(start, where) from error
     return values, len(values)
+
+
+def _not_numbers(start: object, where: str) -> DefinitionError:
+    """The error of a start value that is not made of numbers."""
+    shown = f"the symbol {start} of type SX" if isinstance(start, ca.SX) else repr(start)
+    return DefinitionError(f"{where}: start {shown} is not a number; give a number, or a list of numbers for an array.")
 
 
 def _per_element(texts: PerElement, names: Sequence[str], what: str) -> list[str]:

@@ -76,7 +76,8 @@ class Variable:
     def __post_init__(self) -> None:
         """Refuse what FMI 2.0 or a reader could not use."""
         if not _NAME.fullmatch(self.name):
-            msg = f"{self.name!r} is not a structured FMI name; use letters, digits and _, such as q or q[1]."
+            advice = "use letters, digits and _, and count elements from 1"
+            msg = f"{self.name!r} is not a structured FMI name such as q or q[1]; {advice}."
             raise DefinitionError(msg)
         if not self.description:
             msg = f"{self.name}: a description is missing; give one, such as description='Joint angle'."
