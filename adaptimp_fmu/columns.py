@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 import casadi as ca
 
+from adaptimp_fmu.continuous_model import ContinuousModel
 from adaptimp_fmu.errors import DefinitionError
 from adaptimp_fmu.model import Model
 
@@ -39,7 +40,9 @@ def evolutions(model: Model) -> list[ca.SX]:
     values = []
     for state in model.states:
         if state.evolution is None:
-            msg = f"{model.name}: state {state.name} has no derivative or update."
+            call = "derivative" if isinstance(model, ContinuousModel) else "update"
+            call = f"model.{call}({state.name}, ...)"
+            msg = f"{model.name}: state {state.name} has no derivative or update; give one with {call}."
             raise DefinitionError(msg)
         values.append(state.evolution)
     return values

@@ -55,7 +55,7 @@ class ContinuousModel(Model):
             that they are smooth between events.
         """
         if depends(indicator, self.input_symbols):
-            msg = f"{self.name}: event {name} depends on inputs; only states, time and parameters may."
+            msg = f"{self.name}: event {name} depends on inputs; it may depend on only states, time and parameters."
             raise DefinitionError(msg)
         mode = ca.SX.sym(f"mode_{name}")
         self.events.append(Event(name, mode, ca.SX(indicator)))

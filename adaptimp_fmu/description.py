@@ -8,6 +8,7 @@ from typing import Any
 
 from lxml import etree
 
+from adaptimp_fmu.display_units import display_unit
 from adaptimp_fmu.errors import DefinitionError
 from adaptimp_fmu.metadata import Experiment
 from adaptimp_fmu.model import Model
@@ -111,9 +112,19 @@ def _co_simulation(root: Any, model: Model, sources: Iterable[str]) -> None:
 
 def _units(root: Any, variables: Iterable[Variable]) -> None:
     definitions = etree.SubElement(root, "UnitDefinitions")
-    for unit in sorted({variable.unit for variable in variables if variable.unit}):
+    shown: dict[str, set[str]] = {}
+    for variable in variables:
+        if variable.unit:
+            shown.setdefault(variable.unit, set()).update(filter(None, [variable.display_unit]))
+    for unit in sorted(shown):
+        element = etree.SubElement(definitions, "Unit", name=unit)
         exponents = {base: str(power) for base, power in base_exponents(unit).items()}
-        etree.SubElement(etree.SubElement(definitions, "Unit", name=unit), "BaseUnit", exponents)
+        etree.SubElement(element, "BaseUnit", exponents)
+        for display in map(display_unit, sorted(shown[unit])):
+            attributes = {"name": display.name, "factor": repr(display.factor)}
+            if display.offset:
+                attributes["offset"] = repr(display.offset)
+            etree.SubElement(element, "DisplayUnit", attributes)
 
 
 def _types(root: Any, variables: Iterable[Variable]) -> None:
@@ -151,6 +162,8 @@ def _variable(listing: Any, variable: Variable, reference: int, *, sampled: bool
         typed.set("declaredType", QUANTITIES[variable.unit])
     if variable.unit:
         typed.set("unit", variable.unit)
+    if variable.display_unit:
+        typed.set("displayUnit", variable.display_unit)
     if variable.type is not Type.BOOLEAN:
         for attribute, bound in (("min", variable.minimum), ("max", variable.maximum)):
             if math.isfinite(bound):

@@ -143,10 +143,11 @@ def _noise_active(model: Model) -> ca.SX:
 
 def _require_complete(model: Model) -> None:
     if not re.fullmatch(r"[A-Za-z_][A-Za-z0-9_]*", model.name):
-        msg = f"{model.name!r} is not a C identifier, so it cannot name an FMU."
+        name = re.sub(r"[^A-Za-z0-9_]", "_", f"_{model.name}" if model.name[:1].isdigit() else model.name) or "Model"
+        msg = f"{model.name!r} is not a C identifier, so it cannot name an FMU; use a name such as {name}."
         raise DefinitionError(msg)
     if not model.output_values:
-        msg = f"{model.name} has no outputs."
+        msg = f"{model.name} has no outputs; declare one with model.output(...)."
         raise DefinitionError(msg)
     if isinstance(model, SampledModel):
         model.require_named_parameters()
@@ -155,6 +156,24 @@ def _require_complete(model: Model) -> None:
             msg = (
                 f"{model.name}: {what} holds the constant NaN. Functions such as math.sin return NaN for a symbol;"
                 " use those of CasADi, such as ca.sin."
+            )
+            raise DefinitionError(msg)
+        _require_declared(model, what, value)
+
+
+def _require_declared(model: Model, what: str, value: ca.SX) -> None:
+    """Refuse an expression with a symbol that is not of the model."""
+    own = [model.time, *model.parameter_symbols, *model.input_symbols, *(state.symbol for state in model.states)]
+    if isinstance(model, ContinuousModel):
+        own += [event.mode for event in model.events]
+    if isinstance(model, SampledModel) and model.noise:
+        own.append(model.noise.symbol)
+    known = {symbol.element_hash() for vector in own for symbol in ca.vertsplit(vector)}
+    for symbol in ca.symvar(value):
+        if symbol.element_hash() not in known:
+            msg = (
+                f"{model.name}: {what} depends on the symbol {symbol}, which the model does not declare;"
+                " declare it, as with model.parameter(...) or model.input(...)."
             )
             raise DefinitionError(msg)
 

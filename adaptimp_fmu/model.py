@@ -15,6 +15,7 @@ import casadi as ca
 from adaptimp_fmu.errors import DefinitionError
 from adaptimp_fmu.icon import Icon
 from adaptimp_fmu.metadata import Experiment, Ownership
+from adaptimp_fmu.names import suggestion
 from adaptimp_fmu.variables import INTEGER_LIMIT, Role, Type, Variable, element_names
 
 Start = float | Sequence[float]
@@ -27,6 +28,12 @@ class Limits:
 
     minimum: float = -float("inf")
     maximum: float = float("inf")
+
+    def __post_init__(self) -> None:
+        """Refuse a range that no number is in."""
+        if not self.minimum <= self.maximum:
+            msg = f"Limits({self.minimum!r}, {self.maximum!r}): the minimum must not exceed the maximum; swap them."
+            raise DefinitionError(msg)
 
 
 ANY = Limits()
@@ -54,6 +61,16 @@ class Check:
 
     value: ca.SX
     sentence: str
+
+
+@dataclass(frozen=True)
+class Declaration:
+    """Name, role, type and range of a variable that is declared."""
+
+    name: str
+    role: Role
+    type: Type
+    limits: Limits = ANY
 
 
 @dataclass
@@ -101,6 +118,7 @@ class Model:
         start: Start,
         *,
         unit: PerElement = "",
+        display_unit: PerElement = "",
         description: PerElement,
         limits: Limits = ANY,
         tunable: bool = False,
@@ -113,7 +131,10 @@ class Model:
         start
             A number for a scalar, a sequence for a vector.
         unit, description
-            One for all elements, or one each.
+            One for all elements, or one each. Units are coherent with the SI, such as rad and N.m.
+        display_unit
+            Unit in which tools show the value, such as ``deg``; one for all elements, or one each. The value
+            itself is in `unit`.
         tunable
             Whether it may change between steps.
 
@@ -121,11 +142,19 @@ class Model:
         -------
         SX
             Its symbol, shape (n,).
+
+        Raises
+        ------
+        DefinitionError
+            If a name, a unit, a start value or its range cannot be declared.
         """
+        if not isinstance(limits, Limits):
+            msg = f"{self.name}.{name}: limits {limits!r} are not a range; give one, as Limits(0.0, 1.0)."
+            raise DefinitionError(msg)
         role = Role.TUNABLE_PARAMETER if tunable else Role.FIXED_PARAMETER
         if type is Type.INTEGER and limits.maximum == float("inf"):
             limits = Limits(max(limits.minimum, -INTEGER_LIMIT), INTEGER_LIMIT)
-        symbol = self._declare(name, role, type, start, unit, description, limits)
+        symbol = self._declare(Declaration(name, role, type, limits), start, (unit, display_unit, description))
         self.parameter_symbols.append(symbol)
         return symbol
 
@@ -135,11 +164,12 @@ class Model:
         start: Start,
         *,
         unit: PerElement = "",
+        display_unit: PerElement = "",
         description: PerElement,
         type: Type = Type.REAL,
     ) -> ca.SX:
         """Declare an input; see `parameter`."""
-        symbol = self._declare(name, Role.INPUT, type, start, unit, description, ANY)
+        symbol = self._declare(Declaration(name, Role.INPUT, type), start, (unit, display_unit, description))
         self.input_symbols.append(symbol)
         return symbol
 
@@ -149,6 +179,7 @@ class Model:
         value: ca.SX,
         *,
         unit: PerElement = "",
+        display_unit: PerElement = "",
         description: PerElement,
         type: Type = Type.REAL,
         scalar: bool | None = None,
@@ -163,10 +194,11 @@ class Model:
             Whether a value of one element is called `name`, without an index. Default: yes, as an input or a
             parameter that starts with a number is; False calls it ``name[1]``.
         """
-        value = ca.vec(ca.SX(value))
+        value = expression(value, f"{self.name}: output {name}")
         one = value.numel() == 1 if scalar is None else scalar
-        shape = None if one else value.numel()
-        self._add_variables(name, Role.OUTPUT, type, [None] * value.numel(), shape, unit, description, ANY)
+        names = element_names(name, None if one else value.numel())
+        starts = [None] * value.numel()
+        self._add_variables(Declaration(name, Role.OUTPUT, type), names, starts, (unit, display_unit, description))
         self.output_values.append(value)
 
     def state(self, name: str, initial: ca.SX | Start) -> ca.SX:
@@ -174,7 +206,7 @@ class Model:
 
         The first value may depend on parameters and, in a sampled model, on the first tick's inputs.
         """
-        initial = ca.vec(ca.SX(initial))
+        initial = expression(initial, f"{self.name}: the first value of state {name}")
         symbol = ca.SX.sym(name, initial.numel())
         self.states.append(State(name, symbol, initial))
         return symbol
@@ -185,8 +217,9 @@ class Model:
         A demand on parameters alone is checked when they change, any other at every evaluation
         of the outputs.
         """
+        value = expression(value, f"{self.name}: the demand {sentence!r}")
         static = not depends(value, [self.time, *self.input_symbols, *(s.symbol for s in self.states)])
-        (self.static_checks if static else self.checks).append(Check(ca.SX(value), sentence))
+        (self.static_checks if static else self.checks).append(Check(value, sentence))
 
     def with_role(self, *roles: Role) -> list[Variable]:
         """The variables of the given roles, in order."""
@@ -201,7 +234,7 @@ class Model:
         """Value reference of a variable."""
         names = [variable.name for variable in self.ordered_variables()]
         if name not in names:
-            msg = f"{self.name} has no variable {name}; it has {', '.join(names)}."
+            msg = f"{self.name} has no variable {name}; {suggestion(name, names)}"
             raise DefinitionError(msg)
         return names.index(name)
 
@@ -209,64 +242,88 @@ class Model:
         """Record what becomes of a state."""
         for state in self.states:
             if state.symbol is symbol:
-                state.evolution = ca.vec(ca.SX(value))
+                state.evolution = expression(value, f"{self.name}: the evolution of state {state.name}")
                 if state.evolution.numel() != symbol.numel():
                     msg = (
                         f"{self.name}.{state.name} has {symbol.numel()} elements,"
-                        f" its evolution {state.evolution.numel()}."
+                        f" its evolution {state.evolution.numel()}; it needs as many."
                     )
                     raise DefinitionError(msg)
                 return
-        msg = f"{self.name}: {symbol} is not a state of this model."
+        msg = f"{self.name}: {symbol} is not a state of this model; declare it with model.state(...)."
         raise DefinitionError(msg)
 
-    def _declare(
-        self,
-        name: str,
-        role: Role,
-        type: Type,
-        start: Start,
-        unit: PerElement,
-        description: PerElement,
-        limits: Limits,
-    ) -> ca.SX:
+    def _declare(self, declared: Declaration, start: Start, texts: tuple[PerElement, PerElement, PerElement]) -> ca.SX:
         """Add the scalars of a variable; returns its symbol."""
-        scalar = isinstance(start, int | float)
-        starts = [float(start)] if scalar else [float(s) for s in start]
-        shape = None if scalar else len(starts)
-        self._add_variables(name, role, type, starts, shape, unit, description, limits)
-        return ca.SX.sym(name, len(starts))
+        starts, shape = _starts(start, f"{self.name}.{declared.name}")
+        self._add_variables(declared, element_names(declared.name, shape), starts, texts)
+        return ca.SX.sym(declared.name, len(starts))
 
     def _add_variables(
         self,
-        name: str,
-        role: Role,
-        type: Type,
+        declared: Declaration,
+        names: Sequence[str],
         starts: Sequence[float | None],
-        shape: int | None,
-        unit: PerElement,
-        description: PerElement,
-        limits: Limits,
+        texts: tuple[PerElement, PerElement, PerElement],
     ) -> None:
-        names = element_names(name, shape)
+        """Add scalars; the texts are unit, display unit and description."""
+        name, role, type = declared.name, declared.role, declared.type
         taken = {variable.name.partition("[")[0] for variable in self.variables}
         if name.partition("[")[0] in taken:
-            msg = f"{self.name} already has a variable {name}."
+            msg = f"{self.name} already has a variable {name}; give the other one another name."
             raise DefinitionError(msg)
-        units = _per_element(unit, names, "units")
-        descriptions = _per_element(description, names, "descriptions")
-        for element, start, u, text in zip(names, starts, units, descriptions, strict=True):
-            self.variables.append(Variable(element, role, type, u, text, start, limits.minimum, limits.maximum))
+        what = ("units", "display units", "descriptions")
+        each = zip(*(_per_element(text, names, w) for text, w in zip(texts, what, strict=True)), strict=True)
+        least, most = declared.limits.minimum, declared.limits.maximum
+        for element, start, (unit, shown, text) in zip(names, starts, each, strict=True):
+            self.variables.append(Variable(element, role, type, unit, text, start, least, most, shown))
+
+
+def _starts(start: Start, where: str) -> tuple[list[float], int | None]:
+    """Start values as numbers, and their number; None for a scalar."""
+    if isinstance(start, int | float):
+        return [float(start)], None
+    if isinstance(start, str | ca.SX):
+        raise _not_numbers(start, where)
+    try:
+        values = [float(value) for value in start]
+    except (TypeError, ValueError) as error:
+        raise _not_numbers(start, where) from error
+    return values, len(values)
+
+
+def _not_numbers(start: object, where: str) -> DefinitionError:
+    """The error of a start value that is not made of numbers."""
+    shown = f"the symbol {start} of type SX" if isinstance(start, ca.SX) else repr(start)
+    return DefinitionError(f"{where}: start {shown} is not a number; give a number, or a list of numbers for an array.")
 
 
 def _per_element(texts: PerElement, names: Sequence[str], what: str) -> list[str]:
     """One text per element."""
     if isinstance(texts, str):
         return [texts] * len(names)
+    if not isinstance(texts, Sequence) or not all(isinstance(text, str) for text in texts):
+        msg = f"{names[0]}: {what} {texts!r}: a text is needed, or a list of texts."
+        raise DefinitionError(msg)
     if len(texts) != len(names):
-        msg = f"{names[0]}: {len(names)} elements but {len(texts)} {what}."
+        msg = f"{names[0]}: {len(names)} elements but {len(texts)} {what}; give one for all, or one for each."
         raise DefinitionError(msg)
     return list(texts)
+
+
+def expression(value: ca.SX | Start, where: str) -> ca.SX:
+    """A value as a column of CasADi, shape (n,).
+
+    Raises
+    ------
+    DefinitionError
+        If it is not a number, an array of numbers or an expression.
+    """
+    try:
+        return ca.vec(ca.SX(value))
+    except (NotImplementedError, TypeError) as error:
+        msg = f"{where} is {value!r}; an expression of CasADi or a number is needed."
+        raise DefinitionError(msg) from error
 
 
 def depends(expression: ca.SX, symbols: Sequence[ca.SX]) -> bool:

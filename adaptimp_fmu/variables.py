@@ -5,7 +5,9 @@ import math
 import re
 from dataclasses import dataclass
 
+from adaptimp_fmu.display_units import advice, require_display_unit
 from adaptimp_fmu.errors import DefinitionError
+from adaptimp_fmu.units import base_exponents
 
 INTEGER_LIMIT = 2**31 - 1
 _NAME = re.compile(r"[A-Za-z_]\w*(\[[1-9]\d*\])?", re.ASCII)
@@ -33,6 +35,13 @@ class Type(enum.Enum):
     BOOLEAN = "Boolean"
 
 
+_NEEDED = {
+    Type.REAL: "a finite number",
+    Type.INTEGER: f"a whole number of at most {INTEGER_LIMIT}",
+    Type.BOOLEAN: "True or False",
+}
+
+
 @dataclass(frozen=True)
 class Variable:
     """A scalar variable of a model.
@@ -45,6 +54,13 @@ class Variable:
         Start value in `unit`; ``None`` for outputs, which are calculated.
     minimum, maximum
         Closed range in `unit`, infinite where there is no bound.
+    display_unit
+        Unit in which tools show the value, such as ``deg`` for rad; empty if it is `unit`.
+
+    Raises
+    ------
+    DefinitionError
+        If FMI 2.0 or a reader could not use the variable.
     """
 
     name: str
@@ -55,24 +71,54 @@ class Variable:
     start: float | None = None
     minimum: float = -math.inf
     maximum: float = math.inf
+    display_unit: str = ""
 
     def __post_init__(self) -> None:
         """Refuse what FMI 2.0 or a reader could not use."""
         if not _NAME.fullmatch(self.name):
-            msg = f"{self.name!r} is not a structured FMI name such as q or q[1]."
+            advice = "use letters, digits and _, and count elements from 1"
+            msg = f"{self.name!r} is not a structured FMI name such as q or q[1]; {advice}."
             raise DefinitionError(msg)
         if not self.description:
-            msg = f"{self.name}: a description is missing."
+            msg = f"{self.name}: a description is missing; give one, such as description='Joint angle'."
             raise DefinitionError(msg)
         if self.unit and self.type is not Type.REAL:
             msg = f"{self.name}: only a Real has a unit, this is a {self.type.value} in {self.unit}."
             raise DefinitionError(msg)
+        self._require_units()
         if self.start is not None and not self._is_of_type(self.start):
-            msg = f"{self.name}: start {self.start!r} is not of type {self.type.value}."
+            msg = f"{self.name}: start {self.start!r} is not of type {self.type.value}; {_NEEDED[self.type]} is needed."
             raise DefinitionError(msg)
         if self.start is not None and not self.minimum <= self.start <= self.maximum:
-            msg = f"{self.name}: start {self.start!r} is outside [{self.minimum!r}, {self.maximum!r}]."
+            msg = f"{self.name}: start {self.start!r} must be {self.range}."
             raise DefinitionError(msg)
+
+    @property
+    def range(self) -> str:
+        """What the value must be, such as ``at least 0 N/m``; empty if there is no bound."""
+        unit = f" {self.unit}" if self.unit else ""
+        least, most = _short(self.minimum), _short(self.maximum)
+        if math.isfinite(self.minimum) and math.isfinite(self.maximum):
+            return f"from {least} to {most}{unit}"
+        if math.isfinite(self.minimum):
+            return f"at least {least}{unit}"
+        return f"at most {most}{unit}" if math.isfinite(self.maximum) else ""
+
+    def _require_units(self) -> None:
+        """Refuse a unit that is not coherent with the SI, and a display unit that does not fit it."""
+        try:
+            base_exponents(self.unit)
+        except DefinitionError as error:
+            meant = advice(self.unit)
+            msg = f'{self.name}: unit "{self.unit}": {meant}' if meant else f"{self.name}: {error}"
+            raise DefinitionError(msg) from error
+        if not self.display_unit:
+            return
+        try:
+            require_display_unit(self.display_unit, self.unit)
+        except DefinitionError as error:
+            msg = f"{self.name}: {error}"
+            raise DefinitionError(msg) from error
 
     def _is_of_type(self, value: float) -> bool:
         """Whether a value is the same number in XML, which is written by type, and in C, which stores doubles."""
@@ -86,3 +132,8 @@ class Variable:
 def element_names(name: str, shape: int | None) -> list[str]:
     """Return the names of a variable's scalars: the name if `shape` is None, else ``name[1]`` to ``name[n]``."""
     return [name] if shape is None else [f"{name}[{i + 1}]" for i in range(shape)]
+
+
+def _short(value: float) -> str:
+    """A number with as few digits as tell it from all others."""
+    return repr(float(value)).removesuffix(".0")

@@ -36,8 +36,9 @@ static int is_settable(const Instance *instance, const ModelVariable *variable, 
         return 0;
     }
     if (!(value >= variable->min && value <= variable->max)) {
-        fail(instance, "%s: %s = %.17g is outside [%.17g, %.17g].", function, variable->name, value,
-             variable->min, variable->max);
+        char text[NUMBER_LENGTH];
+        fail(instance, "%s: %s = %s must be %s.", function, variable->name, shortest(text, value),
+             variable->range);
         return 0;
     }
 #ifdef MODEL_DIVISOR

@@ -33,6 +33,7 @@ typedef struct {
     VariableType type;
     VariableRole role;
     double start, min, max;
+    const char *range; /* min and max in words, such as "at least 0 N/m" */
 } ModelVariable;
 
 static const char *const model_guid;

@@ -30,6 +30,7 @@ import numpy as np
 
 from orchestration.errors import SystemDescriptionError
 from orchestration.fmi.codes import INTERPOLATES
+from orchestration.fmi.given import require_type
 from orchestration.fmi.units import Unit
 from orchestration.master.algorithm import SEQUENTIAL, Algorithm, find_algorithm
 from orchestration.results.result import Result
@@ -128,6 +129,8 @@ def ledger(result: Result, bond: PowerBond, system: System, algorithm: str | Alg
     OrchestrationError
         If the result has no column of the effort or of the flow.
     """
+    require_type("The bond", bond, PowerBond, "give one, as PowerBond('wall.F', 'mass.v')")
+    require_type("The result", result, Result, "give the Result of a run of the system")
     algorithm = find_algorithm(algorithm)
     to_flow, to_effort = (
         _connection(system, bond, bond.effort, bond.flow),
@@ -202,7 +205,8 @@ def _connection(system: System, bond: PowerBond, source: str, target: str) -> Co
                     msg = f"Power bond {bond}: {connection} changes the value, so both ends compute different powers."
                     raise SystemDescriptionError(msg)
                 return connection
-    msg = f"Power bond {bond}: {source} is not connected to {other.name}, so the bond carries no power."
+    advice = "so the bond carries no power; name a pair that is connected"
+    msg = f"Power bond {bond}: {source} is not connected to {other.name}, {advice}."
     raise SystemDescriptionError(msg)
 
 

@@ -18,6 +18,7 @@ from orchestration.check.interface import Role
 from orchestration.check.static import archive_rules, binary_rules, description_rules, structure_rules
 from orchestration.check.static.binary_rules import host_library
 from orchestration.errors import ArchiveError
+from orchestration.sandbox.missing import require_file
 
 __all__ = ["Candidate", "Finding", "Report", "Role", "Severity", "Trial", "check"]
 
@@ -95,9 +96,7 @@ def check(
     ArchiveError
         If there is no such file.
     """
-    if not path.is_file():
-        msg = f"{path}: there is no such file."
-        raise ArchiveError(msg)
+    require_file(path, "file")
     _require_readable(path)
     path = path.resolve()
     mapping, taken = mapping or {}, role if isinstance(role, Role) else None

@@ -11,6 +11,7 @@ from rich.table import Table
 from rich.text import Text
 
 from orchestration.errors import OrchestrationError, SystemDescriptionError
+from orchestration.fmi.names import suggestion
 
 PROGRESS_AFTER = 1.0  # s
 IMAGES = ("png", "svg")
@@ -29,7 +30,7 @@ def build_fmus(files: Sequence[Path], out: Path, platforms: Sequence[str]) -> No
 
     for name in platforms:
         if name not in PLATFORMS and name != "all":
-            msg = f"There is no platform {name}; there are {', '.join(PLATFORMS)} and all."
+            msg = f"There is no platform {name}; {suggestion(name, [*PLATFORMS, 'all'])}"
             raise SystemDescriptionError(msg)
     chosen = list(PLATFORMS.values()) if "all" in platforms else [PLATFORMS[n] for n in platforms]
     models = models_of(files) if files else [declare() for declare in MODELS.values()]
@@ -44,7 +45,7 @@ def reproduce_paper(out: Path, image: str, *, fresh: bool) -> None:
     from orchestration.paper.report import reproduce
 
     if image not in IMAGES:
-        msg = f"There is no image format {image}; there are {', '.join(IMAGES)}."
+        msg = f"There is no image format {image}; {suggestion(image, IMAGES)}"
         raise SystemDescriptionError(msg)
     require_folder(out)
     report = reproduce(out, lambda sentence: typer.echo(f"{sentence} ..."), image, fresh=fresh)

@@ -15,6 +15,9 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import typer
+
+from orchestration.cli.model_hints import NUMPY_HINT, hinted, numpy_on_symbols
 from orchestration.errors import SystemDescriptionError
 
 if TYPE_CHECKING:
@@ -60,17 +63,20 @@ def _models(path: Path) -> "list[Model]":
 
 
 def _run(path: Path) -> dict[str, object]:
-    """Run a Python file and return the names that it defines; an error becomes a sentence with the line."""
+    """Run a Python file and return the names that it defines; an error becomes a sentence with line and hint."""
     try:
-        with _beside(path):
-            return runpy.run_path(str(path))
+        with _beside(path), numpy_on_symbols(str(path)) as lines:
+            names = runpy.run_path(str(path))
     except Exception as error:
-        file, line, said = path, _line(path, error), str(error)
+        file, line, said = path, _line(path, error), hinted(str(error))
         if isinstance(error, SyntaxError):  # may be one of a file that this one imports
             file, line, said = error.filename, error.lineno, error.msg
         where = f"{file}" if line is None else f"{file}, line {line}"
         msg = f"{where}: {type(error).__name__}: {said}"
         raise SystemDescriptionError(msg) from error
+    for line in lines:
+        typer.echo(f"Notice: {path}, line {line}: {NUMPY_HINT}.", err=True)
+    return names
 
 
 def _line(path: Path, error: Exception) -> int | None:

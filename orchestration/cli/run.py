@@ -23,6 +23,7 @@ from orchestration.errors import (
     SimulationError,
     SystemDescriptionError,
 )
+from orchestration.fmi.names import suggestion
 from orchestration.master.algorithm import Algorithm, Tolerance, find_algorithm
 from orchestration.master.capabilities import check_tolerances
 from orchestration.master.options import Crossings
@@ -204,6 +205,9 @@ def _named(name: str) -> System:
         return System.of({component: path}, component)
     if path.suffix.lower() == ".ssp":
         return System.read(path)
+    if path.suffix:
+        msg = f"{path}: a system is read from an .ssp or .fmu file; scenarios have names, such as adaptimp run fig5."
+        raise SystemDescriptionError(msg)
     from orchestration.paper.ready import scenario
 
     return scenario(name)
@@ -214,7 +218,12 @@ def _controller(name: str) -> Path:
     from fmus.catalog import MODELS
     from orchestration.paper.built_fmus import built
 
-    return built(name) if name in MODELS and not Path(name).exists() else Path(name)
+    if not Path(name).exists() and Path(name).name == name and not Path(name).suffix:
+        if name not in MODELS:
+            msg = f"--controller: there is no model {name}; {suggestion(name, MODELS)}"
+            raise SystemDescriptionError(msg)
+        return built(name)
+    return Path(name)
 
 
 def recorded(texts: Sequence[str] | None) -> list[str] | None:

@@ -13,7 +13,9 @@ import numpy as np
 from orchestration.errors import SignalError
 from orchestration.fmi.codes import BOOLEAN, REAL, STRING
 from orchestration.fmi.description import Variable
+from orchestration.fmi.given import shown
 from orchestration.fmi.names import arrays as positions_of_arrays
+from orchestration.fmi.names import suggestion
 
 Value = float | str | Sequence[float] | np.ndarray
 
@@ -59,6 +61,12 @@ def typed(fmu: str, variable: Variable, value: float | str) -> Any:
     return value if variable.type == REAL else int(value)
 
 
+def _not_numbers(fmu: str, name: str, value: Any) -> SignalError:
+    """The error of values that are not numbers."""
+    only = value[0] if isinstance(value, list) and len(value) == 1 else value
+    return SignalError(f"{fmu}: {name} takes numbers, not {shown(only)}.")
+
+
 class Signals:
     """The variables of an FMU by the names of variables and of arrays.
 
@@ -90,7 +98,7 @@ class Signals:
             return [self.variables[name]]
         if name in self._arrays:
             return [self.variables[element] for element in self._arrays[name]]
-        msg = f"{self.fmu} has no variable {name}; it has {listed(self.variables)}."
+        msg = f"{self.fmu} has no variable {name}; {suggestion(name, self.variables)}"
         raise SignalError(msg)
 
     def rows(self, name: str, value: Any, *, driven: bool = False) -> np.ndarray:
@@ -103,14 +111,20 @@ class Signals:
         """
         elements = self.elements(name)
         if driven and any(variable.name not in self._driven for variable in elements):
-            msg = f"{self.fmu} has no input {name}; its inputs and tunable parameters are {listed(self._driven)}."
+            causality = elements[0].causality
+            msg = (
+                f"{self.fmu} has no input {name}, which is of causality {causality}; its inputs and tunable parameters"
+                f" are {listed(self._driven)}."
+            )
             raise SignalError(msg)
         try:
             array = np.asarray(value)
+            texts = array.dtype.kind == "U" and elements[0].type != STRING
+            if array.dtype.kind == "c" or texts or (array.dtype.kind == "O" and None in array.ravel().tolist()):
+                raise _not_numbers(self.fmu, name, value)
             array = array if array.dtype.kind == "U" else array.astype(float)
         except (TypeError, ValueError) as error:
-            msg = f"{self.fmu}: {name} takes numbers, not {value!r}."
-            raise SignalError(msg) from error
+            raise _not_numbers(self.fmu, name, value) from error
         shape = () if name in self.variables else (len(elements),)
         if array.ndim != 1 + len(shape) or array.shape[1:] != shape:
             needed, given = (("n", *shape), array.shape) if driven else (shape, array.shape[1:])

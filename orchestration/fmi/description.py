@@ -27,6 +27,7 @@ from orchestration.fmi.document import (
 from orchestration.fmi.formalities import RULES
 from orchestration.fmi.units import UnitDefinition, defined
 from orchestration.sandbox.archive import screen
+from orchestration.sandbox.missing import require_file
 
 SAMPLE_TIME = "sample_time"
 """Name of the parameter that tells a sampled component's period, s."""
@@ -142,9 +143,7 @@ def read_description(path: Path) -> Description:
         If the archive is unsafe, or not an FMI 2.0 FMU for co-simulation.
     """
     path = path.resolve()
-    if not path.is_file():
-        msg = f"{path}: there is no such FMU."
-        raise ArchiveError(msg)
+    require_file(path, "FMU")
     status = path.stat()
     return _read_description(path, status.st_mtime_ns, status.st_size)
 

@@ -17,6 +17,7 @@ from orchestration.fmi.fmpy_files import fmpy_file
 from orchestration.fmi.units import BASE_UNITS, Unit
 from orchestration.sandbox.archive import UNREADABLE
 
+SSP_FILE = "SystemStructure.ssd"
 MODEL_DESCRIPTION = "modelDescription.xml"
 LARGEST = 32 * 1024**2  # bytes of a description; a hundred thousand variables have 25 MB
 CALCULATED, EXACT, APPROX = "calculated", "exact", "approx"
@@ -197,12 +198,14 @@ def read_bytes(path: Path, most: int = LARGEST) -> bytes:
     try:
         with zipfile.ZipFile(path) as archive:
             if MODEL_DESCRIPTION not in archive.namelist():
-                msg = f"The archive has no {MODEL_DESCRIPTION}."
+                other = "it is an SSP package, which System.read reads" if SSP_FILE in archive.namelist() else ""
+                msg = f"The archive has no {MODEL_DESCRIPTION}; {other or 'every FMU has one'}."
                 raise DocumentError(msg)
             with archive.open(MODEL_DESCRIPTION) as file:
                 content = file.read(most + 1)
     except UNREADABLE as failed:
-        msg = f"{MODEL_DESCRIPTION} cannot be unpacked: {failed}."
+        reason = str(failed).rstrip(".")
+        msg = f"{path}: {MODEL_DESCRIPTION} cannot be unpacked, so the file is damaged: {reason}; copy it again."
         raise ArchiveError(msg) from failed
     if len(content) > most:
         msg = f"{MODEL_DESCRIPTION} has more than {most} bytes."

@@ -19,7 +19,6 @@ from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, field
 from os import PathLike
-from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 
@@ -29,6 +28,7 @@ from orchestration.errors import InitializationError, SignalError, SimulationErr
 from orchestration.fmi.arrays import Signals, Value
 from orchestration.fmi.codes import Status, accepted
 from orchestration.fmi.description import Variable, read_description
+from orchestration.fmi.given import a_number, a_path, positive, require_type, shown
 from orchestration.fmi.instance import Instance
 from orchestration.fmi.library import needed_to_run
 from orchestration.fmi.logging import Messages
@@ -89,11 +89,13 @@ class Fmu:
         start_time: float = 0.0,
         **values: Value,
     ) -> None:
-        self.description = read_description(Path(path))
-        self.path, self.name = Path(path), self.description.model_name
+        self.path = a_path("An FMU", path)
+        self.description = read_description(self.path)
+        self.name = self.description.model_name
         self.messages, self.steps = Messages(None), 0
         self._signals = Signals(self.name, self.description.variables)
-        self._origin, self._h, self._k = float(start_time), 0.0, 0
+        self._origin = a_number(f"{self.name}: the start time", start_time, SignalError)
+        self._h, self._k = 0.0, 0
         self._saved: list[Any] = []
         self._initialized = False
         with ExitStack() as opened:
@@ -187,7 +189,7 @@ class Fmu:
             If a name, a shape, a type or a time is wrong; then nothing has been done.
         """
         rows = {name: self._signals.rows(name, value, driven=True) for name, value in (inputs or {}).items()}
-        points = np.asarray(times, dtype=float)
+        points = self._times(times)
         n = self._number_of_steps(points, [len(values) for values in rows.values()])
         wrong = [f"{name} has {len(values)}" for name, values in rows.items() if len(values) != n]
         if wrong:
@@ -235,6 +237,9 @@ class Fmu:
             If the FMU refuses it.
         """
         self._require_open()
+        require_type(
+            f"{self.name}: the state", state, (bytes, SavedState), "give one that save() returned", SignalError
+        )
         if isinstance(state, SavedState):
             head, own, foreign = state.head, state.state, state.owner is not self
         else:
@@ -293,16 +298,27 @@ class Fmu:
                 raise SignalError(msg)
             return lengths[0]
         if points.ndim != 1 or len(points) < 2 or not np.isfinite(points).all() or not np.all(np.diff(points) > 0):
-            msg = f"{self.name}: times must be n + 1 finite, increasing communication points; got {points}."
+            said = np.array2string(points, threshold=6)
+            msg = f"{self.name}: times must be n + 1 finite, increasing communication points, in s; got {said}."
             raise SignalError(msg)
         if abs(points[0] - self.time) > GRID_TOLERANCE * (points[1] - points[0]):
             msg = f"{self.name}: times begin at {points[0]:.12g} s, but the FMU is at t = {self.time:.12g} s."
             raise SignalError(msg)
         return len(points) - 1
 
+    def _times(self, times: Any) -> np.ndarray:
+        try:
+            return np.asarray(times, dtype=float)
+        except (TypeError, ValueError) as error:
+            msg = f"{self.name}: times are {shown(times)}; give a step, or communication points, as numbers in s."
+            raise SignalError(msg) from error
+
     def _require_step(self, h: float) -> None:
-        if not (np.isfinite(h) and h > 0):
-            msg = f"{self.name}: a step of {h!r} s at t = {self.time:.12g} s; it must be positive and finite."
+        positive(f"{self.name}: the step at t = {self.time:.12g} s", h, SignalError)
+        if self.time + h == self.time:
+            msg = (
+                f"{self.name}: the step of {h!r} s does not advance the time t = {self.time:.12g} s; use a larger step."
+            )
             raise SignalError(msg)
 
     def _do_step(self, h: float) -> None:
@@ -330,7 +346,7 @@ class Fmu:
 
     def _require_open(self) -> None:
         if not self._instance.is_open:
-            msg = f"{self.name} is closed."
+            msg = f"{self.name} is closed; open it again, as Fmu({self.path.name!r})."
             raise SimulationError(msg)
 
     def _require_accepted(self, function: str, status: int) -> None:

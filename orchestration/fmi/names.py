@@ -14,6 +14,8 @@ from itertools import product
 import numpy as np
 
 _ELEMENT = re.compile(r"(?P<base>.+)\[(?P<indices>\d{1,9}(?:,\d{1,9})*)\]", re.DOTALL)
+LIKENESS = 0.65
+"""Ratio of difflib from which on a name is near; pilot and plant have 0.6, tua and tau 0.67."""
 MOST_NEAR = 4
 """How many near names a message shows."""
 
@@ -89,20 +91,53 @@ def chosen(patterns: Iterable[str], known: Collection[str]) -> tuple[list[str], 
 def near(name: str, known: Iterable[str]) -> list[str]:
     """Known names, or names of arrays, that a wrong name may have meant, the nearest first."""
     known = list(known)
+    whole = arrays(tuple(known))
     lower: dict[str, str] = {}
-    for candidate in (*known, *map(base_name, known)):
-        lower.setdefault(candidate.lower(), candidate)
-    close = get_close_matches(name.lower(), lower, MOST_NEAR, 0.6)
+    for candidate in known:
+        of_array = base_name(candidate) if base_name(candidate) in whole else candidate
+        lower.setdefault(of_array.lower(), of_array)
+    close = get_close_matches(name.lower(), lower, MOST_NEAR, LIKENESS)
     longer = [candidate for candidate in lower if candidate.startswith(name.lower())]
-    return [lower[match] for match in dict.fromkeys([*close, *longer])][:MOST_NEAR]
+    members = [candidate for candidate in lower if candidate.endswith(f".{name.lower()}")]
+    return [lower[match] for match in dict.fromkeys([*members, *close, *longer])][:MOST_NEAR]
 
 
-def suggestion(name: str, known: Iterable[str]) -> str:
-    """A sentence's end that helps with a wrong name: near names, else some of the known ones."""
+def suggestion(name: str, known: Iterable[str], prefix: str = "") -> str:
+    """A sentence's end that helps with a wrong name: what an array is, near names, else some of the known ones.
+
+    Parameters
+    ----------
+    prefix
+        What stands before the known names where the user writes them, such as ``plant.``.
+    """
     known = list(known)
     if not known:
         return "there is none."
+    lower = {**{base_name(k).lower(): base_name(k) for k in known}, **{k.lower(): k for k in known}}
+    if help_ := _index_help(name, known, prefix):
+        return help_
+    if lower.get(name.lower(), name) != name:
+        return f"names are case-sensitive: did you mean {prefix}{lower[name.lower()]}?"
     if found := near(name, known):
-        return f"did you mean {' or '.join(found)}?"
-    shown = ", ".join(known[:MOST_NEAR])
-    return f"there are {shown}" + (f" and {len(known) - MOST_NEAR} more." if len(known) > MOST_NEAR else ".")
+        return f"did you mean {' or '.join(f'{prefix}{candidate}' for candidate in found)}?"
+    shown = list(dict.fromkeys(base_name(candidate) for candidate in known))
+    more = len(shown) - MOST_NEAR
+    listed = ", ".join(shown[:MOST_NEAR])
+    return f"there are {listed} and {more} more." if more > 0 else f"there are {listed}."
+
+
+def _index_help(name: str, known: list[str], prefix: str) -> str:
+    """A sentence's end about an index that lacks, is too much or is out of range; empty if the index is not wrong."""
+    whole = arrays(tuple(known))
+    if name in whole:
+        elements = [f"{prefix}{known[i]}" for i in whole[name].ravel()]
+        few = ", ".join(elements) if len(elements) <= MOST_NEAR else f"{elements[0]} to {elements[-1]}"
+        return f"{prefix}{name} is an array: {few}."
+    base = base_name(name)
+    if base == name:
+        return ""
+    array = {candidate.lower(): candidate for candidate in whole}.get(base.lower())
+    if array is not None:
+        first, last = (f"{prefix}{known[whole[array].ravel()[end]]}" for end in (0, -1))
+        return f"the elements of {prefix}{array} are {first} to {last}."
+    return f"{prefix}{base} is not an array; leave the index out." if base in known else ""

@@ -22,11 +22,12 @@ G. Wanner, "Solving Ordinary Differential Equations I", II.4). A PI controller c
 methods", 1991).
 """
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from orchestration.errors import SystemDescriptionError
+from orchestration.fmi.given import positive, require_type
+from orchestration.fmi.names import suggestion
 
 SEQUENTIAL, PARALLEL = "sequential", "parallel"
 FIXED_POINT, NEWTON = "fixed-point", "newton"
@@ -37,7 +38,7 @@ MAX_ORDER = 2
 def _choice(what: str, value: str, known: tuple[str, ...]) -> None:
     """Refuse a value that is not known, with a message that lists the known values."""
     if value not in known:
-        msg = f"There is no {what} {value!r}; there are {', '.join(known)}."
+        msg = f"There is no {what} {value!r}; {suggestion(str(value), known)}"
         raise SystemDescriptionError(msg)
 
 
@@ -64,10 +65,10 @@ class Tolerance:
 
     def __post_init__(self) -> None:
         """Refuse numbers that are not positive and finite."""
-        for name, value in (("relative", self.relative), *self.absolute.items()):
-            if not (math.isfinite(value) and value > 0):
-                msg = f"The tolerance {name} = {value!r} is not positive and finite."
-                raise SystemDescriptionError(msg)
+        require_type("The absolute tolerance", self.absolute, Mapping, 'give one for each unit, as {"m": 1e-9}')
+        positive("The relative tolerance", self.relative, unit="")
+        for name, value in self.absolute.items():
+            positive(f"The absolute tolerance in {name}", value, unit=name)
 
     def absolute_of(self, unit: str) -> float:
         """Return the absolute part for a variable with the physical unit `unit`, in that unit."""
@@ -109,10 +110,11 @@ class Correction:
 
     def __post_init__(self) -> None:
         """Refuse unknown choices and impossible numbers of sweeps."""
+        require_type("The tolerance of a correction", self.tolerance, Tolerance, "give a Tolerance, as Tolerance(1e-9)")
         _choice("correction", self.method, (FIXED_POINT, NEWTON))
         _choice("Jacobian", self.jacobian, (DIFFERENCES, DIRECTIONAL))
         for name, value in (("max_iterations", self.max_iterations), ("sweeps", self.sweeps)):
-            if value is not None and not (isinstance(value, int) and value >= 1):
+            if value is not None and not (isinstance(value, int) and value >= 1 and value is not True):
                 msg = f"{name} = {value!r}: an integer of at least 1 is needed."
                 raise SystemDescriptionError(msg)
 
@@ -148,11 +150,12 @@ class StepControl:
 
     def __post_init__(self) -> None:
         """Refuse steps that are not positive and finite."""
+        example = "give a Tolerance, as Tolerance(1e-4)"
+        require_type("The tolerance of a step control", self.tolerance, Tolerance, example)
         for name in ("first", "smallest", "largest"):
             value = getattr(self, name)
-            if value is not None and not (math.isfinite(value) and value > 0):
-                msg = f"The {name} step {value!r} s is not positive and finite."
-                raise SystemDescriptionError(msg)
+            if value is not None:
+                positive(f"The {name} step", value)
 
 
 @dataclass(frozen=True)
@@ -187,8 +190,12 @@ class Algorithm:
 
     def __post_init__(self) -> None:
         """Refuse unknown choices, and choices that do not fit together."""
+        require_type("The name of an algorithm", self.name, str, "give a text, such as 'mine'")
         _choice("exchange", self.exchange, (SEQUENTIAL, PARALLEL))
-        if self.order not in range(MAX_ORDER + 1):
+        given = (("correction", self.correction, Correction), ("control", self.control, StepControl))
+        for what, value, kind in given:
+            require_type(f"The {what}", value, (kind, type(None)), f"give a {kind.__name__}, as {kind.__name__}()")
+        if not isinstance(self.order, int) or self.order not in range(MAX_ORDER + 1):
             msg = f"The order {self.order!r} of the inputs is not 0, 1 or 2."
             raise SystemDescriptionError(msg)
         if self.correction is None:
@@ -226,12 +233,12 @@ def find_algorithm(algorithm: str | Algorithm) -> Algorithm:
     Raises
     ------
     SystemDescriptionError
-        If there is no algorithm of that name. The message lists the known names.
+        If there is no algorithm of that name. The message gives near names.
     """
     if isinstance(algorithm, Algorithm):
         return algorithm
     try:
         return ALGORITHMS[algorithm]
-    except KeyError:
-        msg = f"There is no algorithm {algorithm!r}; there are {', '.join(ALGORITHMS)}."
+    except (KeyError, TypeError):
+        msg = f"There is no algorithm {algorithm!r}; {suggestion(str(algorithm), ALGORITHMS)}"
         raise SystemDescriptionError(msg) from None

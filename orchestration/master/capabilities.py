@@ -1,6 +1,6 @@
 """Checks before a run whether a system allows an algorithm, steps of several lengths, and located crossings."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 
 from orchestration.errors import SystemDescriptionError
 from orchestration.fmi.codes import DIFFERENTIATES, REAL, SAVES_STATE, VARIES_STEP
@@ -91,6 +91,21 @@ def check_tolerances(system: System, algorithm: Algorithm) -> None:
         if unit not in units:
             known = ", ".join(name or "none" for name in units)
             msg = f"The absolute tolerance in {unit} does nothing: the units of the outputs are {known}."
+            raise SystemDescriptionError(msg)
+
+
+def require_undriven(system: System, names: Iterable[str]) -> None:
+    """Refuse to set inputs with a source during a run, because the source sets them again in each step.
+
+    Raises
+    ------
+    SystemDescriptionError
+        Naming the source.
+    """
+    sources = {f"{c.target}.{c.input}": f"{c.source}.{c.output}" for c in system.connections}
+    for name in names:
+        if name in sources:
+            msg = f"{name} cannot be set, since its source {sources[name]} sets it in each step; disconnect it."
             raise SystemDescriptionError(msg)
 
 

@@ -1,10 +1,10 @@
 """Choices for a run beyond its system, duration, step and algorithm: rows, multirate, crossings."""
 
-import math
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from orchestration.errors import SystemDescriptionError
+from orchestration.fmi.given import a_number, positive, require_names, require_type, shown
 
 Progress = Callable[[int, int], None]
 
@@ -26,9 +26,10 @@ class Crossings:
 
     def __post_init__(self) -> None:
         """Refuse a tolerance that cannot be met."""
-        if not (math.isfinite(self.tolerance) and self.tolerance > 0):
-            msg = f"The tolerance of crossings, {self.tolerance!r} s, is not positive and finite."
-            raise SystemDescriptionError(msg)
+        require_names("crossings", self.outputs, "'plant.gap'")
+        if isinstance(self.outputs, str):
+            object.__setattr__(self, "outputs", (self.outputs,))
+        positive("The tolerance of crossings", self.tolerance)
 
 
 @dataclass(frozen=True)
@@ -75,21 +76,36 @@ class Options:
 
     def __post_init__(self) -> None:
         """Refuse numbers that are not positive integers."""
+        if self.record is not None:
+            require_names("record", self.record, "'plant.x[1]'")
         if isinstance(self.record, str):
             object.__setattr__(self, "record", (self.record,))
-        if self.record is not None and not all(isinstance(name, str) for name in self.record):
-            wrong = next(name for name in self.record if not isinstance(name, str))
-            msg = f"record has {wrong!r}; names of outputs are needed, such as 'plant.x[1]'."
-            raise SystemDescriptionError(msg)
-        if not (isinstance(self.every, int) and self.every >= 1):
+        self._require_types()
+        if not _counts(self.every):
             msg = f"every = {self.every!r}: every n-th step is recorded, where n is an integer of at least 1."
             raise SystemDescriptionError(msg)
         for name, ratio in self.ratios.items():
-            if not (isinstance(ratio, int) and ratio >= 1):
+            if not _counts(ratio):
                 msg = f"{name}: the ratio {ratio!r} of its step to the communication step is not a positive integer."
                 raise SystemDescriptionError(msg)
+
+    def _require_types(self) -> None:
+        """Refuse values of another type."""
+        a_number("start_time", self.start_time)
+        for name in ("strict", "allow_stale_inputs"):
+            require_type(name, getattr(self, name), bool, "give True or False")
+        require_type("ratios", self.ratios, Mapping, 'give one for each component, as {"plant": 2}')
+        require_type("crossings", self.crossings, Crossings, "give Crossings, as Crossings(['plant.gap'])")
+        if self.progress is not None and not callable(self.progress):
+            msg = f"progress is {shown(self.progress)}; give a function of two numbers, or progress=True to simulate."
+            raise SystemDescriptionError(msg)
 
     @property
     def slow(self) -> bool:
         """Whether a component makes steps that are longer than the communication step."""
         return any(ratio != 1 for ratio in self.ratios.values())
+
+
+def _counts(value: object) -> bool:
+    """Whether a value is an integer of at least 1; True is a truth value."""
+    return isinstance(value, int) and not isinstance(value, bool) and value >= 1

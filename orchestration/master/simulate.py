@@ -18,11 +18,13 @@ import warnings
 from collections.abc import Sequence
 from contextlib import ExitStack
 from dataclasses import replace
+from os import PathLike
 from pathlib import Path
 
 import numpy as np
 
 from orchestration.errors import SystemDescriptionError
+from orchestration.fmi.given import a_path, require_type, shown
 from orchestration.master.algorithm import ALGORITHMS, Algorithm, find_algorithm
 from orchestration.master.form import report_descriptions
 from orchestration.master.options import Options, Progress
@@ -93,7 +95,10 @@ def simulate(
     RunInterrupted
         If the user interrupts the run. ``error.result`` holds the rows before the interrupt.
     """
-    system = system if isinstance(system, System) else System.read(system)
+    system = _system(system)
+    if not (isinstance(progress, bool) or callable(progress)):
+        msg = f"progress is {shown(progress)}; give True for a bar, or a function of two numbers."
+        raise SystemDescriptionError(msg)
     with ExitStack() as stack:
         show = stack.enter_context(progress_bar(system.name)) if progress is True else progress or None
         chosen = _chosen(options, record, show)
@@ -137,9 +142,9 @@ def stream(
     RunInterrupted
         If the user interrupts the run.
     """
-    system = system if isinstance(system, System) else System.read(system)
-    run = prepare(system, stop_time, step, algorithm, order=order, options=_chosen(options, record, None))
-    run.stream_to(Path(path))
+    file = a_path("The file for the rows", path)
+    run = prepare(_system(system), stop_time, step, algorithm, order=order, options=_chosen(options, record, None))
+    run.stream_to(file)
     with run:
         run.run()
     return run.count
@@ -172,7 +177,8 @@ def prepare(
     SystemDescriptionError
         If the system cannot be run as asked.
     """
-    options = options or Options()
+    require_type("The system", system, System, "give a System, as System.read('loop.ssp')")
+    options = _chosen(options, None, None)
     chosen = find_algorithm(algorithm)
     if order is not None:
         system = system.ordered(order)
@@ -190,6 +196,14 @@ def prepare(
     return Simulation(system, grid, chosen, options, metadata=metadata)
 
 
+def _system(system: System | str | Path) -> System:
+    """A system, read from its file if need be."""
+    if isinstance(system, System):
+        return system
+    require_type("The system", system, (str, PathLike), "give a System, or the path of an SSP package")
+    return System.read(system)
+
+
 def _chosen(options: Options | None, record: str | Sequence[str] | None, progress: Progress | None) -> Options:
     """Options with what was given beside them.
 
@@ -198,6 +212,8 @@ def _chosen(options: Options | None, record: str | Sequence[str] | None, progres
     SystemDescriptionError
         If a choice is given twice.
     """
+    if options is not None:
+        require_type("options", options, Options, "give Options, as Options(every=2)")
     options = options or Options()
     given = {"record": record, "progress": progress}
     for name, value in given.items():
@@ -242,5 +258,6 @@ def _report_unconnected(system: System, options: Options) -> None:
         return
     msg = f"Unconnected inputs keep their start values: {', '.join(inputs)}."
     if options.strict:
+        msg = f"{msg} Connect them, or run without strict."
         raise SystemDescriptionError(msg)
     warnings.warn(msg, UnconnectedInputWarning, stacklevel=4)

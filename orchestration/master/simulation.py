@@ -32,10 +32,11 @@ from orchestration.errors import (
     SystemDescriptionError,
 )
 from orchestration.fmi.codes import WORST_ACCEPTED
+from orchestration.fmi.given import a_number, require_type
 from orchestration.fmi.instance import Instance
 from orchestration.master.algorithm import SEQUENTIAL, Algorithm
 from orchestration.master.block import Block
-from orchestration.master.capabilities import check_capabilities, check_crossings, check_steps
+from orchestration.master.capabilities import check_capabilities, check_crossings, check_steps, require_undriven
 from orchestration.master.failure_text import failure_message
 from orchestration.master.flatten import Assembly, assemble
 from orchestration.master.form import report_libraries
@@ -49,6 +50,7 @@ from orchestration.master.recorder import Recorder, Sink, not_finite
 from orchestration.master.snapshot import Snapshot, identity
 from orchestration.master.step_arrays import Experiment, Layout, layout
 from orchestration.master.time_grid import Grid
+from orchestration.results.formats import require_parquet
 from orchestration.results.result import Result
 from orchestration.system.system import System
 
@@ -159,7 +161,8 @@ class Simulation:
         self._stack.__exit__(kind, error, trace)
 
     def stream_to(self, path: Path) -> None:
-        """Write rows to a Parquet file instead of keeping them; call this before the ``with`` block begins."""
+        """Write rows to a .parquet file instead of keeping them; call this before the ``with`` block begins."""
+        require_parquet(path)
         self._path = path
 
     @property
@@ -199,7 +202,7 @@ class Simulation:
             A KeyboardInterrupt, with the rows until then.
         """
         self._block.require_open()
-        last = self.grid.n if until is None else self.grid.ahead(until, self.time)
+        last = self.grid.n if until is None else self.grid.ahead(a_number("The time to run until", until), self.time)
         try:
             while self._state.interval < last:
                 started = clock.perf_counter()
@@ -237,6 +240,7 @@ class Simulation:
             If the component refuses, for example because the parameter is fixed.
         """
         self._block.require_open()
+        require_undriven(self.system, values)
         changed = System("_", self.system.components).set(values)
         for component, before, instance in zip(
             changed.components, self.system.components, self._instances, strict=True
@@ -277,6 +281,7 @@ class Simulation:
             If the snapshot is of another system, algorithm, grid or choice of columns.
         """
         self._block.require_open()
+        require_type("The snapshot", snapshot, Snapshot, "give one of save(), or of Snapshot.read(path)")
         if snapshot.identity != self._identity():
             msg = (
                 f"System {self.system.name}: the snapshot at t = {snapshot.time:.9g} s is of another run;"

@@ -19,6 +19,7 @@ import numpy as np
 
 from orchestration.errors import OrchestrationError
 from orchestration.fmi.codes import SERIALIZES_STATE
+from orchestration.sandbox.missing import no_file
 from orchestration.system.system import System
 
 FORMAT = 2
@@ -101,6 +102,8 @@ class Snapshot:
         OrchestrationError
             If the file is missing, damaged or not a snapshot.
         """
+        if not Path(path).is_file():
+            raise OrchestrationError(no_file(Path(path), "snapshot"))
         try:
             with Path(path).open("rb") as raw, np.load(raw, allow_pickle=False) as file:
                 content = {name: file[name] for name in file.files}
@@ -114,7 +117,8 @@ class Snapshot:
             msg = f"{path}: the snapshot cannot be read: {error.strerror or error}."
             raise OrchestrationError(msg) from error
         except _DAMAGED as error:
-            msg = f"{path} is not a snapshot: {error}."
+            reason = str(error).splitlines()[0].partition(". ")[0].rstrip(".") if str(error) else type(error).__name__
+            msg = f"{path} is not a snapshot: {reason}; give a file that Snapshot.write wrote."
             raise OrchestrationError(msg) from error
 
 

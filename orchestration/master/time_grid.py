@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from orchestration.errors import SystemDescriptionError
+from orchestration.fmi.given import a_number, positive, shown
 from orchestration.master.memory import require_memory
 from orchestration.system.system import RATIO_TOLERANCE, System
 
@@ -80,7 +81,7 @@ def fixed_grid(system: System, span: tuple[float, float], step: float, *, stale:
     SystemDescriptionError
         If the step is not positive, or if the duration or a sampling period is not a multiple of the step.
     """
-    _require_positive(step)
+    _require_span(span, step)
     lengths = np.array([step], dtype=float)
     ratios = _ratios(system, lengths, stale=stale)
     return Grid(_points(system.name, span, step), lengths, float(step), ratios)
@@ -94,11 +95,7 @@ def given_grid(system: System, times: np.ndarray, *, stale: bool) -> Grid:
     SystemDescriptionError
         If there are fewer than two points, they do not increase, or the steps do not fit a sampling period.
     """
-    points = np.array(times, dtype=float)
-    shaped = points.ndim == 1 and points.size > 1
-    if not (shaped and np.isfinite(points).all() and (np.diff(points) > 0).all()):
-        msg = "The communication points must be at least two finite, increasing times."
-        raise SystemDescriptionError(msg)
+    points = _given_points(times)
     lengths = np.diff(points)
     return Grid(points, lengths, float(lengths[0]), _ratios(system, lengths, stale=stale))
 
@@ -121,11 +118,8 @@ def tick_grid(system: System, span: tuple[float, float], step: float) -> Grid:
         If the step or the length of the run is not positive, or a sampling period is not a
         multiple of the step.
     """
-    _require_positive(step)
+    _require_span(span, step)
     start, stop = span
-    if not (math.isfinite(stop) and stop > start):
-        msg = f"The run from {start:g} s to {stop:g} s does not have a positive, finite length."
-        raise SystemDescriptionError(msg)
     ratios = system.steps_per_tick(step)
     if not ratios:
         return Grid(np.array([start, stop]), np.array([stop - start]), step)
@@ -137,19 +131,47 @@ def tick_grid(system: System, span: tuple[float, float], step: float) -> Grid:
     return Grid(points, np.diff(points), step)
 
 
-def _require_positive(step: float) -> None:
-    """Refuse a step that is not positive and finite."""
-    if not (np.isfinite(step) and step > 0):
-        msg = f"The step {step!r} s is not positive."
+def _given_points(times: np.ndarray) -> np.ndarray:
+    """Communication points as an array, s, shape (n + 1,); refuses what does not increase."""
+    what = "The communication points"
+    try:
+        points = np.array(times, dtype=float)
+    except (TypeError, ValueError) as error:
+        msg = f"{what} are {shown(times)}; give increasing numbers, in s."
+        raise SystemDescriptionError(msg) from error
+    if points.ndim != 1 or points.size < 2:
+        msg = f"{what} have the shape {points.shape}; give at least two increasing times, in s, shape (n + 1,)."
+        raise SystemDescriptionError(msg)
+    if not np.isfinite(points).all():
+        k = int(np.argmin(np.isfinite(points)))
+        msg = f"{what} have {float(points[k])!r} at index {k}; give finite, increasing times, in s."
+        raise SystemDescriptionError(msg)
+    if not (np.diff(points) > 0).all():
+        k = int(np.argmin(np.diff(points) > 0))
+        msg = f"{what} go from {points[k]:.9g} s to {points[k + 1]:.9g} s at index {k}; give increasing times."
+        raise SystemDescriptionError(msg)
+    return points
+
+
+def _require_span(span: tuple[float, float], step: float) -> None:
+    """Refuse a run without length, and a step that is not positive or too short to advance the time."""
+    start, stop = a_number("The start time", span[0]), a_number("The stop time", span[1])
+    positive("The step", step)
+    if not stop > start:
+        msg = f"The stop time {stop:g} s is not after the start time {start:g} s; give a later stop time."
+        raise SystemDescriptionError(msg)
+    apart = math.ulp(max(abs(start), abs(stop)))
+    if step <= apart:
+        msg = (
+            f"The step {step:g} s does not advance the time between the start time {start:.9g} s and the stop time"
+            f" {stop:.9g} s, where numbers are {apart:.2g} s apart; use a larger step."
+        )
         raise SystemDescriptionError(msg)
 
 
 def _points(name: str, span: tuple[float, float], step: float) -> np.ndarray:
     """Communication points t0 + k step, s, shape (n + 1,)."""
     t0, stop_time = span
-    if not (math.isfinite(stop_time) and stop_time > t0):
-        msg = f"The run from {t0:g} s to {stop_time:g} s does not have a positive, finite length."
-        raise SystemDescriptionError(msg)
     count = (stop_time - t0) / step
     n = round(count) if math.isfinite(count) else -1
     if n < 1 or abs(count - n) > RATIO_TOLERANCE * n:

@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from orchestration.errors import OrchestrationError, SystemDescriptionError
+from orchestration.fmi.names import suggestion
 from orchestration.paper.scenarios import SCENARIOS, Scenario
 
 if TYPE_CHECKING:
@@ -17,10 +18,10 @@ def scenario(name: str) -> Scenario:
     Raises
     ------
     SystemDescriptionError
-        Listing the known names.
+        Giving near names.
     """
     if name not in SCENARIOS:
-        msg = f"There is no scenario {name}; there are {', '.join(SCENARIOS)}."
+        msg = f"There is no scenario {name}; {suggestion(name, SCENARIOS)}"
         raise SystemDescriptionError(msg)
     return SCENARIOS[name]
 

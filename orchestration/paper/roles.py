@@ -9,6 +9,7 @@ from collections.abc import Mapping
 from orchestration.check.interface import COUNTED, OPEN, SCALAR, Role, Signal
 from orchestration.errors import SystemDescriptionError
 from orchestration.fmi.codes import BOOLEAN
+from orchestration.fmi.names import suggestion
 
 JOINT, PLANE = COUNTED, 2  # elements of a signal: one per joint of the arm, one per axis of the plane
 
@@ -65,9 +66,9 @@ def role_named(name: str) -> Role:
     Raises
     ------
     SystemDescriptionError
-        Listing the known names.
+        Giving near names.
     """
     if name not in ROLES:
-        msg = f"There is no role {name}; there are {', '.join(ROLES)}."
+        msg = f"There is no role {name}; {suggestion(name, ROLES)}"
         raise SystemDescriptionError(msg)
     return ROLES[name]

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from orchestration.errors import OrchestrationError
+from orchestration.fmi.given import require_type
 from orchestration.results.columns import Columns
 
 if TYPE_CHECKING:
@@ -120,12 +121,14 @@ def compare(first: Columns, second: Columns) -> Comparison:
     >>> compare(Result(time, names, np.array([[0.0], [1.0]])), Result(time, names, np.array([[0.0], [1.5]])))
     <Comparison: 1 columns, 2 rows; worst: a.y by 0.5 at t = 0.1 s (0.5 of its range)>
     """
+    for which, columns in (("first", first), ("second", second)):
+        require_type(f"The {which} result to compare", columns, Columns, "give a Result", OrchestrationError)
     rows, others = _common(first.time, second.time)
     if not len(rows):
         spans = " and ".join(
             f"{c.time[0]:g} to {c.time[-1]:g} s" if len(c.time) else "no rows" for c in (first, second)
         )
-        msg = f"The results have no common communication point: {spans}."
+        msg = f"The results have no common communication point: {spans}; compare runs over the same time."
         raise OrchestrationError(msg)
     places = {name: j for j, name in enumerate(second.names)}
     found = [

@@ -7,6 +7,7 @@ from orchestration.errors import OrchestrationError
 from orchestration.results.columns import Columns
 from orchestration.results.csv_file import read_csv, write_csv
 from orchestration.results.parquet_file import read_parquet, write_parquet
+from orchestration.sandbox.missing import no_file
 
 WRITERS: dict[str, Callable[[Columns, Path], None]] = {".csv": write_csv, ".parquet": write_parquet}
 READERS: dict[str, Callable[[Path], Columns]] = {".csv": read_csv, ".parquet": read_parquet}
@@ -34,6 +35,8 @@ def read_columns(path: Path) -> Columns:
         If the suffix is unknown, or the file does not hold a result.
     """
     reader = READERS[_suffix(path, "read")]
+    if not path.is_file():
+        raise OrchestrationError(no_file(path, "file of a result"))
     import pyarrow as pa
 
     try:
@@ -42,8 +45,26 @@ def read_columns(path: Path) -> Columns:
         msg = f"{path}: the result cannot be read: {error.strerror or error}."
         raise OrchestrationError(msg) from error
     except (pa.ArrowException, ValueError, TypeError) as error:
-        msg = f"{path} does not hold a result: {' '.join(str(error).split()).rstrip('.')}."
+        reason = " ".join(str(error).split()).rstrip(".")
+        kind = "Parquet" if path.suffix.lower() == ".parquet" else "CSV"
+        msg = (
+            f"{path} does not hold a result: {reason}; a {kind} file with time as its first column is needed, as"
+            " Result.write writes it."
+        )
         raise OrchestrationError(msg) from error
+
+
+def require_parquet(path: Path) -> None:
+    """Refuse a file for streamed rows that has another suffix than ``.parquet``.
+
+    Raises
+    ------
+    OrchestrationError
+    """
+    if path.suffix.lower() != ".parquet":
+        given = path.suffix or "a file without a suffix"
+        msg = f"{path}: rows are streamed as .parquet, not as {given}; for other formats, simulate and write."
+        raise OrchestrationError(msg)
 
 
 def _suffix(path: Path, done: str) -> str:

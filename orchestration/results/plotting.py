@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from orchestration.errors import OrchestrationError, UnknownNameError
+from orchestration.fmi.given import shown
 from orchestration.fmi.names import chosen, suggestion
 
 if TYPE_CHECKING:
@@ -19,6 +20,13 @@ MOST_LABELS = 12
 
 def plot(result: "Result", names: Sequence[str], ax: "Axes | None") -> np.ndarray:
     """Draw columns; see `Result.plot`."""
+    for name in names:
+        if not isinstance(name, str):
+            msg = f"The result has no column {shown(name)}; give names, as texts, such as 'plant.x'."
+            raise UnknownNameError(msg)
+    if ax is not None and not hasattr(ax, "plot"):
+        msg = f"ax is {shown(ax)}; give Axes of matplotlib, or leave ax out for a new figure."
+        raise OrchestrationError(msg)
     columns, missing = chosen(names or result.names, result.names)
     if missing:
         msg = f"The result has no column {missing[0]}; {suggestion(missing[0], result.names)}"

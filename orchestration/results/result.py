@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from orchestration.errors import OrchestrationError, UnknownNameError
+from orchestration.fmi.given import shown
 from orchestration.fmi.names import arrays, suggestion
 from orchestration.results import csv_file, formats, parquet_file
 from orchestration.results.columns import TIME, Columns
@@ -53,7 +54,7 @@ class Result(Columns, Mapping[str, np.ndarray]):
         UnknownNameError
             A KeyError that gives near names.
         """
-        if name == TIME:
+        if isinstance(name, str) and name == TIME:
             return self.time
         places = self._places(name)
         return self.rows[:, places] if isinstance(places, int) else np.ascontiguousarray(self.rows[:, places])
@@ -236,6 +237,10 @@ class Result(Columns, Mapping[str, np.ndarray]):
 
     def _places(self, name: str) -> Any:
         """Position of a column, or positions of the columns of an array, in its shape."""
+        if not isinstance(name, str):
+            example = self.names[0] if self.names else TIME
+            msg = f"The result has no column {shown(name)}; give its name, a text, such as {example!r}."
+            raise UnknownNameError(msg)
         if name in self.names:
             return self.names.index(name)
         positions = arrays(self.names).get(name)

@@ -38,5 +38,5 @@ def write_errors(path: Path) -> Iterator[None]:
     try:
         yield
     except OSError as error:
-        msg = f"{path}: the result cannot be written: {error.strerror or error}."
+        msg = f"{path}: the result cannot be written: {error.strerror or error}; choose another place."
         raise OrchestrationError(msg) from error

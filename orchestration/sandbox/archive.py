@@ -15,6 +15,7 @@ from contextlib import contextmanager
 from pathlib import Path, PurePosixPath
 
 from orchestration.errors import ArchiveError
+from orchestration.sandbox.missing import require_file
 
 MAX_ENTRIES = 20_000
 MAX_BYTES = 2 * 1024**3  # size of all entries after unpacking
@@ -95,7 +96,7 @@ def unpack(path: Path, folder: Path, needed: Callable[[str], bool] | None = None
         try:
             archive.extractall(folder, [name for name in archive.namelist() if needed is None or needed(name)])
         except UNREADABLE as error:
-            msg = f"{path}: cannot be unpacked: {error}"
+            msg = f"{path} cannot be unpacked: {error}; it is damaged, so build or copy it again."
             raise ArchiveError(msg) from error
 
 
@@ -108,13 +109,14 @@ def file_hash(path: Path) -> str:
 @contextmanager
 def _opened(path: Path) -> Iterator[zipfile.ZipFile]:
     """Open a zip archive, and close it at the end of the context."""
-    if not path.is_file():
-        msg = f"{path}: there is no such file."
+    require_file(path, "file")
+    if not path.stat().st_size:
+        msg = f"{path} is not a readable zip archive: it is empty; build or copy it again."
         raise ArchiveError(msg)
     try:
         archive = zipfile.ZipFile(path)
     except (zipfile.BadZipFile, NotImplementedError, OSError, ValueError) as error:
-        msg = f"{path} is not a readable zip archive: {error}"
+        msg = f"{path} is not a readable zip archive: {error}; it is damaged or of another kind, so copy it again."
         raise ArchiveError(msg) from error
     with archive:
         yield archive

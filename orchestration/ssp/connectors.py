@@ -5,10 +5,11 @@ of the surrounding system. All other connectors are targets. SSP 1.0 allows a co
 direction.
 """
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 from orchestration.errors import SystemDescriptionError
+from orchestration.fmi.names import suggestion
 from orchestration.fmi.units import AS_IS, Linear, UnitDefinition, conversion
 from orchestration.ssp.schema import Xml, boolean, ssd, transformation
 from orchestration.system.component import Component, Connection
@@ -233,8 +234,8 @@ class Wiring:
         """Connector at an end of a connection, and whether the connector gives a value; None if both are possible."""
         element = system if name is None else system.children.get(name)
         if element is None:
-            known = _names(system.children)
-            msg = f"{self.where}: system {system.xml.get('name')} has no component {name}; it has {known}."
+            help_ = suggestion(str(name), system.children)
+            msg = f"{self.where}: system {system.xml.get('name')} has no component {name}; {help_}"
             raise SystemDescriptionError(msg)
         place = (element.path, connector)
         if element.component is not None:
@@ -242,7 +243,7 @@ class Wiring:
         if connector not in element.connectors:
             msg = (
                 f"{self.where}: system {element.xml.get('name')} has no connector {connector};"
-                f" it has {_names(element.connectors)}."
+                f" {suggestion(connector, element.connectors)}"
             )
             raise SystemDescriptionError(msg)
         kind = element.connectors[connector][0]
@@ -254,8 +255,3 @@ class Wiring:
 def _text(place: Place) -> str:
     """Connector as text with dots, for messages."""
     return ".".join((*place[0], place[1]))
-
-
-def _names(known: Iterable[str]) -> str:
-    """Known names as text, for messages."""
-    return ", ".join(known) or "none"

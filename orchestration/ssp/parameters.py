@@ -12,6 +12,7 @@ from math import isnan, nan
 
 from orchestration.errors import SystemDescriptionError
 from orchestration.fmi.codes import REAL
+from orchestration.fmi.names import suggestion
 from orchestration.fmi.units import AS_IS, Linear, UnitDefinition, conversion, defined
 from orchestration.ssp.connectors import Arrival, Element, Wiring
 from orchestration.ssp.schema import (
@@ -169,8 +170,8 @@ class _Bindings:
         for entry in entries:
             parameter = by_name.get(entry.attrib["source"])
             if parameter is None:
-                known = ", ".join(by_name) or "none"
-                msg = f"{where} has no parameter {entry.get('source')} to map; it has {known}."
+                source = entry.attrib["source"]
+                msg = f"{where} has no parameter {source} to map; {suggestion(source, by_name)}"
                 raise SystemDescriptionError(msg)
             scale = transformation(entry, f"{where}, {entry.get('source')} -> {entry.get('target')}")
             suppressed = boolean(entry.get("suppressUnitConversion"))

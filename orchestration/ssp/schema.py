@@ -18,6 +18,7 @@ from lxml import etree
 from orchestration.errors import ArchiveError, SystemDescriptionError
 from orchestration.fmi.units import BASE_UNITS, Linear, Unit, UnitDefinition
 from orchestration.sandbox.archive import file_hash, unpack
+from orchestration.sandbox.missing import require_file
 
 _BASE = "http://ssp-standard.org/SSP1/SystemStructure"
 SSD, SSC = f"{_BASE}Description", f"{_BASE}Common"
@@ -68,9 +69,7 @@ class Package:
         ArchiveError
             If the package is missing, invalid or unsafe.
         """
-        if not path.is_file():
-            msg = f"{path}: there is no such package."
-            raise ArchiveError(msg)
+        require_file(path, "package")
         cache_folder = os.environ.get("ADAPTIMP_CACHE") or platformdirs.user_cache_path("adaptimp")
         folder = Path(cache_folder) / "ssp" / file_hash(path)[:32]
         if not folder.is_dir():
@@ -114,6 +113,9 @@ class Package:
             If the file is missing or invalid.
         """
         name = "SystemStructure.ssd"
+        if not (self.folder / name).is_file() and (self.folder / "modelDescription.xml").is_file():
+            msg = f"{self.path} is an FMU, not an SSP package; System.of couples FMUs, and `adaptimp run` runs one."
+            raise ArchiveError(msg)
         return self._parse(self.folder / name, name, STRUCTURE)
 
     def document(self, element: Xml, schema: str, fmu: Path | None) -> Xml:

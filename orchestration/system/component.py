@@ -1,6 +1,7 @@
 """Components of a coupled system, and connections between their variables."""
 
 import math
+import re
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
@@ -12,8 +13,12 @@ import numpy as np
 from orchestration.errors import SystemDescriptionError
 from orchestration.fmi.codes import BOOLEAN, INTEGER, REAL, STRING
 from orchestration.fmi.description import SAMPLE_TIME, Description, Variable, parse_value, read_description
+from orchestration.fmi.given import a_path, require_type, shown
+from orchestration.fmi.names import base_name, near, suggestion
 from orchestration.fmi.units import Linear, conversion
 from orchestration.system.display import component_html, component_line
+
+_NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
 
 
 @dataclass(frozen=True, repr=False)
@@ -44,7 +49,8 @@ class Component:
         ArchiveError
             If the file is no FMI 2.0 co-simulation FMU.
         """
-        return cls(name or Path(path).stem, read_description(Path(path)))
+        file = a_path("An FMU", path)
+        return cls(name or file.stem, read_description(file))
 
     def variable(self, name: str) -> Variable:
         """Return the variable of a name.
@@ -52,13 +58,13 @@ class Component:
         Raises
         ------
         SystemDescriptionError
-            If the component has no such variable. The message lists all variables.
+            If the component has no such variable. The message gives near names.
         """
         try:
             return self.description.variables[name]
         except KeyError:
-            known = ", ".join(self.description.variables)
-            msg = f"{self.name} has no variable {name}; it has {known}."
+            help_ = suggestion(name, self.description.variables, f"{self.name}.")
+            msg = f"{self.name} has no variable {name}; {help_}"
             raise SystemDescriptionError(msg) from None
 
     def __repr__(self) -> str:
@@ -108,6 +114,13 @@ class Connection:
     factor: float | None = None
     offset: float = 0.0
 
+    def __post_init__(self) -> None:
+        """Refuse a factor or an offset that is not a number."""
+        ends = f"Connection {self.source}.{self.output} -> {self.target}.{self.input}"
+        for what, value in (("factor", self.factor), ("offset", self.offset)):
+            if value is not None:
+                require_type(f"{ends}: the {what}", value, (int, float), "give a number")
+
     def __str__(self) -> str:
         """Both ends, such as ``plant.x[1] -> controller.x[1]``, with factor and offset unless these are 1 and 0."""
         ends = f"{self.source}.{self.output} -> {self.target}.{self.input}"
@@ -145,13 +158,17 @@ def checked_connection(connection: Connection, source: Component, target: Compon
     """
     output, input_ = source.variable(connection.output), target.variable(connection.input)
     if output.causality != "output":
-        msg = f"Connection {connection}: {output.name} has causality {output.causality}, not output."
+        turned = input_.causality == "output" and output.causality == "input"
+        advice = "turn it round" if turned else "connections begin at outputs"
+        msg = f"Connection {connection}: {output.name} has causality {output.causality}, not output; {advice}."
         raise SystemDescriptionError(msg)
     if input_.causality != "input":
-        msg = f"Connection {connection}: {input_.name} has causality {input_.causality}, not input."
+        advice = "only inputs can be driven"
+        msg = f"Connection {connection}: {input_.name} has causality {input_.causality}, not input; {advice}."
         raise SystemDescriptionError(msg)
     if output.type != input_.type:
-        msg = f"Connection {connection}: types {output.type} and {input_.type} differ."
+        advice = f"connect an output of type {input_.type}"
+        msg = f"Connection {connection}: types {output.type} and {input_.type} differ; {advice}."
         raise SystemDescriptionError(msg)
     if output.type == STRING:
         msg = f"Connection {connection}: Strings cannot be connected."
@@ -160,7 +177,8 @@ def checked_connection(connection: Connection, source: Component, target: Compon
     if connection.factor is None:
         by_units = unit_scale(source, output, target, input_)
         if by_units is None:
-            msg = f"Connection {connection}: units {output.unit} and {input_.unit} differ."
+            advice = f"connect an output in {input_.unit}, or give a Connection with a factor"
+            msg = f"Connection {connection}: units {output.unit} and {input_.unit} differ; {advice}."
             raise SystemDescriptionError(msg)
         scale = by_units.then(scale)
     if output.type != REAL and not scale.trivial:
@@ -182,11 +200,11 @@ def require_settable(component: Component, variable: Variable) -> None:
     """
     path = f"{component.name}.{variable.name}"
     if not variable.can_start:
-        why = "constant" if variable.variability == "constant" else f"{variable.initial}, so the FMU gives it"
-        msg = (
-            f"{path} has causality {variable.causality} and its start value is {why}; only parameters, inputs, and"
-            " variables whose start value is exact or approx can be set."
-        )
+        settable = [v.name for v in component.description.variables.values() if v.can_start]
+        close = [f"{component.name}.{name}" for name in near(base_name(variable.name), settable)]
+        meant = f"did you mean {' or '.join(close)}?" if close else "leave it out."
+        which = "only parameters, inputs and initial states"
+        msg = f"{path} has causality {variable.causality}; {which} can be set; {meant}"
         raise SystemDescriptionError(msg)
     if variable.type == STRING:
         msg = f"{path} is a String; only Reals, Integers and Booleans can be set."
@@ -233,10 +251,28 @@ def number(path: str, variable: Variable, value: float | bool | str) -> float:
     with suppress(ValueError, KeyError, TypeError):
         found = parse_value(value, variable.type)
     if math.isnan(found):
-        examples = {BOOLEAN: "true or false", INTEGER: "an integer of 32 bits"}
-        msg = f"{path} = {value!r}: {examples.get(variable.type, 'a number')} is needed."
+        msg = f"{path} = {shown(value)}: {_needed(variable, value)}."
         raise SystemDescriptionError(msg)
     return found
+
+
+def _needed(variable: Variable, value: Any) -> str:
+    """What a variable needs instead of a value that does not fit."""
+    if variable.type == BOOLEAN:
+        return "true or false is needed, since the variable is a Boolean"
+    if variable.type == INTEGER:
+        return f"an integer of 32 bits is needed, a whole number of at most {2**31 - 1}"
+    in_unit = f" in {variable.unit}" if variable.unit else ""
+    text = str(value).strip()
+    if isinstance(value, str) and (match := _NUMBER.match(text)) and text[match.end() :].strip() == variable.unit != "":
+        return f"a plain number{in_unit} is needed; write {match[0]}"
+    if isinstance(value, str) and _NUMBER.fullmatch(text.replace(",", ".", 1)) and text.count(",") == 1:
+        return f"a plain number{in_unit} is needed; write {text.replace(',', '.')}"
+    if hasattr(value, "__len__") and not isinstance(value, str):
+        return f"the variable is a scalar, but {len(value)} values are given; one number{in_unit} is needed"
+    if isinstance(value, str):
+        return f"a plain number{in_unit} is needed, without a unit"
+    return f"a finite number{in_unit} is needed"
 
 
 def sources_of(components: Sequence[Component], target: Component, name: str) -> list[Component]:

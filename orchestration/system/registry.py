@@ -10,6 +10,8 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from orchestration.errors import SystemDescriptionError
+
 if TYPE_CHECKING:
     from orchestration.system.system import System
 
@@ -32,7 +34,7 @@ class Format:
 
 SSP = Format("orchestration.ssp.read:read_ssp", "orchestration.ssp.write:write_ssp")
 FORMATS: dict[str, Format] = {".ssp": SSP}
-"""File formats by suffix. A path with another suffix counts as an SSP package."""
+"""File formats by suffix. A file with another suffix is read as an SSP package, and is not written."""
 
 ANALYSES: dict[str, str] = {"stability": "orchestration.analysis.stability.verdict:stability"}
 """Entries of analyses by the name of the calling method. The first argument of an analysis is a `System`."""
@@ -44,8 +46,18 @@ def reader(path: Path) -> "Callable[[Path], System]":
 
 
 def writer(path: Path) -> "Callable[[System, Path], Path]":
-    """Return the function that writes a system to a file with the suffix of a path."""
-    return _load(FORMATS.get(path.suffix.lower(), SSP).write)
+    """Return the function that writes a system to a file with the suffix of a path.
+
+    Raises
+    ------
+    SystemDescriptionError
+        If there is no format with that suffix.
+    """
+    suffix = path.suffix.lower()
+    if suffix not in FORMATS:
+        msg = f"{path}: a system is written as {' or '.join(FORMATS)}, not as {suffix or 'a file without a suffix'}."
+        raise SystemDescriptionError(msg)
+    return _load(FORMATS[suffix].write)
 
 
 def analysis(name: str) -> Callable[..., Any]:  # the arguments and the result differ between analyses

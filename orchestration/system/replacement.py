@@ -10,8 +10,10 @@ from typing import TYPE_CHECKING
 
 from orchestration.errors import SystemDescriptionError
 from orchestration.fmi.description import Description, read_description
+from orchestration.fmi.names import suggestion
 from orchestration.fmi.units import Linear
 from orchestration.system.component import Component, Connection, sources_of, unit_scale
+from orchestration.system.unfit import require_outputs
 
 if TYPE_CHECKING:
     from orchestration.system.system import System
@@ -33,9 +35,7 @@ def replaced(system: "System", name: str, fmu: Path, mapping: Mapping[str, str])
     known = description.variables
     start, notices = _start(old, Component(name, description), mapping)
     new = Component(name, description, start)
-    for connection in system.connections:
-        if connection.source == name:
-            new.variable(connection.output)  # refuses an FMU without a connected output before all other checks
+    require_outputs(system, new)  # before all other checks
     components = tuple(new if c.name == name else c for c in system.components)
     connections, further = _connections(system, old, new, components)
     assumptions = {
@@ -81,14 +81,13 @@ def _names(system: "System", old: Component, new: Description, mapping: Mapping[
     for our, their in mapping.items():
         scalars = _scalars(our, ours)
         if not scalars:
-            known = ", ".join(old.description.variables)
-            msg = f"Mapping {our}={their}: {old.name} has no variable {our}; it has {known}."
+            msg = f"Mapping {our}={their}: {old.name} has no variable {our}; {suggestion(our, ours)}"
             raise SystemDescriptionError(msg)
         for scalar in scalars:
             theirs = their + scalar[len(our) :]
             if theirs not in new.variables:
-                known = ", ".join(new.variables)
-                msg = f"Mapping {our}={their}: {new.model_name} has no variable {theirs}; it has {known}."
+                help_ = suggestion(theirs, new.variables)
+                msg = f"Mapping {our}={their}: {new.model_name} has no variable {theirs}; {help_}"
                 raise SystemDescriptionError(msg)
             if names.get(theirs, scalar) != scalar:
                 msg = f"Mapping {our}={their}: {theirs} is already mapped to {names[theirs]}."

@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING, Any
 
 from orchestration.errors import SystemDescriptionError
 from orchestration.fmi.description import SAMPLE_TIME, Variable
-from orchestration.fmi.names import arrays
+from orchestration.fmi.given import a_path, positive, require_type
+from orchestration.fmi.names import arrays, suggestion
 from orchestration.system.component import (
     Component,
     Connection,
@@ -22,6 +23,7 @@ from orchestration.system.component import (
     spread,
 )
 from orchestration.system.display import system_html, system_line
+from orchestration.system.refused import driven_twice, not_a_path, require_names, require_order
 from orchestration.system.registry import analysis, reader, writer
 from orchestration.system.replacement import replaced
 from orchestration.system.wiring import by_equal_names, parsed
@@ -63,13 +65,7 @@ class System:
     def __post_init__(self) -> None:
         """Check names, connections and start values."""
         names = [component.name for component in self.components]
-        if not names:
-            msg = f"System {self.name} has no components."
-            raise SystemDescriptionError(msg)
-        for name in names:
-            if names.count(name) > 1 or not name or "." in name:
-                msg = f"System {self.name}: the component name {name!r} is empty, has a dot, or is used twice."
-                raise SystemDescriptionError(msg)
+        require_names(self.name, names)
         for component in self.components:
             for name, value in component.start.items():
                 variable = component.variable(name)
@@ -81,13 +77,12 @@ class System:
             checked_connection(c, self.component(c.source), self.component(c.target)) for c in self.connections
         )
         object.__setattr__(self, "connections", connections)
-        driven: set[tuple[str, str]] = set()
+        driven: dict[tuple[str, str], Connection] = {}
         for connection in connections:
             target = (connection.target, connection.input)
             if target in driven:
-                msg = f"Connection {connection}: {'.'.join(target)} already has a source."
-                raise SystemDescriptionError(msg)
-            driven.add(target)
+                raise driven_twice(connection, driven[target])
+            driven[target] = connection
 
     @classmethod
     def of(cls, fmus: "Mapping[str, str | Path | Component]", name: str = "system") -> "System":
@@ -111,6 +106,8 @@ class System:
         >>> system = System.of({"plant": "Plant.fmu", "actuator": "Actuator.fmu"})  # doctest: +SKIP
         >>> system = system.connect("actuator.tau -> plant.tau")  # doctest: +SKIP
         """
+        example = 'give FMUs by name, as {"plant": "Plant.fmu"}'
+        require_type("What System.of takes", fmus, Mapping, example)
         components = [
             replace(fmu, name=component) if isinstance(fmu, Component) else Component.read(fmu, component)
             for component, fmu in fmus.items()
@@ -147,11 +144,13 @@ class System:
     @classmethod
     def read(cls, path: str | Path) -> "System":
         """Read a system from a file, such as an SSP package; see `orchestration.system.registry`."""
-        return reader(Path(path))(Path(path))
+        file = a_path("A system's file", path)
+        return reader(file)(file)
 
     def write(self, path: str | Path) -> Path:
         """Write the system to a file, such as an SSP package; see `orchestration.system.registry`."""
-        return writer(Path(path))(self, Path(path))
+        file = a_path("A system's file", path)
+        return writer(file)(self, file)
 
     def connect(self, *connections: str | Connection) -> "System":
         """Add connections from outputs to inputs.
@@ -197,13 +196,13 @@ class System:
         Raises
         ------
         SystemDescriptionError
-            If there is no such component; the message lists the known names.
+            If there is no such component; the message gives near names.
         """
         for component in self.components:
             if component.name == name:
                 return component
-        known = ", ".join(component.name for component in self.components)
-        msg = f"System {self.name} has no component {name}; it has {known}."
+        known = [component.name for component in self.components]
+        msg = f"System {self.name} has no component {name}; {suggestion(str(name), known)}"
         raise SystemDescriptionError(msg)
 
     def set(self, values: "Mapping[str, float | bool | str | Sequence[float] | Sequence[str]]") -> "System":
@@ -221,6 +220,7 @@ class System:
         SystemDescriptionError
             If a name is unknown, the variable cannot be set, or the value does not have the variable's type.
         """
+        require_type("What set takes", values, Mapping, 'give values by name, as {"plant.K_f": 1e5}')
         changed: dict[str, dict[str, float]] = {}
         for path, value in self._elementwise(values).items():
             component, variable = self.resolve(path)
@@ -266,7 +266,7 @@ class System:
             If the new FMU lacks an output that is connected, a mapped name is unknown, or a unit cannot
             be converted.
         """
-        return replaced(self, name, Path(fmu), mapping or {})
+        return replaced(self, name, a_path("An FMU", fmu), mapping or {})
 
     def ordered(self, names: Sequence[str]) -> "System":
         """Return the system with its components in another order.
@@ -277,13 +277,12 @@ class System:
             Unless each component is named once.
         """
         present = [component.name for component in self.components]
-        if sorted(names) != sorted(present):
-            msg = f"The order {', '.join(names)} must name each of {', '.join(present)} once."
-            raise SystemDescriptionError(msg)
+        require_order(names, present)
         return replace(self, components=tuple(self.component(name) for name in names))
 
     def with_sample_time(self, sample_time: float) -> "System":
         """Return the system with another communication step, s, which is also every ``sample_time``."""
+        positive("The sample time", sample_time)
         values = {f"{c.name}.{SAMPLE_TIME}": sample_time for c in self.components if c.sample_time is not None}
         return replace(self.set(values), step=sample_time)
 
@@ -341,10 +340,7 @@ class System:
         """Return the component and the variable that ``component.variable`` names."""
         name, dot, variable = path.partition(".")
         if not dot:
-            first = self.components[0]
-            example = f"{first.name}.{next(iter(first.description.variables), 'x')}"
-            msg = f"{path!r} is not of the form component.variable, such as {example}."
-            raise SystemDescriptionError(msg)
+            raise not_a_path(path, self.components)
         component = self.component(name)
         return component, component.variable(variable)
 

@@ -26,7 +26,7 @@ def parsed(line: str | Connection, components: Sequence[Component]) -> list[Conn
     if isinstance(line, Connection):
         return [line]
     if not isinstance(line, str) or line.count(ARROW) != 1:
-        msg = f"{line!r} is not a connection such as 'plant.x -> controller.x'."
+        msg = f"{line!r} is not a connection; write one with ->, such as 'plant.x -> controller.x'."
         raise SystemDescriptionError(msg)
     paths = [text.strip() for text in line.split(ARROW)]
     (source, outputs), (target, inputs) = (_end(path, line, components) for path in paths)
@@ -42,7 +42,7 @@ def _end(path: str, line: str, components: Sequence[Component]) -> tuple[str, li
     name, dot, variable = path.partition(".")
     by_name = {component.name: component for component in components}
     if not dot or not variable:
-        msg = f"Connection {line.strip()}: {path!r} is not component.variable."
+        msg = f"Connection {line.strip()}: {path!r} is not component.variable, such as plant.x."
         raise SystemDescriptionError(msg)
     if name not in by_name:
         msg = f"Connection {line.strip()}: there is no component {name}; {suggestion(name, by_name)}"
@@ -52,7 +52,7 @@ def _end(path: str, line: str, components: Sequence[Component]) -> tuple[str, li
         return name, [variable]
     positions = arrays(known).get(variable)
     if positions is None:
-        msg = f"Connection {line.strip()}: {name} has no variable {variable}; {suggestion(variable, known)}"
+        msg = f"Connection {line.strip()}: {name} has no variable {variable}; {suggestion(variable, known, f'{name}.')}"
         raise SystemDescriptionError(msg)
     return name, [known[i] for i in positions.ravel()]
 

@@ -63,11 +63,11 @@ def test_11_parameter_out_of_range_is_named_with_both_values(binary: Binary, cre
         if variable.min is not None:
             least = float(variable.min)
             below = least - 1 if variable.type == "Integer" else least - 0.1
-            wrong[below] = f"{least:.17g}"
+            wrong[below] = repr(least).removesuffix(".0")
             bounded += 1
         for value, said in wrong.items():
             status = instance.set({name: value})
-            assert_refused(instance, status, before, f"{name} =", f"{value:.17g}", said)
+            assert_refused(instance, status, before, f"{name} =", repr(value).removesuffix(".0"), said)
     assert bounded, "every unit has a parameter with a least value"
 
 

@@ -31,7 +31,7 @@ WRONG = {
     "typo.py": ("x = 1\n\ny = z\n", r"typo\.py, line 3: NameError: name 'z' is not defined"),
     "syntax.py": ("x = 1\ny = (\n", r"syntax\.py, line 2: SyntaxError: '\(' was never closed$"),
     "deep.py": ("import typo_beside\n", r"typo_beside\.py, line 1: SyntaxError: '\(' was never closed$"),
-    "lost.py": (INCOMPLETE, r"Lost\.fmu cannot be built: Lost has no outputs\."),
+    "lost.py": (INCOMPLETE, r"Lost\.fmu cannot be built: Lost has no outputs; declare one with model\.output"),
     "raises.py": ('def f():\n    raise OSError("no")\n\n\nf()\n', r"raises\.py, line 2: OSError: no"),
 }
 

@@ -66,7 +66,7 @@ def test_a_controller_with_other_names(fmu_folder: Path, tmp_path: Path, capsys:
 def test_what_cannot_be_examined(tmp_path: Path, fmu_folder: Path, capsys: Captured, as_json: bool) -> None:
     for path, role, said in (
         (tmp_path / "none.fmu", None, "there is no such file"),
-        (tmp_path, None, "there is no such file"),
+        (tmp_path, None, "is a folder; give the path of a file"),
         (fmu_folder / "Plant.fmu", "pilot", "There is no role pilot"),
     ):
         assert run_check(path, role, as_json) == 2

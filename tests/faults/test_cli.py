@@ -231,4 +231,5 @@ def test_interrupt_before_the_first_step_is_said(adaptimp: Command, monkeypatch:
 
 def test_installed_command_explains_itself(tmp_path: Path) -> None:
     run = subprocess.run([ADAPTIMP, "run", "none.ssp"], cwd=tmp_path, capture_output=True, text=True, check=False)
-    assert (run.returncode, run.stdout, run.stderr) == (2, "", "Error: none.ssp: there is no such package.\n")
+    sentence = "Error: none.ssp: there is no such package; its folder has no .ssp file.\n"
+    assert (run.returncode, run.stdout, run.stderr) == (2, "", sentence)

@@ -27,6 +27,7 @@ from orchestration.analysis.stability.step_limit import ABOVE, BELOW, FLOOR, GRI
 from orchestration.analysis.stability.step_map import Coupled
 from orchestration.errors import SystemDescriptionError
 from orchestration.fmi.codes import REAL
+from orchestration.fmi.given import a_number, positive
 from orchestration.master.algorithm import (
     MAX_ORDER,
     NEWTON,
@@ -162,8 +163,9 @@ def stability(
         If the run to the operating point fails, or a step from there.
     """
     algorithm, step = find_algorithm(algorithm), system.run_step(step)
-    if not (math.isfinite(step) and step > 0 and math.isfinite(at) and at >= 0):
-        msg = f"The step {step!r} s must be positive, and the time {at!r} s must not be negative."
+    step = positive("The step", step)
+    if a_number("The time", at) < 0:
+        msg = f"The time of the verdict, at = {at:g} s, is before the start at 0 s; give a later time."
         raise SystemDescriptionError(msg)
     with operating_point(system, step, at) as saved:
         examined = Examined(system, step, at, saved, algorithm)

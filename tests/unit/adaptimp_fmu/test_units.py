@@ -3,7 +3,7 @@
 import pytest
 
 from adaptimp_fmu import DefinitionError
-from adaptimp_fmu.units import BASE_EXPONENTS, base_exponents
+from adaptimp_fmu.units import BASE_EXPONENTS, base_exponents, respelled
 
 
 @pytest.mark.parametrize(
@@ -63,5 +63,20 @@ def test_base_units_come_in_the_order_of_the_schema() -> None:
 def test_what_is_no_unit_is_named(unit: str, fault: str) -> None:
     with pytest.raises(DefinitionError) as caught:
         base_exponents(unit)
-    assert f'Unit "{unit}": "{fault}"' in str(caught.value)
-    assert "known: 1, kg, m, s" in str(caught.value)
+    assert f'unit "{unit}": "{fault}" is not a known symbol' in str(caught.value)
+    meant = respelled(unit)
+    assert (f"did you mean {meant}?" if meant else "known: 1, kg, m, s") in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("unit", "meant"),
+    [
+        *(("Nm", "N.m"), ("Nm/rad", "N.m/rad"), ("Nms/rad", "N.m.s/rad"), ("kgm2", "kg.m2"), ("n.m", "N.m")),
+        *(("N*m", "N.m"), ("N m", "N.m"), ("m^2", "m2"), ("m/s**2", "m/s2"), ("RAD/S", "rad/s"), ("N/(m)", "N/m")),
+        *(("furlong", None), ("m-1", None), ("m/", None), ("/s", None), ("", None), ("m2.5", None)),
+    ],
+)
+def test_other_spellings_are_understood(unit: str, meant: str | None) -> None:
+    assert respelled(unit) == meant
+    if meant:
+        assert base_exponents(meant)

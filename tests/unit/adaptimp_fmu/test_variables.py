@@ -71,7 +71,33 @@ def test_only_reals_have_units(type: Type) -> None:
 def test_start_outside_its_limits_is_refused_with_all_three_values(start: float) -> None:
     with pytest.raises(DefinitionError) as caught:
         variable(start=start)
-    assert f"start {start!r} is outside [0.0, 2.0]" in str(caught.value)
+    assert str(caught.value) == f"q[1]: start {start!r} must be from 0 to 2 rad."
+
+
+@pytest.mark.parametrize(
+    ("minimum", "maximum", "words"),
+    [
+        *(
+            (0.0, math.inf, "at least 0 rad"),
+            (-math.inf, 0.1, "at most 0.1 rad"),
+            (1e-12, 1e16, "from 1e-12 to 1e+16 rad"),
+        ),
+        (-math.inf, math.inf, ""),
+    ],
+)
+def test_a_range_is_said_as_people_do(minimum: float, maximum: float, words: str) -> None:
+    assert variable(start=None, minimum=minimum, maximum=maximum).range == words
+
+
+def test_a_unit_is_checked_where_it_is_declared() -> None:
+    with pytest.raises(DefinitionError, match=r'q\[1\]: unit "Nm": .*; did you mean N\.m\?'):
+        variable(unit="Nm")
+
+
+@pytest.mark.parametrize(("unit", "coherent"), [("deg", "rad"), ("rpm", "rad/s"), ("mm", "m"), ("kN/m", "N/m")])
+def test_a_unit_that_is_not_coherent_is_a_display_unit(unit: str, coherent: str) -> None:
+    with pytest.raises(DefinitionError, match=f'declare unit="{coherent}" with display_unit="{unit}"'):
+        variable(unit=unit)
 
 
 @pytest.mark.parametrize("start", [0.0, 1.0, 2.0, None])

@@ -40,14 +40,14 @@ def controllers(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
 @pytest.mark.parametrize(
     ("path", "value", "message"),
     [
-        ("relay.z", 1, "relay has no variable z; it has sample_time, offset"),
-        ("relais.u", 1, "has no component relais; it has source, relay, switch, plant"),
-        ("offset", 1, r"'offset' is not of the form component\.variable, such as source\.sample_time"),
-        ("relay.y", 1, r"relay\.y has causality output .*; only parameters, inputs, and"),
-        ("relay.offset", "stiff", r"relay\.offset = 'stiff': a number is needed"),
-        ("relay.offset", float("nan"), r"relay\.offset = nan: a number is needed"),
-        ("relay.u", "nan", r"relay\.u = 'nan': a number is needed"),  # though a connection drives it
-        ("relay.offset", None, r"relay\.offset = None: a number is needed"),
+        ("relay.z", 1, "relay has no variable z; there are sample_time, offset, u, n and 4 more"),
+        ("relais.u", 1, r"has no component relais; did you mean relay\?"),
+        ("offset", 1, r"'offset' is not of the form component\.variable, such as relay\.offset"),
+        ("relay.y", 1, r"relay\.y has causality output; only parameters, inputs and initial states can be set"),
+        ("relay.offset", "stiff", r"relay\.offset = 'stiff': a plain number in m is needed, without a unit"),
+        ("relay.offset", float("nan"), r"relay\.offset = nan: a finite number in m is needed"),
+        ("relay.u", "nan", r"relay\.u = 'nan': a plain number in m is needed"),  # though a connection drives it
+        ("relay.offset", None, r"relay\.offset = None: a finite number in m is needed"),
         ("relay.n", 1.5, r"relay\.n = 1\.5: an integer of 32 bits is needed"),
         ("relay.n", 2**31, r"relay\.n = 2147483648: an integer of 32 bits"),
         ("relay.n", "1e12", r"relay\.n = '1e12': an integer of 32 bits"),
@@ -115,7 +115,7 @@ def test_replace_keeps_place_values_and_connections(fig2: System, controllers: d
 @pytest.mark.parametrize(
     ("name", "message"),
     [
-        ("Mute", r"controller has no variable tau_cmd\[1\]; it has "),
+        ("Mute", r"Mute\.fmu cannot be controller: it has no output tau_cmd"),
         ("Odd", r"Connection controller\.tau_cmd\[1\] -> actuator\.tau_cmd\[1\]: units N and N\.m differ"),
         ("Typed", r"types Real and Integer differ|controller\.K\[1\]"),
     ],
@@ -128,5 +128,5 @@ def test_replace_refuses_what_does_not_fit(fig2: System, controllers: dict[str, 
 def test_replace_names_what_is_missing(fig2: System, tmp_path: Path) -> None:
     with pytest.raises(ArchiveError, match=r"missing\.fmu: there is no such FMU"):
         fig2.replace("controller", tmp_path / "missing.fmu")
-    with pytest.raises(SystemDescriptionError, match="no component pilot; it has trajectory, sensor"):
+    with pytest.raises(SystemDescriptionError, match="no component pilot; there are trajectory, sensor"):
         fig2.replace("pilot", tmp_path / "missing.fmu")

@@ -82,8 +82,8 @@ def test_loop_of_booleans_is_an_error(small: dict[str, Path]) -> None:
     ("start", "call", "words"),
     [
         ({"plant.q_start[2]": 0.0}, "fmi2ExitInitializationMode", "singular"),
-        ({"plant.K_f": -1.0}, "plant: fmi2SetReal", "K_f = -1 is outside"),
-        ({"trajectory.period": 0.0}, "trajectory: fmi2SetReal", "period = 0 is outside"),
+        ({"plant.K_f": -1.0}, "plant: fmi2SetReal", "K_f = -1 must be at least 0 N/m"),
+        ({"trajectory.period": 0.0}, "trajectory: fmi2SetReal", "period = 0 must be at least 1e-12 s"),
         ({"plant.wall_normal[1]": -2.0}, "plant: fmi2ExitInitializationMode", "length 1"),
         ({"sensor.noise_std": 1.0}, "sensor: fmi2ExitInitializationMode", "noise_bound must be positive"),
     ],

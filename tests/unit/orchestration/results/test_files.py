@@ -276,7 +276,7 @@ def test_places_that_cannot_be_written(tmp_path: Path, suffix: str) -> None:
     (tmp_path / "file").write_text("mine")
     (tmp_path / f"taken{suffix}").mkdir()
     for place in (f"file/x{suffix}", f"taken{suffix}"):
-        with pytest.raises(OrchestrationError, match=rf"{place}: the result cannot be written: \w[\w ]+\.$"):
+        with pytest.raises(OrchestrationError, match=rf"{place}: the result cannot be written: \w[\w ]+; choose"):
             sample().write(tmp_path / place)
     assert files(tmp_path) == ["file", f"taken{suffix}"]
 
@@ -284,7 +284,7 @@ def test_places_that_cannot_be_written(tmp_path: Path, suffix: str) -> None:
 def test_a_sink_sees_a_folder_in_its_place_before_the_run(tmp_path: Path) -> None:
     (tmp_path / "x.parquet").mkdir()
     sink = ParquetSink(tmp_path / "x.parquet", NAMES)
-    with pytest.raises(OrchestrationError, match=r"x\.parquet: the result cannot be written: Is a directory\.$"):
+    with pytest.raises(OrchestrationError, match=r"x\.parquet: the result cannot be written: Is a directory; choose"):
         sink.__enter__()
     assert files(tmp_path) == ["x.parquet"]
 
@@ -292,12 +292,20 @@ def test_a_sink_sees_a_folder_in_its_place_before_the_run(tmp_path: Path) -> Non
 @pytest.mark.parametrize(
     ("name", "content", "message"),
     [
-        ("x.csv", None, r"x\.csv: the result cannot be read: No such file or directory\.$"),
-        ("x.parquet", None, r"x\.parquet: the result cannot be read: No such file or directory\.$"),
-        ("x.csv", b"", r"x\.csv does not hold a result: Empty CSV file\.$"),
-        ("x.csv", b"t,y\n1,2\n", r"x\.csv does not hold a result: its first column is t, not time\.$"),
-        ("x.csv", b"time,y\n1,on\n", r"x\.csv does not hold a result: .*invalid value 'on'\.$"),
-        ("x.csv", b"time,y\n1,\n", r"x\.csv does not hold a result: .*invalid value ''\.$"),
+        ("x.csv", None, r"x\.csv: there is no such file of a result; its folder has no \.csv file\.$"),
+        ("x.parquet", None, r"x\.parquet: there is no such file of a result; its folder has no \.parquet file\.$"),
+        (
+            "x.csv",
+            b"",
+            r"x\.csv does not hold a result: Empty CSV file; a CSV file with time",
+        ),
+        (
+            "x.csv",
+            b"t,y\n1,2\n",
+            r"x\.csv does not hold a result: its first column is t, not time; a CSV file",
+        ),
+        ("x.csv", b"time,y\n1,on\n", r"x\.csv does not hold a result: .*invalid value 'on'; a CSV file"),
+        ("x.csv", b"time,y\n1,\n", r"x\.csv does not hold a result: .*invalid value ''; a CSV file"),
         ("x.csv", b"time,y\n1\n", r"x\.csv does not hold a result: .*Expected 2 columns, got 1.*\.$"),
         ("x.csv", b"time,\xff\n1,2\n", r"x\.csv does not hold a result: .*\.$"),
         ("x.parquet", b"PAR1", r"x\.parquet does not hold a result: .*\.$"),
@@ -316,7 +324,10 @@ def test_cells_without_a_value_are_refused(tmp_path: Path) -> None:
     import pyarrow as pa
 
     pq.write_table(pa.table({"time": [0.0, 1.0], "a.y": [None, 1.0]}), tmp_path / "x.parquet")
-    with pytest.raises(OrchestrationError, match=r"does not hold a result: column a\.y has 1 cells without a value\.$"):
+    with pytest.raises(
+        OrchestrationError,
+        match=r"result: column a\.y has 1 cells without a value; a Parquet file",
+    ):
         Result.read(tmp_path / "x.parquet")
 
 

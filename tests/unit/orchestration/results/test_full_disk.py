@@ -32,7 +32,7 @@ def full_disk() -> Iterator[None]:
 @pytest.mark.parametrize("suffix", [".csv", ".parquet"])
 def test_a_full_disk_leaves_nothing_but_the_old_file(tmp_path: Path, suffix: str) -> None:
     (tmp_path / f"x{suffix}").write_text("old")
-    message = rf"x{suffix}: the result cannot be written: File too large\.$"
+    message = rf"x{suffix}: the result cannot be written: File too large; choose another place\.$"
     with full_disk(), pytest.raises(OrchestrationError, match=message):
         sample(5000).write(tmp_path / f"x{suffix}")
     gc.collect()  # a writer that is still open would try to write again, and warn
@@ -43,7 +43,7 @@ def test_a_full_disk_leaves_nothing_but_the_old_file(tmp_path: Path, suffix: str
 @pytest.mark.usefixtures("small_groups")
 def test_a_disk_that_fills_up_ends_the_stream(tmp_path: Path) -> None:
     sink = ParquetSink(tmp_path / "x.parquet", NAMES)
-    message = r"x\.parquet: the result cannot be written: File too large\.$"
+    message = r"x\.parquet: the result cannot be written: File too large; choose another place\.$"
     with full_disk(), pytest.raises(OrchestrationError, match=message):
         stream(sink, sample(5000), 1)
     gc.collect()
@@ -56,6 +56,6 @@ def test_a_partial_file_that_does_not_fit_does_not_hide_the_failure(tmp_path: Pa
         stream(ParquetSink(tmp_path / "x.parquet", NAMES), sample(5000), 5000, ValueError("diverged"))
     gc.collect()
     assert caught.value.__notes__ == [
-        f"{tmp_path / 'x.parquet'}: the result cannot be written: File too large. No row is kept."
+        f"{tmp_path / 'x.parquet'}: the result cannot be written: File too large; choose another place. No row is kept."
     ]
     assert files(tmp_path) == []

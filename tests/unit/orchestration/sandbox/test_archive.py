@@ -108,7 +108,7 @@ REFUSED: dict[str, tuple[Make, str]] = {
     "text": (lambda path: path.write_text("no zip"), r"is not a readable zip archive"),
     "empty": (lambda path: path.write_bytes(b""), r"is not a readable zip archive"),
     "file and folder": (packed([("a", b"1"), ("a/b", b"2")]), r"cannot be unpacked"),
-    "folder": (Path.mkdir, r"there is no such file"),
+    "folder": (Path.mkdir, r"is a folder; give the path of a \.zip file"),
     "missing": (lambda _: None, r"there is no such file"),
 }  # fmt: skip
 

@@ -142,7 +142,7 @@ def test_undriven_connectors_are_told(tmp_path: Path, strange: dict[str, Path]) 
         (system_xml("top", PAIR, connection("a.u", "in"), connector("in", "output")), "both ends take a value"),
         (
             system_xml("top", PAIR + inner(), connection("a.y", "drive.none")),
-            "system drive has no connector none; it has cmd",
+            "system drive has no connector none; there are cmd",
         ),
         (system_xml("top", PAIR + inner(unit="s"), connection("a.y", "drive.cmd")), "a.y -> drive.cmd: units m and s"),
         (system_xml("top", PAIR + inner(name="a")), "the element name 'a' is empty, has a dot, or is used twice"),
@@ -228,9 +228,9 @@ NAMESPACE = "http://ssp-standard.org/SSP1/SystemStructure"
     [
         (binding(real("z_start", 3.0, "s")), r"b\.z_start is given in s, but the unit in the FMU is m"),
         (binding(real("z_start", 3.0, "ell")), r"b\.z_start is given in ell, but the unit in the FMU is m"),
-        (binding(real("z", 3.0)), r"b has no variable z; it has "),
-        (binding(real("mine", 3.0), entry("mine", "z")), r"b has no variable z; it has "),
-        (binding(real("mine", 3.0), entry("yours", "z_start")), "has no parameter yours to map; it has mine"),
+        (binding(real("z", 3.0)), r"b has no variable z; did you mean b\.z_start"),
+        (binding(real("mine", 3.0), entry("mine", "z")), r"b has no variable z; did you mean b\.z_start"),
+        (binding(real("mine", 3.0), entry("yours", "z_start")), "has no parameter yours to map; there are mine"),
         (binding(real("mine", 3.0), entry("mine", "z_start", MAPPED)), "IntegerMappingTransformation is not supported"),
         (binding(real("z_start", 3.0), attributes='type="text/csv"'), "of type text/csv are not supported"),
     ],

@@ -85,7 +85,7 @@ def test_assumptions_are_annotations_of_the_system(signals: System, tmp_path: Pa
     assumed = replace(signals, assumptions={"relay.offset": 'said <nowhere> & "guessed"\n', "plant.x": "starts at 1"})
     package = assumed.write(tmp_path / "assumed.ssp")
     assert System.read(package).assumptions == assumed.assumptions
-    with pytest.raises(SystemDescriptionError, match="relay has no variable z; it has "):
+    with pytest.raises(SystemDescriptionError, match="relay has no variable z; there are "):
         replace(signals, assumptions={"relay.z": "is not there"})
 
 

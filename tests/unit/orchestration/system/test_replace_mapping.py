@@ -106,11 +106,14 @@ def test_a_further_input_is_connected_by_the_name_it_is_mapped_to(strange: dict[
 @pytest.mark.parametrize(
     ("mapping", "message"),
     [
-        ({"x": "Position"}, r"controller has no variable tau_cmd\[1\]; it has sample_time, Gain, x\[1\]"),
-        ({"tau": "Torque"}, r"Mapping tau=Torque: controller has no variable tau; it has sample_time, offset, x\[1\]"),
+        (
+            {"x": "Position"},
+            r"^Stranger\.fmu cannot be controller: it has no output tau_cmd, which a reads, but",
+        ),
+        ({"tau": "Torque"}, r"Mapping tau=Torque: controller has no variable tau; did you mean tau_cmd\?"),
         (
             {"tau_cmd": "T"},
-            r"Mapping tau_cmd=T: Stranger has no variable T\[1\]; it has sample_time, Gain, Position\[1\]",
+            r"Mapping tau_cmd=T: Stranger has no variable T\[1\]; there are sample_time, Gain, Position, Torque\.",
         ),
         ({"tau_cmd": "Torque", "x": "Torque"}, r"Mapping x=Torque: Torque\[1\] is already mapped to tau_cmd\[1\]"),
         ({"tau_cmd": "Position"}, r"tau_cmd\[1\] has causality input, not output"),

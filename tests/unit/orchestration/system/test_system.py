@@ -28,13 +28,13 @@ def linked(fmus: dict[str, Path], line: str) -> System:
 @pytest.mark.parametrize(
     ("line", "message"),
     [
-        ("source.z -> relay.u", r"source has no variable z; it has sample_time, u, n, even"),
+        ("source.z -> relay.u", r"source has no variable z; there are sample_time, u, n, even"),
         (
             "source.u -> relay.z",
-            r"relay has no variable z; it has sample_time, offset, u, n, even, y, m, odd",
+            r"relay has no variable z; there are sample_time, offset, u, n and 4 more",
         ),
-        ("spring.u -> relay.u", r"System small has no component spring; it has source, relay, plant"),
-        ("source.u -> spring.u", r"System small has no component spring; it has source, relay, plant"),
+        ("spring.u -> relay.u", r"System small has no component spring; there are source, relay, plant"),
+        ("source.u -> spring.u", r"System small has no component spring; there are source, relay, plant"),
         ("relay.u -> plant.u", r"Connection relay\.u -> plant\.u: u has causality input, not output"),
         ("source.u -> relay.y", r"Connection source\.u -> relay\.y: y has causality output, not input"),
         ("source.u -> relay.n", r"Connection source\.u -> relay\.n: types Real and Integer differ"),
@@ -56,7 +56,7 @@ def test_units_must_agree(fig2: System) -> None:
     wrong = Connection("plant", "x[1]", "sensor", "F_ext[1]")
     with pytest.raises(
         SystemDescriptionError,
-        match=r"^Connection plant\.x\[1\] -> sensor\.F_ext\[1\]: units m and N differ\.$",
+        match=r"^Connection plant\.x\[1\] -> sensor\.F_ext\[1\]: units m and N differ; connect an output in N",
     ):
         replace(fig2, connections=(*connections, wrong))
 
@@ -93,10 +93,10 @@ def test_a_system_needs_components() -> None:
 
 def test_unconnected_inputs_warn_or_fail(small: dict[str, Path]) -> None:
     loose = linked(small, "source.u -> relay.u")
-    sentence = r"^Unconnected inputs keep their start values: relay\.n, relay\.even, plant\.u\.$"
-    with pytest.warns(UnconnectedInputWarning, match=sentence):
+    sentence = r"^Unconnected inputs keep their start values: relay\.n, relay\.even, plant\.u\."
+    with pytest.warns(UnconnectedInputWarning, match=f"{sentence}$"):
         simulate(loose, H)
-    with pytest.raises(SystemDescriptionError, match=sentence):
+    with pytest.raises(SystemDescriptionError, match=rf"{sentence} Connect them, or run without strict\.$"):
         simulate(loose, H, options=Options(strict=True))
     simulate(chain(small, 2), H, options=Options(strict=True))
 

@@ -1,0 +1,70 @@
+"""Errors of requests to a system, with what to do instead."""
+
+from collections.abc import Sequence
+
+from orchestration.errors import SystemDescriptionError
+from orchestration.fmi.given import require_type
+from orchestration.fmi.names import base_name, suggestion
+from orchestration.system.component import Component, Connection
+
+
+def require_names(system: str, names: Sequence[str]) -> None:
+    """Refuse names of components that are empty, have a dot, or are used twice, and a system without components.
+
+    Raises
+    ------
+    SystemDescriptionError
+    """
+    if not names:
+        msg = f'System {system} has no components; give some, as System.of({{"plant": "Plant.fmu"}}).'
+        raise SystemDescriptionError(msg)
+    for name in names:
+        if names.count(name) > 1 or not name or "." in name:
+            meant = name.replace(".", "_") or "plant"
+            msg = (
+                f"System {system}: the component name {name!r} is empty, has a dot, or is used twice;"
+                f" use another one, such as {meant}."
+            )
+            raise SystemDescriptionError(msg)
+
+
+def require_order(names: Sequence[str], present: Sequence[str]) -> None:
+    """Refuse an order that does not name each of the present components once.
+
+    Raises
+    ------
+    SystemDescriptionError
+    """
+    require_type("The order", names, (list, tuple), f"give a list of names, as [{present[0]!r}, ...]")
+    said = ", ".join(map(str, names))
+    for name in names:
+        if name not in present:
+            msg = f"The order {said}: there is no component {name}; {suggestion(str(name), present)}"
+            raise SystemDescriptionError(msg)
+    if sorted(names) != sorted(present):
+        msg = f"The order {said} must name each of {', '.join(present)} once."
+        raise SystemDescriptionError(msg)
+
+
+def driven_twice(connection: Connection, other: Connection) -> SystemDescriptionError:
+    """The error of a connection to an input that another connection drives."""
+    same = (other.source, other.output) == (connection.source, connection.output)
+    advice = "leave it out" if same else "an input takes one source"
+    where = f"{connection.target}.{connection.input}"
+    return SystemDescriptionError(
+        f"Connection {connection}: {where} already has a source, {other.source}.{other.output}; {advice}."
+    )
+
+
+def not_a_path(text: str, components: Sequence[Component]) -> SystemDescriptionError:
+    """The error of a text that is not ``component.variable``, with those that it may have meant."""
+    bearers = [
+        f"{component.name}.{text}"
+        for component in components
+        if any(text in (variable, base_name(variable)) for variable in component.description.variables)
+    ]
+    first = components[0]
+    example = bearers or [f"{first.name}.{next(iter(first.description.variables), 'x')}"]
+    return SystemDescriptionError(
+        f"{text!r} is not of the form component.variable, such as {' or '.join(example[:2])}."
+    )
