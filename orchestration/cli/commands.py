@@ -73,12 +73,12 @@ def require_folder(folder: Path) -> None:
 
 def export_scenario(name: str, out: Path) -> None:
     """Write a scenario as an SSP package."""
-    from orchestration.paper.built_fmus import fmus, scenario
+    from orchestration.paper.built_fmus import find_scenario, fmus
 
     if out.suffix != ".ssp":
         msg = f"{out}: a scenario is written as .ssp."
         raise SystemDescriptionError(msg)
-    chosen = scenario(name)
+    chosen = find_scenario(name)
     require_folder(out.parent)
     system = chosen.system(fmus(chosen.units.values()))
     system.write(out)
