@@ -14,6 +14,7 @@ from orchestration.master.flatten import Assembly
 from orchestration.master.kernel.codes import CALL_NAMES, Column
 from orchestration.master.kernel.flat_system import copy_links, get_outputs, set_inputs
 from orchestration.sandbox.archive import unpacked
+from orchestration.stages import stage
 from orchestration.system.system import Component, System
 
 
@@ -34,10 +35,10 @@ def opened(system: System) -> Iterator[list[Instance]]:
         If a library cannot be loaded, or an FMU refuses to be instantiated.
     """
     with ExitStack() as stack:
-        folders = {
-            path: stack.enter_context(unpacked(path, needed_to_run))
-            for path in dict.fromkeys(c.description.path for c in system.components)
-        }
+        folders = {}
+        for path in dict.fromkeys(c.description.path for c in system.components):
+            with stage(f"unpacking {path.name}", f"unpacked {path}"):
+                folders[path] = stack.enter_context(unpacked(path, needed_to_run))
         instances = []
         for component in system.components:
             folder = folders[component.description.path]
@@ -77,14 +78,16 @@ def initialize(system: System, instances: Sequence[Instance], assembly: Assembly
     InitializationError
         If a call fails, or an algebraic loop has no solution near the start values.
     """
-    for component, instance in zip(system.components, instances, strict=True):
-        set_values(component, instance, component.start)
-        instance.set_up(t0)
-        instance.call("fmi2EnterInitializationMode")
-    _propagate(system, instances, assembly)
-    for instance in instances:
-        instance.call("fmi2ExitInitializationMode")
-    _get_all(instances, assembly)
+    counted = f"{len(instances)} component{'s' if len(instances) != 1 else ''} of {system.name}"
+    with stage(f"initializing {counted}", f"initialized {counted}"):
+        for component, instance in zip(system.components, instances, strict=True):
+            set_values(component, instance, component.start)
+            instance.set_up(t0)
+            instance.call("fmi2EnterInitializationMode")
+        _propagate(system, instances, assembly)
+        for instance in instances:
+            instance.call("fmi2ExitInitializationMode")
+        _get_all(instances, assembly)
 
 
 def set_values(component: Component, instance: Instance, values: Mapping[str, float]) -> None:

@@ -1,0 +1,30 @@
+"""Compiles the loop of a run before its first step, so that nobody takes compilation for stepping."""
+
+from collections.abc import Callable
+from time import perf_counter
+
+from orchestration.master.kernel.compiled import compilations
+from orchestration.stages import stage
+
+
+def compile_loop(make_no_step: Callable[[], None]) -> float:
+    """Let numba compile the loop of a run, or load the machine code that an earlier process has kept.
+
+    Parameters
+    ----------
+    make_no_step
+        Calls the loop with the arrays of the run, and with an empty span of steps.
+
+    Returns
+    -------
+    float
+        Time that it took, s.
+    """
+    started, before = perf_counter(), compilations()
+
+    def done() -> str:
+        return "compiled the master's loop" if compilations() > before else "loaded the master's loop from the cache"
+
+    with stage("compiling the master's loop, which is done once", done):
+        make_no_step()
+    return perf_counter() - started
