@@ -25,6 +25,6 @@ def compile_loop(make_no_step: Callable[[], None]) -> float:
     def done() -> str:
         return "compiled the master's loop" if compilations() > before else "loaded the master's loop from the cache"
 
-    with stage("compiling the master's loop, which is done once", done):
+    with stage("compiling the master's loop, which is done once, or loading its machine code", done):
         make_no_step()
     return perf_counter() - started
