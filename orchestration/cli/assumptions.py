@@ -1,9 +1,8 @@
 """Prints the assumed values of a system with the reasons for them: ``adaptimp run --assumptions``."""
 
-import typer
 from rich.table import Column, Table
 
-from orchestration.cli.commands import console
+from orchestration.cli.output import output
 from orchestration.fmi.codes import BOOLEAN
 from orchestration.system.system import System
 
@@ -14,14 +13,14 @@ def print_assumptions(system: System) -> None:
     for path in sorted(system.assumptions):
         reasons.setdefault(system.assumptions[path], []).append(f"{path} = {_value(system, path)}")
     if not reasons:
-        typer.echo(f"{system.name}: nothing is marked as assumed.")
+        output.say(f"{system.name}: nothing is marked as assumed.")
         return
     widest = max(len(value) for values in reasons.values() for value in values)
     table = Table(Column("value", min_width=widest), "why", show_edge=False, show_lines=True)
     for reason, values in reasons.items():
         table.add_row("\n".join(values), reason.removeprefix("assumed: "))
-    console.print(table)
-    typer.echo(f"{system.name}: {len(system.assumptions)} assumed values")
+    output.show(table)
+    output.say(f"{system.name}: {len(system.assumptions)} assumed values")
 
 
 def _value(system: System, path: str) -> str:
