@@ -44,7 +44,7 @@ def table(
         widths[-1] = width - fixed
     lines = [_line(head, widths, right), GAP.join("-" * n for n in widths)]
     for row in rows:
-        folded = wrap(row[-1], widths[-1]) or [""]
+        folded = _wrapped(row[-1], widths[-1], "", "") or [""]
         lines.append(_line([*row[:-1], folded[0]], widths, right))
         lines += [" " * fixed + more for more in folded[1:]]
     return "\n".join(lines)
@@ -57,9 +57,9 @@ def definitions(rows: Sequence[tuple[str, str]], width: int, indent: str = "") -
     for name, text in rows:
         place = len(indent) + longest + len(GAP)
         if width - place < LEAST:
-            lines += [indent + name, *wrap(text, width, initial_indent=indent + GAP, subsequent_indent=indent + GAP)]
+            lines += [indent + name, *_wrapped(text, width, indent + GAP, indent + GAP)]
             continue
-        first, *more = wrap(text, width - place, break_long_words=False) or [""]
+        first, *more = _wrapped(text, width - place, "", "") or [""]
         lines.append(f"{indent}{name:{longest}}{GAP}{first}".rstrip())
         lines += [" " * place + line for line in more]
     return "\n".join(lines)
@@ -97,5 +97,16 @@ def _packed(cells: Sequence[str], width: int, indent: str) -> Iterator[str]:
         else:
             lines.append(cell)
     for line in lines:
-        whole = {"break_long_words": False, "break_on_hyphens": False}
-        yield from wrap(line, width, initial_indent=indent, subsequent_indent=indent + GAP, **whole)
+        yield from _wrapped(line, width, indent, indent + GAP)
+
+
+def _wrapped(text: str, width: int, first: str, later: str) -> list[str]:
+    """Lines of a text with indents; no word is cut, however long it is."""
+    return wrap(
+        text,
+        width,
+        initial_indent=first,
+        subsequent_indent=later,
+        break_long_words=False,
+        break_on_hyphens=False,
+    )

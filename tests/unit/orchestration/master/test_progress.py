@@ -2,7 +2,7 @@
 
 import io
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from typing import Any
 
 import pytest
@@ -38,11 +38,11 @@ class Later:
 
 
 @pytest.fixture
-def timers(monkeypatch: pytest.MonkeyPatch) -> Iterator[list[Later]]:
+def timers(monkeypatch: pytest.MonkeyPatch) -> list[Later]:
     """All timers of the test."""
     Later.made = []
     monkeypatch.setattr(progress, "Timer", Later)
-    yield Later.made
+    return Later.made
 
 
 def consoles() -> tuple[Console, io.StringIO]:
@@ -65,16 +65,23 @@ def test_what_is_short_is_not_shown(timers: list[Later]) -> None:
 
 def test_what_is_long_is_shown_on_a_terminal_and_cleared(timers: list[Later]) -> None:
     console, sent = consoles()
-    with pytest.raises(KeyboardInterrupt), ProgressLine(console, 1.0) as line:
-        line.begin("compiling the loop")
-        timers[-1].comes()
-        assert "compiling the loop" in sent.getvalue()
-        line.steps(1, 4)
-        timers[-1].comes()
-        line.steps(3, 4)
-        raise KeyboardInterrupt
-    assert RUNNING in sent.getvalue()
-    assert sent.getvalue().rstrip("\r").endswith(CLEARED) or CLEARED in sent.getvalue().rpartition(RUNNING)[2]
+    line = ProgressLine(console, 1.0)
+
+    def interrupted() -> None:
+        with line:
+            line.begin("compiling the loop")
+            timers[-1].comes()
+            line.steps(1, 4)
+            timers[-1].comes()
+            line.steps(3, 4)
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        interrupted()
+    before, shown, after = sent.getvalue().rpartition(RUNNING)
+    assert "compiling the loop" in before
+    assert shown
+    assert CLEARED in after
 
 
 def test_elsewhere_a_line_stays_but_for_steps(timers: list[Later]) -> None:
@@ -95,7 +102,7 @@ def test_without_delay_it_is_shown_at_once(timers: list[Later]) -> None:
     assert "running [fast]" in sent.getvalue()
 
 
-def test_a_poor_terminal_gets_ascii(timers: list[Later]) -> None:
+def test_a_poor_terminal_gets_ascii() -> None:
     raw = io.BytesIO()
     poor = io.TextIOWrapper(raw, encoding="ascii", write_through=True)
     with ProgressLine(Console(file=poor, force_terminal=True, width=60), 0.0) as line:
