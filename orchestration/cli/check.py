@@ -13,7 +13,7 @@ from rich.text import Text
 
 from orchestration.check import Report, Severity, check
 from orchestration.cli.codes import ExitCode
-from orchestration.cli.output import output
+from orchestration.cli.output import output, watched
 from orchestration.cli.settings import setting_of
 from orchestration.errors import ArchiveError, SystemDescriptionError
 from orchestration.paper.closed_loop import in_loop, paper_loop
@@ -35,7 +35,9 @@ def run_check(path: Path, role: str | None = None, json: bool = False, mapping: 
     try:
         names = dict(map(setting_of("--map"), mapping))
         wanted = ROLES.values() if role is None else role_named(role)
-        report = check(path, wanted, mapping=names, trial=in_loop(paper_loop))
+        with watched() as line:
+            line.begin(f"examining {path.name}")
+            report = check(path, wanted, mapping=names, trial=in_loop(paper_loop))
     except (ArchiveError, SystemDescriptionError, OSError) as error:
         if json:
             output.data(formats.dumps({"file": str(path), "error": str(error)}, indent=2))

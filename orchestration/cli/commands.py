@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-from rich.table import Table
+from rich.table import Column, Table
 from rich.text import Text
 
 from orchestration.cli.output import output, watched
@@ -56,7 +56,8 @@ def reproduce_paper(out: Path, image: str, *, fresh: bool) -> None:
     present = set(out.iterdir())
     with watched():
         report = reproduce(out, lambda sentence: output.say(f"{sentence} ..."), image, fresh=fresh)
-    table = Table("id", "claim", "measured", "verdict", title="Claims of the paper")
+    columns = [Column(name, overflow="fold") for name in ("id", "claim", "measured", "verdict")]  # nothing is cut
+    table = Table(*columns, title="Claims of the paper")
     colours = {"holds": "green", "not reproduced": "red"}
     for claim in report.claims:
         colour = colours.get(claim.verdict, "dim")

@@ -89,7 +89,7 @@ def _prepared(request: RunRequest, report: RunReport, line: ProgressLine) -> Sim
     for notice in system.notices:
         output.remark(f"Notice: {notice}")
     if request.assumptions:
-        print_assumptions(system)
+        print_assumptions(system, json=request.json)
         return None
     if request.order is not None:
         system = system.ordered(request.order)

@@ -8,6 +8,7 @@ paragraph, as on the right.
 """
 
 from collections.abc import Iterator, Sequence
+from itertools import zip_longest
 from textwrap import wrap
 
 GAP = "  "
@@ -63,6 +64,20 @@ def definitions(rows: Sequence[tuple[str, str]], width: int, indent: str = "") -
         lines.append(f"{indent}{name:{longest}}{GAP}{first}".rstrip())
         lines += [" " * place + line for line in more]
     return "\n".join(lines)
+
+
+def side_by_side(rows: Sequence[tuple[Sequence[str], str]], width: int) -> str:
+    """Lines with a text each, which is folded beside or below them; rows are apart by an empty line."""
+    longest = max((len(line) for lines, _ in rows for line in lines), default=0)
+    place = longest + len(GAP)
+    parts: list[str] = []
+    for lines, text in rows:
+        if width - place < LEAST:
+            parts.append("\n".join([*lines, *_wrapped(text, width, GAP * 2, GAP * 2)]))
+        else:
+            folded = zip_longest(lines, _wrapped(text, width - place, "", ""), fillvalue="")
+            parts.append("\n".join(f"{line:{longest}}{GAP}{part}".rstrip() for line, part in folded))
+    return "\n\n".join(parts)
 
 
 def _line(cells: Sequence[str], widths: Sequence[int], right: Sequence[bool]) -> str:

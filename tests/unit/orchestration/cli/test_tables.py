@@ -3,7 +3,7 @@
 import pytest
 
 from orchestration.cli.signals import HEAD
-from orchestration.cli.tables import definitions, table
+from orchestration.cli.tables import definitions, side_by_side, table
 
 ROWS = [
     ("controller.tau_cmd[1]", "N.m", "-12.4345", "-5.12733", "-5.12733"),
@@ -66,4 +66,14 @@ def test_definitions_stand_beside_or_below_their_names() -> None:
     assert definitions(rows, 80, "  ") == beside
     assert definitions(rows, 30, "  ") == (
         "  fig2\n    Conventional impedance\n    control\n  ideal\n    A perfect sensor"
+    )
+
+
+def test_lines_stand_beside_or_above_their_text() -> None:
+    rows = [(["plant.a = 1 m", "plant.b = 2 m"], "as the plane of motion is horizontal"), (["c = 3"], "any")]
+    assert side_by_side(rows, 40) == (
+        "plant.a = 1 m  as the plane of motion is\nplant.b = 2 m  horizontal\n\nc = 3          any"
+    )
+    assert side_by_side(rows, 30) == (
+        "plant.a = 1 m\nplant.b = 2 m\n    as the plane of motion is\n    horizontal\n\nc = 3\n    any"
     )
