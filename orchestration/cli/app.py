@@ -272,7 +272,7 @@ def export(
     export_system(SystemRequest(system, controller, tuple(map_ or ()), tuple(set_ or ()), sample_time), out)
 
 
-@app.command(cls=Command, epilog=closing("adaptimp build -o fmus_built", "adaptimp build mine.py -o . --platform all"))
+@app.command(cls=Command, epilog=closing("adaptimp build -o fmus_built", "adaptimp build mine.py -o built --verbose"))
 @with_messages
 def build(
     files: Annotated[
