@@ -355,9 +355,9 @@ def main() -> None:
     except (OrchestrationError, OSError) as error:
         if output.debug:
             traceback.print_exception(error)
-        typer.echo(f"Error: {error}", err=True)
+        output.error(f"Error: {error}")
         sys.exit(exit_code_of(error))
     except Exception:
         traceback.print_exc()
-        typer.echo("Error: this is a fault of adaptimp; please report it with the lines above.", err=True)
+        output.error("Error: this is a fault of adaptimp; please report it with the lines above.")
         sys.exit(ExitCode.FAULT)

@@ -7,7 +7,6 @@ import json as formats
 from collections.abc import Sequence
 from pathlib import Path
 
-import typer
 from rich.table import Column, Table
 from rich.text import Text
 
@@ -41,7 +40,7 @@ def run_check(path: Path, role: str | None = None, json: bool = False, mapping: 
     except (ArchiveError, SystemDescriptionError, OSError) as error:
         if json:
             output.data(formats.dumps({"file": str(path), "error": str(error)}, indent=2))
-        typer.echo(f"Error: {error}", err=True)
+        output.error(f"Error: {error}")
         return ExitCode.REFUSED
     if json:
         output.data(report.json())

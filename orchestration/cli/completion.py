@@ -42,7 +42,8 @@ def algorithms(incomplete: str) -> list[str]:
 
 def settable(ctx: Any, incomplete: str) -> list[str]:
     """Parameters and inputs of the system on the line, as COMPONENT.VARIABLE=."""
-    return [f"{path}=" for path in _paths(ctx, incomplete, ("parameter", "input"))]
+    paths = _paths(ctx, incomplete, ("parameter", "input"))
+    return [path if path.endswith(".") else f"{path}=" for path in paths]
 
 
 def recordable(ctx: Any, incomplete: str) -> list[str]:
@@ -56,8 +57,10 @@ def _paths(ctx: Any, incomplete: str, causalities: tuple[str, ...]) -> list[str]
     from orchestration.errors import OrchestrationError
 
     component, dot, _ = incomplete.partition(".")
+    # The parser gives up at an option whose value is not there yet, and leaves the argument where it was.
+    system = ctx.params.get("system") or next(iter(ctx.args), "")
     try:
-        found = dict(_components(str(ctx.params.get("system") or ""), component if dot else None, causalities))
+        found = dict(_components(system, component if dot else None, causalities))
     except (OrchestrationError, OSError):
         return []
     if not dot:

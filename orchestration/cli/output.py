@@ -10,9 +10,7 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from io import TextIOWrapper
-from typing import TYPE_CHECKING, Any
-
-import typer
+from typing import TYPE_CHECKING, Any, TextIO
 
 from orchestration.errors import SystemDescriptionError
 
@@ -61,16 +59,20 @@ class Output:
     def say(self, text: str) -> None:
         """Say what was done, on standard output unless that is for data."""
         if not self.quiet:
-            typer.echo(text, err=self.data_only)
+            _write(text, sys.stderr if self.data_only else sys.stdout)
 
     def remark(self, text: str) -> None:
         """Say on standard error what the user should know."""
         if not self.quiet:
-            typer.echo(text, err=True)
+            self.error(text)
+
+    def error(self, text: str) -> None:
+        """Say on standard error why the command ends, --quiet or not."""
+        _write(text, sys.stderr)
 
     def data(self, text: str) -> None:
         """Write what was asked for, --quiet or not."""
-        typer.echo(text)
+        _write(text, sys.stdout)
 
     def show(self, renderable: Any) -> None:
         """Print a table of rich."""
@@ -89,6 +91,12 @@ def width() -> int:
     from shutil import get_terminal_size
 
     return max(NARROWEST, get_terminal_size().columns)
+
+
+def _write(text: str, stream: TextIO) -> None:
+    """Write a line; click would write UTF-8 to a stream that asks for ASCII."""
+    stream.write(f"{text}\n")
+    stream.flush()
 
 
 def _console() -> "Console":
@@ -130,7 +138,7 @@ class _Listener(logging.Handler):
         elif record.levelno == logging.INFO:
             self._line.end()
             if output.verbose:
-                typer.echo(record.getMessage(), err=True)
+                output.remark(record.getMessage())
 
 
 @contextmanager

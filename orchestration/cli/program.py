@@ -76,7 +76,7 @@ class Program(TyperGroup):
             from orchestration.errors import RunInterrupted
 
             if not isinstance(interrupt, RunInterrupted):  # that was said when its rows were kept
-                typer.echo("Interrupted.", err=True)
+                output.error("Interrupted.")
             raise typer.Exit(ExitCode.INTERRUPTED) from None
 
 
