@@ -118,7 +118,7 @@ def _binary(sources: dict[str, str], platform: Platform, cache: Path, name: str)
     if cached.exists():
         _LOG.info("%s for %s: the binary is in the cache, %s", name, platform.name, cached)
         return cached.read_bytes()
-    _LOG.debug("compiling %s for %s, which is done once", name, platform.name)
+    _LOG.debug("compiling %s for %s, once", name, platform.name)
     started = perf_counter()
     with tempfile.TemporaryDirectory(prefix="adaptimp-") as scratch:
         folder = Path(scratch)

@@ -1,5 +1,6 @@
 """Compilation of the loop: it is over when a run's context is entered, and makes no step."""
 
+import signal
 from collections.abc import Callable
 from typing import Any
 
@@ -7,6 +8,7 @@ import pytest
 from numba import typeof
 
 from orchestration import System, prepare
+from orchestration.master.compilation import compile_loop
 from orchestration.master.kernel import fixed_step, step_control
 from orchestration.master.kernel.compiled import compilations
 
@@ -33,3 +35,31 @@ def test_the_loop_is_called_with_no_step_first(fig2: System, monkeypatch: pytest
         assert compilations() == compiled, "nothing is compiled while steps are made"
         assert all(later == types[0] for later in types), "machine code is kept for each kind of arguments"
         assert simulation.time == 0.01
+
+
+def test_an_interrupt_waits_for_the_end() -> None:
+    """The compiler's callbacks would swallow it."""
+    done = []
+
+    def interrupted() -> None:
+        signal.raise_signal(signal.SIGINT)
+        done.append("compiled")
+
+    with pytest.raises(KeyboardInterrupt):
+        compile_loop(interrupted)
+    assert done == ["compiled"]
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+
+
+def test_a_second_interrupt_waits_no_longer() -> None:
+    done = []
+
+    def interrupted() -> None:
+        signal.raise_signal(signal.SIGINT)
+        signal.raise_signal(signal.SIGINT)
+        done.append("compiled")
+
+    with pytest.raises(KeyboardInterrupt):
+        compile_loop(interrupted)
+    assert done == []
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
