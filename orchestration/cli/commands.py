@@ -9,6 +9,7 @@ from rich.text import Text
 from orchestration.cli.output import output, watched
 from orchestration.cli.places import require_folder, written
 from orchestration.errors import SystemDescriptionError
+from orchestration.master.progress import RUNNING
 
 IMAGES = ("png", "svg")
 
@@ -54,8 +55,13 @@ def reproduce_paper(out: Path, image: str, *, fresh: bool) -> None:
         raise SystemDescriptionError(msg)
     require_folder(out)
     present = set(out.iterdir())
-    with watched():
-        report = reproduce(out, lambda sentence: output.say(f"{sentence} ..."), image, fresh=fresh)
+    with watched() as line:
+
+        def tell(sentence: str) -> None:
+            output.say(f"{sentence} ...")
+            line.begin(RUNNING)
+
+        report = reproduce(out, tell, image, fresh=fresh)
     columns = [Column(name, overflow="fold") for name in ("id", "claim", "measured", "verdict")]  # nothing is cut
     table = Table(*columns, title="Claims of the paper")
     colours = {"holds": "green", "not reproduced": "red"}

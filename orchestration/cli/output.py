@@ -10,6 +10,7 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from io import TextIOWrapper
+from threading import current_thread, main_thread
 from typing import TYPE_CHECKING, Any, TextIO
 
 from orchestration.errors import SystemDescriptionError
@@ -132,11 +133,13 @@ class _Listener(logging.Handler):
         self._line = line
 
     def emit(self, record: logging.LogRecord) -> None:
-        """Show what begins, or say what was done."""
-        if record.levelno == logging.DEBUG:
+        """Show what begins, or say what was done; the line belongs to the main thread."""
+        shows = current_thread() is main_thread()
+        if record.levelno == logging.DEBUG and shows:
             self._line.begin(record.getMessage())
         elif record.levelno == logging.INFO:
-            self._line.end()
+            if shows:
+                self._line.end()
             if output.verbose:
                 output.remark(record.getMessage())
 
