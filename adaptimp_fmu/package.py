@@ -6,12 +6,14 @@ hash of the definition and the runtime.
 
 import hashlib
 import io
+import logging
 import os
 import tempfile
 import uuid
 import zipfile
 from collections.abc import Iterable
 from pathlib import Path
+from time import perf_counter
 
 import platformdirs
 
@@ -29,6 +31,8 @@ from adaptimp_fmu.icon import png
 from adaptimp_fmu.model import Model
 from adaptimp_fmu.toolchain import Platform, compile_library, host_platform, identity
 
+_LOG = logging.getLogger(__name__)
+"""Says at level DEBUG what begins, at level INFO what was done."""
 _EPOCH = (1980, 1, 1, 0, 0, 0)
 _REGULAR_FILE = 0o100644 << 16
 
@@ -111,14 +115,19 @@ def _binary(sources: dict[str, str], platform: Platform, cache: Path, name: str)
     for file, text in sorted(sources.items()):
         key.update(f"\0{file}\0{text}".encode())
     cached = cache / "binaries" / key.hexdigest()[:32] / platform.name / f"{name}{platform.extension}"
-    if not cached.exists():
-        with tempfile.TemporaryDirectory(prefix="adaptimp-") as scratch:
-            folder = Path(scratch)
-            for file, text in sources.items():
-                (folder / file).write_text(text, encoding="utf-8", newline="\n")
-            output = folder / f"{name}{platform.extension}"
-            compile_library(folder / MAIN_SOURCE, output, platform)
-            _store(cached, output.read_bytes())
+    if cached.exists():
+        _LOG.info("%s for %s: the binary is in the cache, %s", name, platform.name, cached)
+        return cached.read_bytes()
+    _LOG.debug("compiling %s for %s, once", name, platform.name)
+    started = perf_counter()
+    with tempfile.TemporaryDirectory(prefix="adaptimp-") as scratch:
+        folder = Path(scratch)
+        for file, text in sources.items():
+            (folder / file).write_text(text, encoding="utf-8", newline="\n")
+        output = folder / f"{name}{platform.extension}"
+        compile_library(folder / MAIN_SOURCE, output, platform)
+        _store(cached, output.read_bytes())
+    _LOG.info("compiled %s for %s in %.3g s", name, platform.name, perf_counter() - started)
     return cached.read_bytes()
 
 

@@ -37,7 +37,11 @@ PROCESSES = (
 QUICK = ("golden/*", "property/*", "unit/*", "faults/*", "conformance/*")
 """Files whose tests are quick unless they have to do with processes or are in `SLOW`."""
 
-SLOW = ("unit/fmus/test_documented_examples.py", "unit/orchestration/analysis/test_stability.py")
+SLOW = (
+    "faults/test_cli_examples.py",
+    "unit/fmus/test_documented_examples.py",
+    "unit/orchestration/analysis/test_stability.py",
+)
 """Files that take seconds though they start no process."""
 
 QUICK_FMUS = ("Plant", "ForceSensor")

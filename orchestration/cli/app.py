@@ -1,43 +1,48 @@
-"""Defines the commands of ``adaptimp`` and their options; a command imports the modules it needs when it runs.
+"""Defines the commands of ``adaptimp``; a command imports the modules it needs when it runs.
 
-Exit codes: 0 success, 1 a run failed, 2 the request cannot be carried out as it stands.
+The exit codes are those of `orchestration.cli.codes`.
 """
 
 import sys
+import traceback
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
-from typer.core import TyperGroup
 
-from orchestration.cli.codes import INTERRUPTED
-
-
-class Interruptible(TyperGroup):
-    """A group of commands that print a sentence when Ctrl-C ends them."""
-
-    def invoke(self, ctx: Any) -> Any:
-        """Run a command.
-
-        Raises
-        ------
-        typer.Exit
-            For a KeyboardInterrupt.
-        """
-        try:
-            return super().invoke(ctx)
-        except KeyboardInterrupt:
-            typer.echo("Interrupted.", err=True)
-            raise typer.Exit(INTERRUPTED) from None
-
+from orchestration.cli import completion
+from orchestration.cli.codes import ExitCode, exit_code_of
+from orchestration.cli.options import (
+    ALGORITHM,
+    CARE,
+    ROWS,
+    TIME,
+    Controller,
+    Json,
+    Mapping,
+    SampleTime,
+    Settings,
+    SystemName,
+)
+from orchestration.cli.output import never_fail_on_characters, output
+from orchestration.cli.program import (
+    MESSAGES,
+    SETTINGS,
+    Command,
+    Debug,
+    Program,
+    Quiet,
+    Verbose,
+    closing,
+    with_messages,
+)
 
 app = typer.Typer(
-    cls=Interruptible,
-    add_completion=False,
+    cls=Program,
     no_args_is_help=True,
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
-    context_settings={"help_option_names": ["-h", "--help"]},
+    context_settings=SETTINGS,
 )
 
 
@@ -49,26 +54,239 @@ def _print_version(wanted: bool) -> None:
         raise typer.Exit
 
 
-@app.callback()
+@app.callback(epilog=closing("adaptimp run fig5", "adaptimp run --help"))
 def common(
-    version: Annotated[
-        bool, typer.Option("--version", callback=_print_version, is_eager=True, help="Print the version.")
+    quiet: Quiet = False,
+    verbose: Verbose = False,
+    debug: Debug = False,
+    version: Annotated[  # noqa: ARG001 - its callback prints it
+        bool,
+        typer.Option(
+            "--version", callback=_print_version, is_eager=True, help="Print the version.", rich_help_panel=MESSAGES
+        ),
     ] = False,
 ) -> None:
     """Adaptive impedance control (Lu & Meng 1991) as interchangeable FMUs (FMI 2.0, co-simulation)."""
+    output.choose(quiet=quiet, verbose=verbose, debug=debug)
 
 
-@app.command()
+@app.command("list", cls=Command, epilog=closing("adaptimp list", "adaptimp list --json"))
+@with_messages
+def list_(json: Json = False) -> None:
+    """List the scenarios, the shipped FMUs and the algorithms, each with what it is."""
+    from orchestration.cli.listing import list_all
+
+    list_all(json=json)
+
+
+@app.command(cls=Command, epilog=closing("adaptimp info fig5", "adaptimp info HoganImpedance --json"))
+@with_messages
+def info(
+    name: Annotated[
+        str,
+        typer.Argument(
+            metavar="NAME",
+            help="An .fmu or .ssp file, a result (.csv or .parquet), a scenario or a shipped FMU.",
+            autocompletion=completion.subjects,
+        ),
+    ],
+    json: Json = False,
+) -> None:
+    """Show what is in an FMU, a system or a result: variables, connections, columns."""
+    from orchestration.cli.info import print_info
+
+    print_info(name, json=json)
+
+
+@app.command(
+    cls=Command,
+    epilog=closing(
+        "adaptimp run fig4 --set plant.mu=0.2 -o fig4.csv",
+        "adaptimp run fig2 --algorithm adaptive --tolerance 1e-6 \\\n    --record plant.x -o x.parquet",
+    ),
+)
+@with_messages
+def run(
+    system: SystemName,
+    controller: Controller = None,
+    map_: Mapping = None,
+    set_: Settings = None,
+    algorithm: Annotated[
+        str,
+        typer.Option(
+            metavar="NAME",
+            help="gauss-seidel, jacobi, iterative, newton or adaptive.",
+            rich_help_panel=ALGORITHM,
+            autocompletion=completion.algorithms,
+        ),
+    ] = "gauss-seidel",
+    exchange: Annotated[
+        str | None,
+        typer.Option(
+            metavar="WHEN",
+            help="sequential or parallel; by default that of the algorithm.",
+            rich_help_panel=ALGORITHM,
+        ),
+    ] = None,
+    input_order: Annotated[
+        int | None,
+        typer.Option(metavar="N", help="Degree, 0 to 2, of continuous inputs over a step.", rich_help_panel=ALGORITHM),
+    ] = None,
+    tolerance: Annotated[
+        float | None,
+        typer.Option(
+            metavar="R", help="Relative tolerance of iterative, newton or adaptive.", rich_help_panel=ALGORITHM
+        ),
+    ] = None,
+    absolute: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--absolute",
+            metavar="UNIT=VALUE",
+            help="Absolute tolerance of a physical unit; repeatable.",
+            rich_help_panel=ALGORITHM,
+        ),
+    ] = None,
+    crossing: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--crossing",
+            metavar="COMP.VAR",
+            help="Locate sign changes of this output; repeatable.",
+            rich_help_panel=ALGORITHM,
+            autocompletion=completion.recordable,
+        ),
+    ] = None,
+    ratio: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--ratio",
+            metavar="COMP=N",
+            help="This component makes steps of N steps; repeatable.",
+            rich_help_panel=ALGORITHM,
+        ),
+    ] = None,
+    order: Annotated[
+        str | None,
+        typer.Option(metavar="A,B,...", help="Components in the order of stepping.", rich_help_panel=ALGORITHM),
+    ] = None,
+    step: Annotated[
+        float | None, typer.Option(metavar="H", help="Communication step, s.", rich_help_panel=TIME)
+    ] = None,
+    sample_time: SampleTime = None,
+    start: Annotated[float, typer.Option(metavar="T", help="Start time, s.", rich_help_panel=TIME)] = 0.0,
+    stop: Annotated[
+        float | None,
+        typer.Option(metavar="T", help="Stop time, s; by default that of the system.", rich_help_panel=TIME),
+    ] = None,
+    out: Annotated[
+        Path | None,
+        typer.Option("--out", "-o", metavar="FILE", help="File for the rows, .csv or .parquet.", rich_help_panel=ROWS),
+    ] = None,
+    record: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="COMP.VAR,...",
+            help="Outputs, arrays or patterns to record; repeatable.",
+            rich_help_panel=ROWS,
+            autocompletion=completion.recordable,
+        ),
+    ] = None,
+    every: Annotated[int, typer.Option(metavar="N", help="Record every n-th step.", rich_help_panel=ROWS)] = 1,
+    verdict: Annotated[
+        bool,
+        typer.Option(
+            "--verdict/--no-verdict", help="Warn before the run if the algorithm is unstable.", rich_help_panel=CARE
+        ),
+    ] = True,
+    strict: Annotated[
+        bool, typer.Option("--strict", help="Unconnected inputs are an error.", rich_help_panel=CARE)
+    ] = False,
+    assumptions: Annotated[
+        bool,
+        typer.Option(
+            "--assumptions",
+            help="Print which values are assumed, and why, instead of running.",
+            rich_help_panel=CARE,
+        ),
+    ] = False,
+    allow_stale_inputs: Annotated[
+        bool,
+        typer.Option(
+            "--allow-stale-inputs",
+            help="Let a step hold several ticks, on the inputs of its start.",
+            rich_help_panel=CARE,
+        ),
+    ] = False,
+    json: Json = False,
+) -> None:
+    """Run a system, and print or write what it did."""
+    from orchestration.cli.algorithms import AlgorithmRequest
+    from orchestration.cli.run import RunRequest, run_system
+    from orchestration.cli.settings import listed
+    from orchestration.cli.systems import SystemRequest
+
+    run_system(
+        RunRequest(
+            asked=SystemRequest(system, controller, tuple(map_ or ()), tuple(set_ or ()), sample_time),
+            algorithm=AlgorithmRequest(algorithm, exchange, input_order, tolerance, tuple(absolute or ())),
+            ratios=tuple(ratio or ()),
+            crossings=tuple(crossing or ()),
+            every=every,
+            verdict=verdict,
+            order=order.split(",") if order else None,
+            step=step,
+            start=start,
+            stop=stop,
+            out=out,
+            record=listed(record),
+            strict=strict,
+            assumptions=assumptions,
+            allow_stale_inputs=allow_stale_inputs,
+            json=json,
+        )
+    )
+
+
+@app.command(
+    cls=Command,
+    epilog=closing(
+        "adaptimp export fig5 -o fig5.ssp",
+        "adaptimp export fig5 --set controller.K=[4000,2000] \\\n"
+        "    --controller SlotineLiAdaptiveImpedance -o other.ssp",
+    ),
+)
+@with_messages
+def export(
+    system: SystemName,
+    out: Annotated[Path, typer.Option("--out", "-o", metavar="FILE.ssp", help="File to write.")],
+    controller: Controller = None,
+    map_: Mapping = None,
+    set_: Settings = None,
+    sample_time: SampleTime = None,
+) -> None:
+    """Write a system as an SSP package, for this and for other tools."""
+    from orchestration.cli.export import export_system
+    from orchestration.cli.systems import SystemRequest
+
+    export_system(SystemRequest(system, controller, tuple(map_ or ()), tuple(set_ or ()), sample_time), out)
+
+
+@app.command(cls=Command, epilog=closing("adaptimp build -o fmus_built", "adaptimp build mine.py -o built --verbose"))
+@with_messages
 def build(
     files: Annotated[
         list[Path] | None,
         typer.Argument(metavar="FILE.py", help="Python files that declare models.", show_default="every model"),
     ] = None,
-    out: Annotated[Path, typer.Option(help="Folder for the .fmu files.")] = Path("build/fmus"),
+    out: Annotated[Path, typer.Option("--out", "-o", metavar="FOLDER", help="Folder for the .fmu files.")] = Path(
+        "build/fmus"
+    ),
     platform: Annotated[
         list[str] | None,
         typer.Option(
-            help="Platform of the binaries, may be repeated; 'all' for every one.",
+            metavar="NAME",
+            help="Platform of the binaries, repeatable; 'all' for every one.",
             show_default="this machine",
         ),
     ] = None,
@@ -79,10 +297,45 @@ def build(
     build_fmus(files or [], out, platform or [])
 
 
-@app.command()
+@app.command(
+    cls=Command,
+    epilog=closing(
+        "adaptimp check mine.fmu",
+        "adaptimp check mine.fmu --role controller \\\n    --map tau_cmd=Torque --map q=JointAngle",
+        codes={ExitCode.FAILED: "errors were found in the FMU", ExitCode.REFUSED: "the file cannot be examined"},
+    ),
+)
+@with_messages
+def check(
+    fmu: Annotated[Path, typer.Argument(metavar="FILE.fmu", help="The FMU to examine, from any tool.")],
+    role: Annotated[
+        str | None,
+        typer.Option(
+            metavar="ROLE",
+            help="controller, plant, sensor, actuator or trajectory; guessed from the outputs by default.",
+        ),
+    ] = None,
+    map_: Annotated[
+        list[str] | None,
+        typer.Option("--map", metavar="OURS=THEIRS", help="A name in the role, and the FMU's name; repeatable."),
+    ] = None,
+    json: Json = False,
+) -> None:
+    """Examine an FMU: description, contract, interface, and for a controller a closed loop."""
+    from orchestration.cli.check import run_check
+
+    raise typer.Exit(run_check(fmu, role, json, tuple(map_ or ())))
+
+
+@app.command(cls=Command, epilog=closing("adaptimp paper", "adaptimp paper -o figures --format svg"))
+@with_messages
 def paper(
-    out: Annotated[Path, typer.Option(help="Folder for the figures and claims.json.")] = Path("out"),
-    image: Annotated[str, typer.Option("--format", help="Format of the figures: png or svg.")] = "png",
+    out: Annotated[
+        Path, typer.Option("--out", "-o", metavar="FOLDER", help="Folder for the figures and the claims.")
+    ] = Path("out"),
+    image: Annotated[
+        str, typer.Option("--format", metavar="FORMAT", help="Format of the figures: png or svg.")
+    ] = "png",
     fresh: Annotated[bool, typer.Option("--fresh", help="Measure the claims even if they are in the cache.")] = False,
 ) -> None:
     """Reproduce the paper's figures and claims from real FMUs."""
@@ -91,148 +344,20 @@ def paper(
     reproduce_paper(out, image, fresh=fresh)
 
 
-@app.command()
-def run(
-    system: Annotated[
-        str, typer.Argument(help="A scenario (fig2, ..., fig7, ideal, spong-ortega), an .ssp file or one .fmu file.")
-    ],
-    controller: Annotated[
-        str | None,
-        typer.Option(help="FMU in the place of the component 'controller': a file, or HoganImpedance and the like."),
-    ] = None,
-    map_: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--map",
-            metavar="OURS=THEIRS",
-            help="A name in the system and in the FMU; may be repeated.",
-        ),
-    ] = None,
-    set_: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--set",
-            metavar="COMP.VAR=VALUE",
-            help="Start value; of an array one for all, or [A,B,...]; may be repeated.",
-        ),
-    ] = None,
-    algorithm: Annotated[
-        str, typer.Option(help="gauss-seidel, jacobi, iterative, newton or adaptive.")
-    ] = "gauss-seidel",
-    exchange: Annotated[
-        str | None, typer.Option(help="sequential or parallel; by default that of the algorithm.")
-    ] = None,
-    input_order: Annotated[int | None, typer.Option(help="Degree, 0 to 2, of continuous inputs over a step.")] = None,
-    tolerance: Annotated[
-        float | None, typer.Option(help="Relative tolerance of iterative, newton or adaptive.")
-    ] = None,
-    absolute: Annotated[
-        list[str] | None,
-        typer.Option("--absolute", metavar="UNIT=VALUE", help="Absolute tolerance of a physical unit; repeatable."),
-    ] = None,
-    crossing: Annotated[
-        list[str] | None,
-        typer.Option("--crossing", metavar="COMP.VAR", help="Locate sign changes of this output; may be repeated."),
-    ] = None,
-    ratio: Annotated[
-        list[str] | None,
-        typer.Option("--ratio", metavar="COMP=N", help="This component makes steps of N steps; may be repeated."),
-    ] = None,
-    order: Annotated[str | None, typer.Option(help="Components in the order of stepping: A,B,...")] = None,
-    step: Annotated[float | None, typer.Option(help="Communication step, s.")] = None,
-    sample_time: Annotated[float | None, typer.Option(help="Communication step and every sample_time, s.")] = None,
-    stop: Annotated[float | None, typer.Option(help="Stop time, s.")] = None,
-    out: Annotated[Path | None, typer.Option("--out", "-o", help="File for the result, .csv or .parquet.")] = None,
-    record: Annotated[
-        list[str] | None,
-        typer.Option(metavar="COMP.VAR,...", help="Outputs, arrays or patterns to record; may be repeated."),
-    ] = None,
-    every: Annotated[int, typer.Option(help="Record every n-th step.")] = 1,
-    verdict: Annotated[
-        bool, typer.Option("--verdict/--no-verdict", help="Warn before the run if the algorithm is unstable.")
-    ] = True,
-    strict: Annotated[bool, typer.Option("--strict", help="Unconnected inputs are an error.")] = False,
-    assumptions: Annotated[
-        bool, typer.Option("--assumptions", help="Print which values are assumed, and why, instead of running.")
-    ] = False,
-    allow_stale_inputs: Annotated[
-        bool,
-        typer.Option("--allow-stale-inputs", help="Let a step hold several ticks, on the inputs of its start."),
-    ] = False,
-) -> None:
-    """Run a system and print what it did."""
-    from orchestration.cli.run import AlgorithmRequest, RunRequest, recorded, run_system
-
-    run_system(
-        RunRequest(
-            system=system,
-            controller=controller,
-            mapping=tuple(map_ or ()),
-            settings=tuple(set_ or ()),
-            algorithm=AlgorithmRequest(algorithm, exchange, input_order, tolerance, tuple(absolute or ())),
-            ratios=tuple(ratio or ()),
-            crossings=tuple(crossing or ()),
-            every=every,
-            verdict=verdict,
-            order=order.split(",") if order else None,
-            step=step,
-            sample_time=sample_time,
-            stop=stop,
-            out=out,
-            record=recorded(record),
-            strict=strict,
-            assumptions=assumptions,
-            allow_stale_inputs=allow_stale_inputs,
-        )
-    )
-
-
-@app.command()
-def export(
-    name: Annotated[str, typer.Argument(help="A scenario: fig2, fig3, ..., fig7.")],
-    out: Annotated[Path, typer.Option(help="The .ssp file to write.")],
-) -> None:
-    """Write a scenario as an SSP package, for this and for other tools."""
-    from orchestration.cli.commands import export_scenario
-
-    export_scenario(name, out)
-
-
-@app.command()
-def check(
-    fmu: Annotated[Path, typer.Argument(help="The FMU to examine, from any tool.")],
-    role: Annotated[
-        str | None,
-        typer.Option(help="controller, plant, sensor, actuator or trajectory; guessed from the outputs by default."),
-    ] = None,
-    map_: Annotated[
-        list[str] | None,
-        typer.Option("--map", metavar="OURS=THEIRS", help="A name in the role and in the FMU; may be repeated."),
-    ] = None,
-    json: Annotated[bool, typer.Option("--json", help="Print the report as JSON.")] = False,
-) -> None:
-    """Examine an FMU: description, contract, interface, and for a controller a closed loop."""
-    from orchestration.cli.check import run_check
-
-    raise typer.Exit(run_check(fmu, role, json, tuple(map_ or ())))
-
-
 def main() -> None:
     """Run the command line; an error of this package prints a sentence on standard error, not a traceback."""
-    from orchestration.errors import InitializationError, OrchestrationError, SimulationError
+    from orchestration.errors import OrchestrationError
 
+    output.reset()
+    never_fail_on_characters()
     try:
         app()
-    except InitializationError as error:  # start values are part of the request
-        _stop(error, 2)
-    except SimulationError as error:
-        _stop(error, 1)
-    except OrchestrationError as error:
-        _stop(error, 2)
-    except OSError as error:  # a full disk, a cache that cannot be written
-        _stop(error, 1)
-
-
-def _stop(error: Exception, code: int) -> None:
-    typer.echo(f"Error: {error}", err=True)
-    sys.exit(code)
+    except (OrchestrationError, OSError) as error:
+        if output.debug:
+            traceback.print_exception(error)
+        output.error(f"Error: {error}")
+        sys.exit(exit_code_of(error))
+    except Exception:
+        traceback.print_exc()
+        output.error("Error: this is a fault of adaptimp; please report it with the lines above.")
+        sys.exit(ExitCode.FAULT)

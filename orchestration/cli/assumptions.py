@@ -1,27 +1,33 @@
 """Prints the assumed values of a system with the reasons for them: ``adaptimp run --assumptions``."""
 
-import typer
-from rich.table import Column, Table
+import json as formats
 
-from orchestration.cli.commands import console
+from orchestration.cli.output import output, width
+from orchestration.cli.tables import side_by_side
 from orchestration.fmi.codes import BOOLEAN
 from orchestration.system.system import System
 
 
-def print_assumptions(system: System) -> None:
-    """Print the assumed values of a system; values with the same reason are printed together."""
+def print_assumptions(system: System, *, json: bool) -> None:
+    """Print the assumed values of a system; values with the same reason are printed together.
+
+    Parameters
+    ----------
+    json
+        Whether to print an object with the reasons by ``component.variable`` instead.
+    """
+    if json:
+        output.data(formats.dumps(dict(system.assumptions), indent=2))
+        return
     reasons: dict[str, list[str]] = {}
     for path in sorted(system.assumptions):
         reasons.setdefault(system.assumptions[path], []).append(f"{path} = {_value(system, path)}")
     if not reasons:
-        typer.echo(f"{system.name}: nothing is marked as assumed.")
+        output.data(f"{system.name}: nothing is marked as assumed.")
         return
-    widest = max(len(value) for values in reasons.values() for value in values)
-    table = Table(Column("value", min_width=widest), "why", show_edge=False, show_lines=True)
-    for reason, values in reasons.items():
-        table.add_row("\n".join(values), reason.removeprefix("assumed: "))
-    console.print(table)
-    typer.echo(f"{system.name}: {len(system.assumptions)} assumed values")
+    rows = [(values, reason.removeprefix("assumed: ")) for reason, values in reasons.items()]
+    output.data(side_by_side(rows, width()) + "\n")
+    output.data(f"{system.name}: {len(system.assumptions)} assumed values")
 
 
 def _value(system: System, path: str) -> str:

@@ -7,18 +7,18 @@ import json as formats
 from collections.abc import Sequence
 from pathlib import Path
 
-import typer
 from rich.table import Column, Table
 from rich.text import Text
 
 from orchestration.check import Report, Severity, check
-from orchestration.cli.commands import console, setting_of
+from orchestration.cli.codes import ExitCode
+from orchestration.cli.output import output, watched
+from orchestration.cli.settings import setting_of
 from orchestration.errors import ArchiveError, SystemDescriptionError
 from orchestration.paper.closed_loop import in_loop, paper_loop
 from orchestration.paper.roles import ROLES, role_named
 
 COLOURS = {Severity.ERROR: "red", Severity.WARNING: "yellow", Severity.NOTE: "dim"}
-FAILED, NOT_EXAMINED = 1, 2
 
 
 def run_check(path: Path, role: str | None = None, json: bool = False, mapping: Sequence[str] = ()) -> int:
@@ -34,17 +34,19 @@ def run_check(path: Path, role: str | None = None, json: bool = False, mapping: 
     try:
         names = dict(map(setting_of("--map"), mapping))
         wanted = ROLES.values() if role is None else role_named(role)
-        report = check(path, wanted, mapping=names, trial=in_loop(paper_loop))
+        with watched() as line:
+            line.begin(f"examining {path.name}")
+            report = check(path, wanted, mapping=names, trial=in_loop(paper_loop))
     except (ArchiveError, SystemDescriptionError, OSError) as error:
         if json:
-            typer.echo(formats.dumps({"file": str(path), "error": str(error)}, indent=2))
-        typer.echo(f"Error: {error}", err=True)
-        return NOT_EXAMINED
+            output.data(formats.dumps({"file": str(path), "error": str(error)}, indent=2))
+        output.error(f"Error: {error}")
+        return ExitCode.REFUSED
     if json:
-        typer.echo(report.json())
+        output.data(report.json())
     else:
         _print(report)
-    return FAILED if report.failed else 0
+    return ExitCode.FAILED if report.failed else ExitCode.SUCCESS
 
 
 def _print(report: Report) -> None:
@@ -52,7 +54,7 @@ def _print(report: Report) -> None:
         table = Table("rule", "severity", Column("finding", overflow="fold"), show_edge=False)
         for finding in report.findings:
             table.add_row(finding.rule, Text(finding.severity, COLOURS[finding.severity]), finding.message)
-        console.print(table)
+        output.show(table)
     for fact in report.facts:
-        console.print(fact)
-    console.print(report.summary())
+        output.show(fact)
+    output.show(report.summary())

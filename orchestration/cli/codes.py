@@ -1,3 +1,36 @@
-"""Exit codes of the commands of ``adaptimp``: 0 success, 1 a failed run, 2 a request that cannot be carried out."""
+"""Exit codes of ``adaptimp``, and which error ends in which of them."""
 
-INTERRUPTED = 130  # by Ctrl-C, as shells have it
+from enum import IntEnum
+
+
+class ExitCode(IntEnum):
+    """What became of a command, for scripts."""
+
+    SUCCESS = 0
+    FAILED = 1
+    REFUSED = 2
+    FAULT = 3
+    INTERRUPTED = 130  # as shells have it
+
+
+MEANINGS = {
+    ExitCode.SUCCESS: "success",
+    ExitCode.FAILED: "a run failed on its way, or a file cannot be used",
+    ExitCode.REFUSED: "the request cannot be carried out as it is",
+    ExitCode.FAULT: "a fault of adaptimp itself",
+    ExitCode.INTERRUPTED: "interrupted by Ctrl-C",
+}
+"""What each code says, in the words of the help."""
+
+
+def exit_code_of(error: BaseException) -> ExitCode:
+    """Return the exit code of a command that an exception ends."""
+    from orchestration.errors import InitializationError, OrchestrationError, SimulationError
+
+    if isinstance(error, KeyboardInterrupt):
+        return ExitCode.INTERRUPTED
+    if isinstance(error, InitializationError):  # start values are part of the request
+        return ExitCode.REFUSED
+    if isinstance(error, SimulationError | OSError):  # a full disk, a cache that cannot be written
+        return ExitCode.FAILED
+    return ExitCode.REFUSED if isinstance(error, OrchestrationError) else ExitCode.FAULT

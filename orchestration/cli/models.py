@@ -15,9 +15,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import typer
-
 from orchestration.cli.model_hints import NUMPY_HINT, hinted, numpy_on_symbols
+from orchestration.cli.output import output
 from orchestration.errors import SystemDescriptionError
 
 if TYPE_CHECKING:
@@ -75,7 +74,7 @@ def _run(path: Path) -> dict[str, object]:
         msg = f"{where}: {type(error).__name__}: {said}"
         raise SystemDescriptionError(msg) from error
     for line in lines:
-        typer.echo(f"Notice: {path}, line {line}: {NUMPY_HINT}.", err=True)
+        output.remark(f"Notice: {path}, line {line}: {NUMPY_HINT}.")
     return names
 
 

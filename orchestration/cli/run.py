@@ -1,294 +1,186 @@
 """Runs a system and prints or writes what it did: ``adaptimp run``."""
 
-import re
 import time
 import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TypeVar
 
-import typer
-from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
-from rich.table import Column, Table
-
+from orchestration.cli.algorithms import AlgorithmRequest
 from orchestration.cli.assumptions import print_assumptions
-from orchestration.cli.codes import INTERRUPTED
-from orchestration.cli.commands import console, errors, require_folder, setting_of
+from orchestration.cli.output import output, watched, width
+from orchestration.cli.report import RunReport
+from orchestration.cli.rows import Destination
+from orchestration.cli.settings import numbers
+from orchestration.cli.signals import signal_record, signal_table
+from orchestration.cli.systems import SystemRequest
 from orchestration.errors import (
     OrchestrationError,
-    RecordedRows,
     RunInterrupted,
     SimulationError,
     SystemDescriptionError,
 )
-from orchestration.fmi.names import suggestion
-from orchestration.master.algorithm import Algorithm, Tolerance, find_algorithm
 from orchestration.master.capabilities import check_tolerances
 from orchestration.master.options import Crossings
-from orchestration.master.options import Progress as Report
+from orchestration.master.progress import RUNNING, ProgressLine
 from orchestration.master.simulate import Options, prepare
+from orchestration.master.simulation import Simulation
 from orchestration.results.result import Result
-from orchestration.system.system import System
 
-PROGRESS_AFTER = 1.0  # s
-FORMATS = (".csv", ".parquet")
-T = TypeVar("T", int, float)
-_SETTING = re.compile(r"([^=\s]+)=(.*)", re.DOTALL)
-_COMMA = re.compile(r",(?![^\[]*\])")  # a comma within brackets is part of a name
-
-
-@dataclass(frozen=True)
-class AlgorithmRequest:
-    """A co-simulation algorithm by name, with options that replace its own."""
-
-    name: str
-    exchange: str | None = None
-    order: int | None = None
-    tolerance: float | None = None
-    absolute: Sequence[str] = ()
-
-    def algorithm(self) -> Algorithm:
-        """Make the requested algorithm.
-
-        Raises
-        ------
-        SystemDescriptionError
-            If there is no such choice, or the algorithm has no tolerance.
-        """
-        found = find_algorithm(self.name)
-        changes = {"exchange": self.exchange, "order": self.order}
-        found = replace(found, **{name: value for name, value in changes.items() if value is not None})
-        if self.tolerance is None and not self.absolute:
-            return found
-        given = found.control or found.correction
-        if given is None:
-            msg = f"Algorithm {self.name} has no tolerance; iterative, newton and adaptive have."
-            raise SystemDescriptionError(msg)
-        absolute = {
-            unit: _number("--absolute", text, float) for unit, text in map(setting_of("--absolute"), self.absolute)
-        }
-        tolerance = Tolerance(given.tolerance.relative if self.tolerance is None else self.tolerance, absolute)
-        changed = replace(given, tolerance=tolerance)
-        return replace(found, control=changed) if found.control else replace(found, correction=changed)
+LONG_COMPILATION = 1.0  # s, from which on it is said
 
 
 @dataclass(frozen=True)
 class RunRequest:
     """Options of ``adaptimp run``; times in s."""
 
-    system: str
-    controller: str | None
-    mapping: Sequence[str]
-    settings: Sequence[str]
-    algorithm: AlgorithmRequest
-    crossings: Sequence[str]
-    ratios: Sequence[str]
-    order: Sequence[str] | None
-    step: float | None
-    sample_time: float | None
-    stop: float | None
-    out: Path | None
-    record: Sequence[str] | None
-    every: int
-    verdict: bool
-    strict: bool
-    assumptions: bool
-    allow_stale_inputs: bool
+    asked: SystemRequest
+    algorithm: AlgorithmRequest = field(default_factory=lambda: AlgorithmRequest("gauss-seidel"))
+    crossings: Sequence[str] = ()
+    ratios: Sequence[str] = ()
+    order: Sequence[str] | None = None
+    step: float | None = None
+    start: float = 0.0
+    stop: float | None = None
+    out: Path | None = None
+    record: Sequence[str] | None = None
+    every: int = 1
+    verdict: bool = True
+    strict: bool = False
+    assumptions: bool = False
+    allow_stale_inputs: bool = False
+    json: bool = False
 
 
 def run_system(request: RunRequest) -> None:
     """Run a system as the request says; a run that fails half-way still writes its complete rows."""
-    _check_output(request.out)
-    system, algorithm = _system(request), request.algorithm.algorithm()
+    output.data_only = request.json
+    report = RunReport(request.asked.name, request.algorithm.name)
+    try:
+        with watched() as line, _told(report):
+            destination = Destination.of(request.out)
+            simulation = _prepared(request, report, line)
+            if simulation is None:
+                return
+            destination.make_folder()
+            if destination.streamed is not None:
+                simulation.stream_to(destination.streamed)
+            _run(simulation, destination, report, line, judged=request.verdict)
+    except (OrchestrationError, OSError, KeyboardInterrupt) as error:
+        report.ended_by(error)
+        if request.json:
+            output.data(report.json())
+        raise
+    if request.json:
+        output.data(report.json())
+    elif request.out is None and report.extremes is not None:
+        output.say(signal_table(signal_record(report.extremes), width()))
+    output.say(_duration(report))
+
+
+def _prepared(request: RunRequest, report: RunReport, line: ProgressLine) -> Simulation | None:
+    """Prepare the run; None if only the assumptions are asked for."""
+    if request.step is not None and request.asked.sample_time is not None:
+        msg = "--step and --sample-time exclude each other: the latter sets the step too."
+        raise SystemDescriptionError(msg)
+    system, algorithm = request.asked.system(), request.algorithm.algorithm()
+    report.system, report.algorithm, report.notices = system.name, algorithm.name, list(system.notices)
     for notice in system.notices:
-        typer.echo(f"Notice: {notice}", err=True)
+        output.remark(f"Notice: {notice}")
     if request.assumptions:
-        print_assumptions(system)
-        return
+        print_assumptions(system, json=request.json)
+        return None
     if request.order is not None:
         system = system.ordered(request.order)
     check_tolerances(system, algorithm)
-    step = system.run_step(request.step)
-    order = " > ".join(component.name for component in system.components)
-    typer.echo(f"{system.name}: {algorithm.name}, order {order}, step {step:g} s")
-    if request.out is not None:
-        require_folder(request.out.parent)
-    with _progress() as report, warnings.catch_warnings(record=True) as caught:
-        warnings.simplefilter("always")
-        simulation = prepare(system, request.stop, step, algorithm, options=_options(request, report))
-        if request.verdict:
-            _warn(system, step, algorithm)
-        streamed = request.out if request.out is not None and request.out.suffix == ".parquet" else None
-        if streamed is not None:
-            simulation.stream_to(streamed)
-        started = time.perf_counter()
-        try:
-            with simulation:
-                simulation.run()
-                result = simulation.result()
-        except SimulationError as error:
-            _keep_partial(error.result, request.out, "before the failure")
-            raise
-        except RunInterrupted as interrupt:
-            typer.echo("Interrupted: the run was stopped.", err=True)
-            _keep_partial(interrupt.result, request.out, "before that")
-            raise typer.Exit(INTERRUPTED) from None
-        elapsed = time.perf_counter() - started
-    for warning in caught:
-        typer.echo(f"Warning: {warning.message}", err=True)
-    if request.out is None:
-        _print_summary(result)
-    else:
-        if streamed is None:
-            result.write(request.out)
-        typer.echo(f"wrote {request.out}: {simulation.count} rows, {len(result.names)} columns")
-    typer.echo(f"{simulation.steps_made} steps in {elapsed:.2f} s")
+    report.step, report.order = system.run_step(request.step), [component.name for component in system.components]
+    output.say(f"{system.name}: {algorithm.name}, order {' > '.join(report.order)}, step {report.step:g} s")
+    simulation = prepare(system, request.stop, report.step, algorithm, options=_options(request, line))
+    report.start_time, report.stop_time = (float(simulation.grid.times[i]) for i in (0, -1))
+    return simulation
 
 
-def _options(request: RunRequest, report: Report) -> Options:
-    ratios = {name: _number("--ratio", text, int) for name, text in map(setting_of("--ratio"), request.ratios)}
+def _options(request: RunRequest, line: ProgressLine) -> Options:
     return Options(
         record=request.record,
         every=request.every,
+        start_time=request.start,
         strict=request.strict,
         allow_stale_inputs=request.allow_stale_inputs,
-        ratios=ratios,
+        ratios=numbers("--ratio", request.ratios, int),
         crossings=Crossings(request.crossings),
-        progress=report,
+        progress=line.steps,
     )
 
 
-def _check_output(out: Path | None) -> None:
-    if out is not None and out.suffix not in FORMATS:
-        msg = f"{out}: results are written as {' or '.join(FORMATS)}."
-        raise SystemDescriptionError(msg)
-    if out is not None and out.is_dir():
-        msg = f"{out} is a folder; a file for the result is needed."
-        raise SystemDescriptionError(msg)
+def _run(
+    simulation: Simulation, destination: Destination, report: RunReport, line: ProgressLine, *, judged: bool
+) -> None:
+    """Make the steps, and write the rows."""
+    try:
+        with simulation:
+            report.compile_seconds = simulation.compile_seconds
+            if judged:
+                line.begin("judging the stability of the algorithm")
+                _judge(simulation, report)
+            result = _stepped(simulation, report, line)
+    except SimulationError as error:
+        destination.partial(error.result, report, "before the failure")
+        raise
+    except RunInterrupted as interrupt:
+        line.end()
+        output.remark("Interrupted: the run was stopped.")
+        destination.partial(interrupt.result, report, "before that")
+        raise
+    line.begin("writing the rows")
+    destination.complete(result, report)
 
 
-def _warn(system: System, step: float, algorithm: Algorithm) -> None:
-    """Print a warning if the algorithm is unstable at the start; a system that cannot be judged is run anyway."""
+def _stepped(simulation: Simulation, report: RunReport, line: ProgressLine) -> Result:
+    """The rows of all steps; the report says how far the run came, also where it fails."""
+    line.begin(RUNNING)
+    started = time.perf_counter()
+    try:
+        simulation.run()
+    finally:
+        report.stepping_seconds = time.perf_counter() - started
+        report.time, report.steps, report.rows = simulation.time, simulation.steps_made, simulation.count
+        line.end()
+    return simulation.result()
+
+
+def _judge(simulation: Simulation, report: RunReport) -> None:
+    """Warn if the algorithm is unstable at the start; a system that cannot be judged is run anyway."""
     from orchestration.analysis.stability.verdict import is_stable, stability
 
+    judged = simulation.system, report.step, simulation.algorithm
     try:
-        if not is_stable(system, step, algorithm):
-            typer.echo(f"Warning: {stability(system, step, algorithm)}", err=True)
+        if not is_stable(*judged):
+            report.warnings.append(str(stability(*judged)))
+            output.remark(f"Warning: {report.warnings[-1]}")
     except OrchestrationError as error:
-        typer.echo(f"Notice: no verdict on stability: {error}", err=True)
-
-
-def _system(request: RunRequest) -> System:
-    if request.step is not None and request.sample_time is not None:
-        msg = "--step and --sample-time exclude each other: the latter sets the step too."
-        raise SystemDescriptionError(msg)
-    system = _named(request.system)
-    if request.controller is not None:
-        mapping = dict(map(setting_of("--map"), request.mapping))
-        system = system.replace("controller", _controller(request.controller), mapping)
-    elif request.mapping:
-        msg = "--map says what --controller calls our variables; give one."
-        raise SystemDescriptionError(msg)
-    system = system.set(dict(_setting(text) for text in request.settings))
-    if request.sample_time is not None:
-        system = system.with_sample_time(request.sample_time)
-    return system
-
-
-def _named(name: str) -> System:
-    """The system of a file, or a scenario by name."""
-    path = Path(name)
-    if path.suffix.lower() == ".fmu":
-        component = path.stem.replace(".", "_")
-        return System.of({component: path}, component)
-    if path.suffix.lower() == ".ssp":
-        return System.read(path)
-    if path.suffix:
-        msg = f"{path}: a system is read from an .ssp or .fmu file; scenarios have names, such as adaptimp run fig5."
-        raise SystemDescriptionError(msg)
-    from orchestration.paper.ready import scenario
-
-    return scenario(name)
-
-
-def _controller(name: str) -> Path:
-    """The FMU of a file, or a shipped one by its model identifier."""
-    from fmus.catalog import MODELS
-    from orchestration.paper.built_fmus import built
-
-    if not Path(name).exists() and Path(name).name == name and not Path(name).suffix:
-        if name not in MODELS:
-            msg = f"--controller: there is no model {name}; {suggestion(name, MODELS)}"
-            raise SystemDescriptionError(msg)
-        return built(name)
-    return Path(name)
-
-
-def recorded(texts: Sequence[str] | None) -> list[str] | None:
-    """Names and patterns of ``--record``, which may be given several times with several names each."""
-    if not texts:
-        return None
-    return [name.strip() for text in texts for name in _COMMA.split(text) if name.strip()]
-
-
-def _setting(text: str) -> tuple[str, str | list[str]]:
-    """Name and value of ``--set``; a value in brackets is a list."""
-    match = _SETTING.fullmatch(text)
-    if match is None:
-        msg = f"--set {text}: COMPONENT.VARIABLE=VALUE is needed, such as controller.K[1]=4000."
-        raise SystemDescriptionError(msg)
-    value = match[2].strip()
-    if value.startswith("[") and value.endswith("]"):
-        return match[1], [element.strip() for element in value[1:-1].split(",")]
-    return match[1], match[2]
-
-
-def _number(option: str, text: str, kind: type[T]) -> T:
-    try:
-        return kind(text)
-    except ValueError:
-        msg = f"{option}: {text!r} is not {'an integer' if kind is int else 'a number'}."
-        raise SystemDescriptionError(msg) from None
+        report.notices.append(f"no verdict on stability: {error}")
+        output.remark(f"Notice: {report.notices[-1]}")
 
 
 @contextmanager
-def _progress() -> Iterator[Report]:
-    """A progress bar that appears on a terminal when a run takes longer than a second."""
-    bar = Progress(TextColumn("running"), BarColumn(), TimeRemainingColumn(), console=errors, transient=True)
-    started = time.perf_counter()
-    task = bar.add_task("run")
+def _told(report: RunReport) -> Iterator[None]:
+    """Say the warnings of Python as sentences, and keep them in the report."""
 
-    def report(done: int, total: int) -> None:
-        if errors.is_terminal and time.perf_counter() - started > PROGRESS_AFTER:
-            bar.start()
-            bar.update(task, completed=done, total=total)
+    def tell(message: Warning | str, *_: object, **__: object) -> None:
+        report.warnings.append(str(message))
+        output.remark(f"Warning: {message}")
 
-    try:
-        yield report
-    finally:
-        if bar.live.is_started:  # else it would print an empty line
-            bar.stop()
+    with warnings.catch_warnings():
+        warnings.simplefilter("always")
+        warnings.showwarning = tell
+        yield
 
 
-def _keep_partial(result: RecordedRows | None, out: Path | None, when: str) -> None:
-    """Write the complete rows of a run that ended early; rows in a Parquet file are already written."""
-    if out is None or result is None:
-        return
-    partial = out.with_name(f"{out.stem}.partial{out.suffix}")
-    if out.suffix == ".csv":
-        result.write(partial)
-        typer.echo(f"wrote {partial}: the {len(result.time)} rows {when}", err=True)
-    elif partial.is_file():
-        typer.echo(f"wrote {partial}: the rows {when}", err=True)
-
-
-def _print_summary(result: Result) -> None:
-    widest = max((len(name) for name in result.names), default=0)
-    table = Table(Column("signal", min_width=widest), "unit", "min", "max", "final", show_edge=False)
-    for name in result.names:
-        column = result[name]
-        numbers = (f"{value:.6g}" for value in (column.min(), column.max(), column[-1]))
-        table.add_row(name, result.units.get(name, ""), *numbers)
-    console.print(table)
+def _duration(report: RunReport) -> str:
+    seconds = report.stepping_seconds
+    said = f"{report.steps} steps in {f'{seconds:.2f}' if seconds >= 1 else f'{seconds:.3g}'} s"
+    if report.compile_seconds > LONG_COMPILATION:
+        said += f", after {report.compile_seconds:.1f} s of compiling or loading the master's loop"
+    return said

@@ -226,6 +226,15 @@ ALGORITHMS: Mapping[str, Algorithm] = {
     )
 }
 
+SUMMARIES: Mapping[str, str] = {
+    "gauss-seidel": "one component after the other, each with the newest outputs; steps of one length",
+    "jacobi": "all components at once, with the outputs of the step before; steps of one length",
+    "iterative": "repeats each step until inputs and outputs agree, by fixed-point iteration",
+    "newton": "repeats each step until inputs and outputs agree, by Newton's method",
+    "adaptive": "chooses the length of each step by an estimate of its error; inputs follow straight lines",
+}
+"""What each of `ALGORITHMS` does, in one line."""
+
 
 def find_algorithm(algorithm: str | Algorithm) -> Algorithm:
     """Return the algorithm with a name; an `Algorithm` is returned as it is.

@@ -15,6 +15,7 @@ from orchestration.master.flatten import Assembly
 from orchestration.master.kernel.codes import CALL_NAMES, Column
 from orchestration.master.kernel.flat_system import copy_links, get_outputs, set_inputs
 from orchestration.sandbox.archive import unpacked
+from orchestration.stages import stage
 from orchestration.system.system import Component, System
 
 
@@ -41,7 +42,8 @@ def opened(system: System) -> Iterator[list[Instance]]:
             path, alone = component.description.path, component.description.can(ONE_INSTANCE)
             key = (path, component.name if alone else "")
             if key not in folders:  # a copy of the library has a memory of its own
-                folders[key] = stack.enter_context(unpacked(path, needed_to_run))
+                with stage(f"unpacking {path.name}", f"unpacked {path}"):
+                    folders[key] = stack.enter_context(unpacked(path, needed_to_run))
             folder = folders[key]
             instance = Instance.open(component.name, component.description, folder)
             stack.callback(instance.close)
@@ -80,18 +82,25 @@ def initialize(system: System, instances: Sequence[Instance], assembly: Assembly
     InitializationError
         If a call fails, or an algebraic loop has no solution near the start values.
     """
-    for component, instance in zip(system.components, instances, strict=True):
-        inputs = component.description.of_causality("input")
-        given = {v.name: v.start for v in inputs if v.start is not None} | dict(component.start)
-        driven = {v.name for v in inputs}
-        set_values(component, instance, {name: value for name, value in given.items() if name not in driven})
-        instance.set_up(t0)
-        instance.call("fmi2EnterInitializationMode")
-        set_values(component, instance, {name: value for name, value in given.items() if name in driven})
-    _propagate(system, instances, assembly)
-    for instance in instances:
-        instance.call("fmi2ExitInitializationMode")
-    _get_all(instances, assembly)
+    counted = f"{len(instances)} component{'s' if len(instances) != 1 else ''} of {system.name}"
+    with stage(f"initializing {counted}", f"initialized {counted}"):
+        for component, instance in zip(system.components, instances, strict=True):
+            _start(component, instance, t0)
+        _propagate(system, instances, assembly)
+        for instance in instances:
+            instance.call("fmi2ExitInitializationMode")
+        _get_all(instances, assembly)
+
+
+def _start(component: Component, instance: Instance, t0: float) -> None:
+    """Set the start values of a component, and enter initialization mode."""
+    inputs = component.description.of_causality("input")
+    given = {v.name: v.start for v in inputs if v.start is not None} | dict(component.start)
+    driven = {v.name for v in inputs}
+    set_values(component, instance, {name: value for name, value in given.items() if name not in driven})
+    instance.set_up(t0)
+    instance.call("fmi2EnterInitializationMode")
+    set_values(component, instance, {name: value for name, value in given.items() if name in driven})
 
 
 def set_values(component: Component, instance: Instance, values: Mapping[str, float]) -> None:

@@ -100,7 +100,7 @@ def simulate(
         msg = f"progress is {shown(progress)}; give True for a bar, or a function of two numbers."
         raise SystemDescriptionError(msg)
     with ExitStack() as stack:
-        show = stack.enter_context(progress_bar(system.name)) if progress is True else progress or None
+        show = stack.enter_context(progress_bar()) if progress is True else progress or None
         chosen = _chosen(options, record, show)
         run = prepare(system, stop_time, step, algorithm, order=order, times=times, options=chosen)
         simulation = stack.enter_context(run)

@@ -37,6 +37,7 @@ from orchestration.fmi.instance import Instance
 from orchestration.master.algorithm import SEQUENTIAL, Algorithm
 from orchestration.master.block import Block
 from orchestration.master.capabilities import check_capabilities, check_crossings, check_steps, require_undriven
+from orchestration.master.compilation import compile_loop
 from orchestration.master.failure_text import failure_message
 from orchestration.master.flatten import Assembly, assemble
 from orchestration.master.form import report_libraries
@@ -84,6 +85,9 @@ class Simulation:
         On entry, if a component refuses its start values.
     """
 
+    compile_seconds: float
+    """Time that compiling the loop took on entry, or loading its machine code, s."""
+
     def __init__(
         self,
         system: System,
@@ -114,7 +118,7 @@ class Simulation:
         return f"<Simulation of {self.system.name} with {self.algorithm.name}: {at}>"
 
     def __enter__(self) -> Self:
-        """Open and initialize the components; row 0 is recorded."""
+        """Open and initialize the components, record row 0, and compile the loop."""
         with ExitStack() as stack:
             self._instances: list[Instance] = stack.enter_context(opened(self.system))
             report_libraries(self._instances, strict=self.options.strict)
@@ -135,6 +139,7 @@ class Simulation:
             self._assembly.record(rows[0])
             if fault := not_finite(self._assembly.columns, *self._recorder.filled(1), first=0):
                 raise InitializationError(fault[1])
+            self.compile_seconds = compile_loop(lambda: self._run_plain(0) if self._plain else self._run_general(0))
             self._stack = stack.pop_all()
         self._block.begin()
         return self

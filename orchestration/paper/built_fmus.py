@@ -4,26 +4,27 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from orchestration.errors import OrchestrationError, SystemDescriptionError
+from orchestration.errors import OrchestrationError, UnknownNameError
 from orchestration.fmi.names import suggestion
-from orchestration.paper.scenarios import SCENARIOS, Scenario
+from orchestration.paper.scenarios import SCENARIOS, VARIANTS, Scenario
 
 if TYPE_CHECKING:
     from adaptimp_fmu import Model, Platform
 
 
-def scenario(name: str) -> Scenario:
-    """The scenario of a name, such as ``fig5``.
+def find_scenario(name: str) -> Scenario:
+    """Return the models and the numbers of a scenario by its name, such as ``fig5``.
 
     Raises
     ------
-    SystemDescriptionError
-        Giving near names.
+    UnknownNameError
+        If there is no such scenario; the message gives near names.
     """
-    if name not in SCENARIOS:
-        msg = f"There is no scenario {name}; {suggestion(name, SCENARIOS)}"
-        raise SystemDescriptionError(msg)
-    return SCENARIOS[name]
+    known = {**SCENARIOS, **VARIANTS}
+    if name not in known:
+        msg = f"There is no scenario {name}; {suggestion(name, known)}"
+        raise UnknownNameError(msg)
+    return known[name]
 
 
 def fmus(identifiers: Iterable[str]) -> Mapping[str, Path]:

@@ -2,10 +2,7 @@
 
 from pathlib import Path
 
-from orchestration.errors import UnknownNameError
-from orchestration.fmi.names import suggestion
-from orchestration.paper.built_fmus import built, fmus
-from orchestration.paper.scenarios import SCENARIOS, VARIANTS
+from orchestration.paper.built_fmus import built, find_scenario, fmus
 from orchestration.system.system import System
 
 
@@ -36,11 +33,8 @@ def scenario(name: str, *, controller: str | Path | None = None) -> System:
     """
     from fmus.catalog import MODELS
 
-    known = {**SCENARIOS, **VARIANTS}
-    if name not in known:
-        msg = f"There is no scenario {name}; {suggestion(name, known)}"
-        raise UnknownNameError(msg)
-    system = known[name].system(fmus(known[name].models.values()))
+    found = find_scenario(name)
+    system = found.system(fmus(found.models.values()))
     if controller is None:
         return system
     return system.replace("controller", built(str(controller)) if str(controller) in MODELS else controller)

@@ -1,12 +1,13 @@
 """Choice of the file format of a result by the suffix of the file."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 from orchestration.errors import OrchestrationError
 from orchestration.results.columns import Columns
 from orchestration.results.csv_file import read_csv, write_csv
-from orchestration.results.parquet_file import read_parquet, write_parquet
+from orchestration.results.parquet_file import parquet_parts, read_parquet, write_parquet
 from orchestration.sandbox.missing import no_file
 
 WRITERS: dict[str, Callable[[Columns, Path], None]] = {".csv": write_csv, ".parquet": write_parquet}
@@ -35,12 +36,41 @@ def read_columns(path: Path) -> Columns:
         If the suffix is unknown, or the file does not hold a result.
     """
     reader = READERS[_suffix(path, "read")]
+    _require(path)
+    with _read_errors(path):
+        return reader(path)
+
+
+def parts_of(path: Path) -> Iterator[Columns]:
+    """Read columns in parts: a Parquet file by its groups of rows, a CSV file as a whole; errors as `read_columns`."""
+    suffix = _suffix(path, "read")
+    _require(path)
+    with _read_errors(path):
+        if suffix == ".parquet":
+            yield from parquet_parts(path)
+        else:
+            yield read_csv(path)
+
+
+def _require(path: Path) -> None:
+    """Refuse a file that does not exist."""
     if not path.is_file():
         raise OrchestrationError(no_file(path, "file of a result"))
+
+
+@contextmanager
+def _read_errors(path: Path) -> Iterator[None]:
+    """Convert the errors of a file that cannot be read into errors of this package.
+
+    Raises
+    ------
+    OrchestrationError
+        If the file cannot be read, or does not hold a result.
+    """
     import pyarrow as pa
 
     try:
-        return reader(path)
+        yield
     except OSError as error:
         msg = f"{path}: the result cannot be read: {error.strerror or error}."
         raise OrchestrationError(msg) from error

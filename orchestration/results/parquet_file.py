@@ -7,7 +7,7 @@ unit of a column is its field metadata ``unit``. All other metadata are file met
 
 import base64
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
@@ -22,7 +22,7 @@ from orchestration.results.columns import COMPLETE, FAILED, INTERRUPTED, Columns
 from orchestration.results.whole_file import draft_path, partial_path, remove_draft, write_errors
 
 if TYPE_CHECKING:
-    from pyarrow.parquet import ParquetWriter
+    from pyarrow.parquet import ParquetFile, ParquetWriter
 
 PREFIX = "adaptimp."
 """Beginning of the keys of all metadata in a file."""
@@ -68,16 +68,31 @@ def read_parquet(path: Path) -> Columns:
     from pyarrow.parquet import ParquetFile
 
     with path.open("rb") as file, ParquetFile(file) as source:
-        table = source.read()
-        raw = source.metadata.metadata or {}
+        return _described(columns_of(source.read()), source)
+
+
+def parquet_parts(path: Path) -> Iterator[Columns]:
+    """Read a Parquet file by its groups of rows, so that one group is in memory at a time; errors as `read_parquet`."""
+    from pyarrow.parquet import ParquetFile
+
+    with path.open("rb") as file, ParquetFile(file) as source:
+        if source.num_row_groups == 0:
+            yield _described(columns_of(source.read()), source)
+        for i in range(source.num_row_groups):
+            yield _described(columns_of(source.read_row_group(i)), source)
+
+
+def _described(columns: Columns, source: "ParquetFile") -> Columns:
+    """Columns with the units and the metadata of their file."""
+    raw, schema = source.metadata.metadata or {}, source.schema_arrow
     prefix = PREFIX.encode()
     found = {k.removeprefix(prefix).decode(): v.decode() for k, v in raw.items() if k.startswith(prefix)}
-    declared = {field.name: (field.metadata or {}).get(b"unit", b"").decode() for field in table.schema}
+    declared = {field.name: (field.metadata or {}).get(b"unit", b"").decode() for field in schema}
     units = json.loads(found.pop(UNITS)) if UNITS in found else declared
     ratios, periods = (json.loads(found.pop(key, "{}")) for key in (STEPS_PER_TICK, SAMPLE_TIMES))
     status, message = json.loads(found.pop(STATUS, f'"{COMPLETE}"')), json.loads(found.pop(MESSAGE, '""'))
     kept = {"steps_per_tick": ratios, "sample_times": periods, "status": status, "message": message}
-    return replace(columns_of(table), units=units, metadata=found, **kept)
+    return replace(columns, units=units, metadata=found, **kept)
 
 
 class _Draft(NamedTuple):

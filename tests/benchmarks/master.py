@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 from rich.console import Console
 
-from orchestration.paper.built_fmus import fmus, scenario
+from orchestration.paper.built_fmus import find_scenario, fmus
 from orchestration.system.system import System
 from tests.benchmarks.report import (
     Goal,
@@ -103,7 +103,7 @@ def run(name: str = "fig2", n_steps: int | None = None, repetitions: int = REPET
     BenchmarkError
         If a loop does not compute what it should.
     """
-    about = scenario(name)
+    about = find_scenario(name)
     system = about.system(fmus(about.models.values()))
     n_steps = n_steps or round(system.run_stop_time() / system.run_step())
     with Bench(system, n_steps) as b, TemporaryDirectory() as folder:

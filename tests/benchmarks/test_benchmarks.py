@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from orchestration.paper.built_fmus import fmus, scenario
+from orchestration.paper.built_fmus import find_scenario, fmus
 from tests.benchmarks import master, overhead, scaling, start
 from tests.benchmarks.rig import BenchmarkError, Rig
 from tests.benchmarks.trivial import ring
@@ -27,7 +27,7 @@ Record = Callable[[str, object], None]
 @pytest.fixture(params=master.SCENARIOS)
 def bench(request: pytest.FixtureRequest):
     """A system of the paper with `CHANGES`, ready to run `N_STEPS` steps."""
-    about = scenario(request.param)
+    about = find_scenario(request.param)
     with Bench(about.system(fmus(about.models.values())).set(CHANGES[about.name]), N_STEPS) as b:
         yield b
 
@@ -42,7 +42,7 @@ def test_every_loop_records_the_same_bits(bench: Bench) -> None:
 
 
 def test_the_comparison_has_noise_slow_updates_and_saturation() -> None:
-    about = scenario("fig5")
+    about = find_scenario("fig5")
     system = about.system(fmus(about.models.values())).set(CHANGES["fig5"])
     with Bench(system, N_STEPS) as b:
         ours = b.records(b.time_ours, N_STEPS)

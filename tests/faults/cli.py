@@ -11,11 +11,20 @@ from orchestration.cli import main
 
 
 class Outcome(NamedTuple):
-    """What a command left behind."""
+    """What a command left behind.
+
+    Attributes
+    ----------
+    err
+        Standard error without the lines on what takes more than a second, which depend on the machine.
+    waits
+        Those lines.
+    """
 
     code: int
     out: str
     err: str
+    waits: str = ""
 
     @property
     def sentence(self) -> str:
@@ -38,6 +47,7 @@ def runner(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) 
             main()
         out, err = capsys.readouterr()
         assert "Traceback" not in out + err
-        return Outcome(int(exit_.value.code or 0), out, err)
+        waits = re.findall(r"^.* \.\.\.\n", err, re.MULTILINE)
+        return Outcome(int(exit_.value.code or 0), out, re.sub(r"(?m)^.* \.\.\.\n", "", err), "".join(waits))
 
     return adaptimp

@@ -20,7 +20,7 @@ from tests.faults.cli import Command
 
 ADAPTIMP = Path(sysconfig.get_path("scripts")) / "adaptimp"
 ESCAPES = re.compile(r"\x1b\[[0-9;?]*[A-Za-z]")
-HEAVY = ("numba", "casadi", "fmpy", "numpy", "scipy", "matplotlib", "lxml")
+HEAVY = ("numba", "casadi", "fmpy", "numpy", "scipy", "matplotlib", "lxml", "rich", "orchestration.master")
 COMMANDS = [command.name or command.callback.__name__ for command in app.registered_commands if command.callback]
 
 

@@ -28,7 +28,7 @@ def shared(fmu_folder: Path, tmp_path_factory: pytest.TempPathFactory) -> Bench:
     """The bench of all cases; its folder is that of the package."""
     folder = tmp_path_factory.mktemp("bench")
     scenario = SCENARIOS["fig2"]
-    loop = scenario.system({unit: fmu_folder / f"{unit}.fmu" for unit in scenario.units.values()})
+    loop = scenario.system({identifier: fmu_folder / f"{identifier}.fmu" for identifier in scenario.models.values()})
     result = simulate(loop, 1e-3, options=Options(every=2))
     return Bench(folder, fmu_folder, loop, loop.write(folder / "loop.ssp"), result)
 

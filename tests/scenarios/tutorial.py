@@ -22,6 +22,8 @@ export PATH="{sysconfig.get_path("scripts")}:$PATH" COLUMNS=80
 uv() {{ test "$1" = run; shift; "$@"; }}
 """
 END = "--- end of block"
+WAIT = re.compile(r"^.* \.\.\.\n", re.MULTILINE)
+"""A line on what takes more than a second, which depends on the machine."""
 
 
 @dataclass(frozen=True)
@@ -94,6 +96,7 @@ def follow(page: Path, folder: Path, skip: tuple[str, ...] = ()) -> list[Printed
                 (here / block.file).write_text(block.text, encoding="utf-8")
             elif not block.text.startswith(skip or ("\0",)):
                 last, here = _typed(shell, block.text, folder / f"line_{block.line}.sh")
+                last = WAIT.sub("", last)
     return printed
 
 

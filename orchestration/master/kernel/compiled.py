@@ -26,12 +26,20 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 
 _OPTIONS = {"nogil": True, "error_model": "numpy", "_nrt": False}
 _PART = {**_OPTIONS, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+_CALLED_FROM_PYTHON: list[Any] = []
 _FOLDER = code_folder([*Path(__file__).parent.glob("*.py"), Path(__file__), *SOURCES])
 
 
 def compiled(function: Function) -> Function:
     """Compile a function that Python calls; its machine code is kept."""
-    return keep_machine_code(njit(**_OPTIONS)(function), function, _FOLDER)
+    kept = keep_machine_code(njit(**_OPTIONS)(function), function, _FOLDER)
+    _CALLED_FROM_PYTHON.append(kept)
+    return kept
+
+
+def compilations() -> int:
+    """Return how often this process has compiled a function that Python calls, instead of loading its machine code."""
+    return sum(sum(f.stats.cache_misses.values()) for f in _CALLED_FROM_PYTHON if hasattr(f, "stats"))
 
 
 def compiled_for_callers(function: Function) -> Function:

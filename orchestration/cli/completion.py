@@ -1,0 +1,114 @@
+"""What a shell offers when the user presses the tabulator key: names of systems, algorithms, controllers, variables.
+
+Nothing is built and no FMU is run for a completion. A file that cannot be read offers nothing.
+"""
+
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+FILES = (".fmu", ".ssp")
+RESULTS = (".csv", ".parquet")
+
+
+def systems(incomplete: str) -> list[str]:
+    """Scenarios, and files that can be run."""
+    from orchestration.paper.scenarios import SCENARIOS, VARIANTS
+
+    return _beginning(incomplete, [*SCENARIOS, *VARIANTS, *_files(incomplete, FILES)])
+
+
+def controllers(incomplete: str) -> list[str]:
+    """Models of shipped controllers, and FMU files."""
+    from orchestration.paper.scenarios import SCENARIOS, VARIANTS
+
+    shipped = dict.fromkeys(s.models["controller"] for s in (*SCENARIOS.values(), *VARIANTS.values()))
+    return _beginning(incomplete, [*shipped, *_files(incomplete, FILES[:1])])
+
+
+def subjects(incomplete: str) -> list[str]:
+    """All that ``adaptimp info`` can look at."""
+    from fmus.catalog import MODELS
+
+    return [*systems(incomplete), *_beginning(incomplete, [*MODELS, *_files(incomplete, RESULTS)])]
+
+
+def algorithms(incomplete: str) -> list[str]:
+    """Algorithms of the master."""
+    from orchestration.master.algorithm import ALGORITHMS
+
+    return _beginning(incomplete, ALGORITHMS)
+
+
+def settable(ctx: Any, incomplete: str) -> list[str]:
+    """Parameters and inputs of the system on the line, as COMPONENT.VARIABLE=."""
+    paths = _paths(ctx, incomplete, ("parameter", "input"))
+    return [path if path.endswith(".") else f"{path}=" for path in paths]
+
+
+def recordable(ctx: Any, incomplete: str) -> list[str]:
+    """Outputs of the system on the line, after those that are named already."""
+    before, comma, last = incomplete.rpartition(",")
+    return [f"{before}{comma}{path}" for path in _paths(ctx, last, ("output",))]
+
+
+def _paths(ctx: Any, incomplete: str, causalities: tuple[str, ...]) -> list[str]:
+    """Components, or variables of the one that is named."""
+    from orchestration.errors import OrchestrationError
+
+    component, dot, _ = incomplete.partition(".")
+    # The parser gives up at an option whose value is not there yet, and leaves the argument where it was.
+    system = ctx.params.get("system") or next(iter(ctx.args), "")
+    try:
+        found = dict(_components(system, component if dot else None, causalities))
+    except (OrchestrationError, OSError):
+        return []
+    if not dot:
+        return _beginning(incomplete, [f"{name}." for name in found])
+    return _beginning(incomplete, [f"{component}.{name}" for name in found.get(component, ())])
+
+
+def _components(name: str, asked: str | None, causalities: tuple[str, ...]) -> Iterator[tuple[str, list[str]]]:
+    """Components of a system with their variables; those of scenarios for one component only, as that takes time."""
+    from orchestration.cli.systems import named_system
+    from orchestration.paper.scenarios import SCENARIOS, VARIANTS
+
+    if name in SCENARIOS or name in VARIANTS:
+        from fmus.catalog import MODELS
+
+        for component, identifier in {**SCENARIOS, **VARIANTS}[name].models.items():
+            model = MODELS[identifier]() if component == asked else None
+            causality = {v.name: _causality(v.role) for v in model.variables} if model else {}
+            yield component, _named(causality, causalities)
+    elif Path(name).suffix.lower() in FILES:
+        for component in named_system(name).components:
+            causality = {v.name: v.causality for v in component.description.variables.values()}
+            yield component.name, _named(causality, causalities)
+
+
+def _causality(role: Any) -> str:
+    """Causality in FMI of a role of a model's variable."""
+    return "parameter" if role.is_parameter else role.name.lower()
+
+
+def _named(causality: Mapping[str, str], wanted: tuple[str, ...]) -> list[str]:
+    """Arrays and variables of the wanted causalities."""
+    from orchestration.fmi.names import arrays
+
+    names = tuple(name for name, found in causality.items() if found in wanted)
+    return [*arrays(names), *names]
+
+
+def _files(incomplete: str, suffixes: tuple[str, ...]) -> list[str]:
+    """Files, and folders to look into, whose paths begin with a text."""
+    folder, slash, begun = incomplete.rpartition("/")
+    place = Path(folder + slash)
+    if not place.is_dir():
+        return []
+    found = [entry for entry in place.iterdir() if entry.name.startswith(begun) and not entry.name.startswith(".")]
+    folders = [f"{folder}{slash}{entry.name}/" for entry in found if entry.is_dir()]
+    return sorted(f"{folder}{slash}{e.name}" for e in found if e.suffix.lower() in suffixes) + sorted(folders)
+
+
+def _beginning(incomplete: str, names: Any) -> list[str]:
+    return [name for name in names if name.startswith(incomplete)]

@@ -1,0 +1,185 @@
+"""Prints what is in an FMU, a system or a file of results: ``adaptimp info``."""
+
+import json as formats
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from orchestration.cli.facts import fmu_facts, result_facts, system_facts
+from orchestration.cli.output import output, watched, width
+from orchestration.cli.signals import signal_table
+from orchestration.cli.systems import FMU, PACKAGE, named_fmu, named_system
+from orchestration.cli.tables import definitions, table
+from orchestration.errors import UnknownNameError
+from orchestration.fmi.codes import DIFFERENTIATES, INTERPOLATES, SAVES_STATE, SERIALIZES_STATE
+from orchestration.fmi.names import arrays, base_name, suggestion
+from orchestration.results.formats import READERS
+
+SHOWN = ("input", "output", "parameter", "calculatedParameter")
+"""Causalities that are shown, in this order; JSON has all."""
+ABILITIES = {
+    SAVES_STATE: "save its state",
+    SERIALIZES_STATE: "serialize its state",
+    INTERPOLATES: "interpolate its inputs",
+    DIFFERENTIATES: "give directional derivatives",
+}
+LONGEST = 200
+"""Characters of a text of metadata that is shown; JSON has all."""
+
+
+def print_info(name: str, *, json: bool) -> None:
+    """Print what a file, a scenario or a shipped FMU holds, as text or as JSON."""
+    with watched():
+        facts = _facts(name)
+    if json:
+        output.data(formats.dumps(facts, indent=2))
+        return
+    text = {"fmu": _fmu_text, "system": _system_text, "result": _result_text}[facts["kind"]]
+    for part in text(facts, width()):
+        output.data(part)
+
+
+def _facts(name: str) -> dict[str, Any]:
+    from fmus.catalog import MODELS
+    from orchestration.paper.scenarios import SCENARIOS, VARIANTS
+
+    path, suffix = Path(name), Path(name).suffix.lower()
+    if suffix in READERS:
+        return result_facts(path)
+    if suffix == FMU or name in MODELS:
+        return fmu_facts(named_fmu(name))
+    if suffix == PACKAGE or name in SCENARIOS or name in VARIANTS:
+        return system_facts(named_system(name))
+    known = [*SCENARIOS, *VARIANTS, *MODELS]
+    msg = f"{name} is neither an .fmu, .ssp, .csv or .parquet file nor a scenario or a shipped FMU; "
+    raise UnknownNameError(msg + suggestion(name, known))
+
+
+def _fmu_text(facts: Mapping[str, Any], width: int) -> Iterator[str]:
+    experiment = {key: value for key, value in facts["experiment"].items() if value is not None}
+    here = "" if facts["runs_here"] else " (not this machine)"
+    about = {
+        "what": facts["description"],
+        "file": facts["file"],
+        "made by": facts["tool"],
+        "runs on": ", ".join(facts["platforms"]) + here,
+        "can": ", ".join(ABILITIES[name] for name in facts["capabilities"]),
+        "default experiment": _times(experiment),
+    }
+    yield f"{facts['name']}: FMI 2.0 FMU for co-simulation"
+    yield definitions([(key, value) for key, value in about.items() if value], width, "  ")
+    for causality in SHOWN:
+        rows = _variables([v for v in facts["variables"] if v["causality"] == causality])
+        if rows:
+            yield f"\n{_plural(causality)}"
+            yield _without_empty(("name", "unit", "start", "description"), rows, width)
+
+
+def _without_empty(head: Sequence[str], rows: Sequence[Sequence[str]], width: int, together: int = 2) -> str:
+    """A table without the columns that have nothing in any row."""
+    kept = [i for i, column in enumerate(zip(*rows, strict=True)) if any(column)]
+    return table([head[i] for i in kept], [[row[i] for i in kept] for row in rows], width, together=together)
+
+
+def _variables(variables: Sequence[Mapping[str, Any]]) -> list[tuple[str, str, str, str]]:
+    """Name, unit, start values and description of variables; elements of an array that differ little are one row."""
+    return [
+        (name, of[0]["unit"], ", ".join(dict.fromkeys(map(_value, of))), _common([v["description"] for v in of]))
+        for name, of in _whole(variables, ("unit", "type"))
+    ]
+
+
+def _whole(
+    variables: Sequence[Mapping[str, Any]], alike: Sequence[str]
+) -> Iterator[tuple[str, list[Mapping[str, Any]]]]:
+    """Variables by name; those of an array together, if all elements agree in what `alike` names."""
+    names = tuple(v["name"] for v in variables)
+    found, done = arrays(names), set()
+    for variable in variables:
+        base = base_name(variable["name"])
+        elements = [variables[i] for i in found[base].ravel()] if base in found else []
+        if len({tuple(v[key] for key in alike) for v in elements}) != 1:
+            yield variable["name"], [variable]
+        elif base not in done:
+            done.add(base)
+            yield f"{base}{list(found[base].shape)}", elements
+
+
+def _common(descriptions: Sequence[str]) -> str:
+    """What the descriptions of all elements begin with."""
+    first = descriptions[0]
+    shared = next((i for i, letters in enumerate(zip(*descriptions, strict=False)) if len(set(letters)) > 1), None)
+    return first if shared is None else first[:shared].rstrip(" ,([")
+
+
+def _value(variable: Mapping[str, Any]) -> str:
+    start = variable["start"]
+    if start is None or isinstance(start, str):
+        return start or ""
+    return ("true" if start else "false") if variable["type"] == "Boolean" else f"{start:.6g}"
+
+
+def _system_text(facts: Mapping[str, Any], width: int) -> Iterator[str]:
+    counts = f"{len(facts['components'])} components, {len(facts['connections'])} connections"
+    times = _times({key: value for key, value in facts["experiment"].items() if value is not None})
+    yield f"System {facts['name']}: {counts}" + (f"; {times}" if times else "")
+    rows = [
+        (c["name"], c["model"], _sampling(c), *(str(c[kind]) for kind in ("inputs", "outputs", "parameters")))
+        for c in facts["components"]
+    ]
+    yield "\ncomponents, in the order of stepping"
+    numbers = ("inputs", "outputs", "parameters")
+    yield table(("name", "model", "sampling", *numbers), rows, width, numbers=numbers, together=2)
+    yield "\nconnections"
+    yield definitions(_signals(facts["connections"]), width, "  ")
+    if facts["unconnected_inputs"]:
+        yield "\ninputs without a connection, which keep their start values"
+        yield definitions([("", ", ".join(facts["unconnected_inputs"]))], width)
+    if facts["start_values"]:
+        yield "\nstart values that the system sets"
+        yield _without_empty(("name", "unit", "value", "remark"), _start_values(facts), width, 4)
+
+
+def _start_values(facts: Mapping[str, Any]) -> list[tuple[str, str, str, str]]:
+    """Name, unit, numbers and whether they are assumed; elements of an array that agree in this are one row."""
+    values = [{**v, "remark": "assumed" if v["name"] in facts["assumptions"] else ""} for v in facts["start_values"]]
+    return [
+        (name, of[0]["unit"], ", ".join(dict.fromkeys(f"{v['value']:.6g}" for v in of)), of[0]["remark"])
+        for name, of in _whole(values, ("unit", "remark"))
+    ]
+
+
+def _signals(connections: Sequence[str]) -> list[tuple[str, str]]:
+    """Connections between the same components in one row, arrays once."""
+    found: dict[str, dict[str, None]] = {}
+    for connection in connections:
+        ends, _, scale = connection.partition(" (")
+        (source, output_), (target, input_) = (end.split(".", 1) for end in ends.split(" -> "))
+        names = [base_name(output_), base_name(input_)]
+        said = names[0] if names[0] == names[1] else " -> ".join(names)
+        found.setdefault(f"{source} -> {target}", {})[f"{said} ({scale}" if scale else said] = None
+    return [(ends, ", ".join(names)) for ends, names in found.items()]
+
+
+def _sampling(component: Mapping[str, Any]) -> str:
+    period = component["sample_time"]
+    return "continuous" if period is None else f"every {period:g} s"
+
+
+def _result_text(facts: Mapping[str, Any], width: int) -> Iterator[str]:
+    span = "" if facts["rows"] == 0 else f", t = {facts['start_time']:g} to {facts['stop_time']:g} s"
+    state = "" if facts["status"] == "complete" else f", {facts['status']}: {facts['message']}"
+    yield f"{facts['file']}: {facts['rows']} rows{span}, {len(facts['signals'])} columns{state}"
+    plain = [(key, value) for key, value in facts["metadata"].items() if len(value) <= LONGEST]
+    if plain:
+        yield definitions(plain, width, "  ")
+    yield ""
+    yield signal_table(facts["signals"], width)
+
+
+def _times(experiment: Mapping[str, float]) -> str:
+    return ", ".join(f"{key} {value:g}{'' if key == 'tolerance' else ' s'}" for key, value in experiment.items())
+
+
+def _plural(causality: str) -> str:
+    return {"calculatedParameter": "calculated parameters"}.get(causality, f"{causality}s")

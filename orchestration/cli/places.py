@@ -1,0 +1,28 @@
+"""Makes the folders that commands write to, and says what was written."""
+
+import tempfile
+from pathlib import Path
+
+from orchestration.errors import OrchestrationError
+
+
+def require_folder(folder: Path) -> None:
+    """Make a folder for results; a folder that nothing can be written to is refused before any work is done.
+
+    Raises
+    ------
+    OrchestrationError
+        If the folder cannot be made, or nothing can be written to it.
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            pass
+    except OSError as error:
+        msg = f"--out: nothing can be written to {folder}: {error.strerror}; choose another place."
+        raise OrchestrationError(msg) from error
+
+
+def written(path: Path, *, existed: bool) -> str:
+    """The beginning of a sentence on a file that was written."""
+    return f"{'replaced' if existed else 'wrote'} {path}"

@@ -1,0 +1,84 @@
+"""Finds the system that a command line names, with another controller and other start values if asked for."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from orchestration.cli.settings import setting_of, start_value
+from orchestration.errors import SystemDescriptionError
+from orchestration.fmi.names import suggestion
+from orchestration.system.system import System
+
+FMU, PACKAGE = ".fmu", ".ssp"
+
+
+@dataclass(frozen=True)
+class SystemRequest:
+    """The system that a command is about: its name, and what is changed in it.
+
+    Attributes
+    ----------
+    name
+        A scenario, an .ssp file or an .fmu file.
+    controller
+        FMU in the place of the component ``controller``: a file or the name of a shipped model.
+    mapping
+        Texts OURS=THEIRS: a name in the system, and that FMU's name for the same variable.
+    settings
+        Texts COMPONENT.VARIABLE=VALUE: start values.
+    sample_time
+        Communication step and every sampling period, s.
+    """
+
+    name: str
+    controller: str | None = None
+    mapping: Sequence[str] = ()
+    settings: Sequence[str] = ()
+    sample_time: float | None = None
+
+    def system(self) -> System:
+        """Make the system; FMUs that are not there yet are built.
+
+        Raises
+        ------
+        OrchestrationError
+            If there is no such system, or it cannot be changed as asked.
+        """
+        if self.mapping and self.controller is None:
+            msg = "--map says what --controller calls our variables; give one."
+            raise SystemDescriptionError(msg)
+        system = named_system(self.name)
+        if self.controller is not None:
+            names: Mapping[str, str] = dict(map(setting_of("--map"), self.mapping))
+            system = system.replace("controller", named_fmu(self.controller), names)
+        system = system.set(dict(map(start_value, self.settings)))
+        return system if self.sample_time is None else system.with_sample_time(self.sample_time)
+
+
+def named_system(name: str) -> System:
+    """The system of a file, or a scenario by name."""
+    path = Path(name)
+    if path.suffix.lower() == FMU:
+        component = path.stem.replace(".", "_")
+        return System.of({component: path}, component)
+    if path.suffix.lower() == PACKAGE:
+        return System.read(path)
+    if path.suffix:
+        msg = f"{path}: a system is read from an .ssp or .fmu file; scenarios have names, such as adaptimp run fig5."
+        raise SystemDescriptionError(msg)
+    from orchestration.paper.ready import scenario
+
+    return scenario(name)
+
+
+def named_fmu(name: str) -> Path:
+    """The FMU of a file, or a shipped one by its model identifier."""
+    from fmus.catalog import MODELS
+    from orchestration.paper.built_fmus import built
+
+    if Path(name).exists() or Path(name).name != name or Path(name).suffix:
+        return Path(name)
+    if name not in MODELS:
+        msg = f"--controller: there is no model {name}; {suggestion(name, MODELS)}"
+        raise SystemDescriptionError(msg)
+    return built(name)

@@ -1,0 +1,77 @@
+"""Evidence that every command line in the help, in README.md and in docs/command-line.md does what it says."""
+
+import re
+import shlex
+from pathlib import Path
+
+import pytest
+
+from orchestration.cli.app import app
+from orchestration.paper import report
+from orchestration.paper.report import Report
+from tests.faults.cli import Command
+
+ROOT = Path(__file__).parents[2]
+COMMANDS = [command.name or command.callback.__name__ for command in app.registered_commands if command.callback]
+MINE = '''"""A controller that holds the arm by springs, with names of its own."""
+
+from adaptimp_fmu import SampledModel
+
+mine = SampledModel("mine", "Springs at the joints")
+q = mine.input("JointAngle", [-0.72, 1.45], unit="rad", description="Joint angle")
+k = mine.parameter("k", 5.0, unit="N.m/rad", description="Stiffness")
+mine.output("Torque", -k * q, unit="N.m", description="Commanded torque")
+'''
+
+
+def lines_of_help(text: str) -> list[str]:
+    """Command lines in the section of examples of a help text."""
+    section = re.search(r"^Examples:\n((?:  .*\n)+)", text, re.MULTILINE)
+    assert section, text
+    return [line.strip() for line in re.sub(r"\\\n\s*", "", section[1]).splitlines()]
+
+
+def lines_of_page(page: str) -> list[str]:
+    """Command lines of a page: indented after ``uv run``, or in a fence of ``sh``."""
+    text = (ROOT / page).read_text(encoding="utf-8")
+    fences = "".join(re.findall(r"^```sh\n(.*?)^```$", text, re.MULTILINE | re.DOTALL))
+    return re.findall(r"^    uv run (adaptimp .*)$", text, re.MULTILINE) or re.findall(r"(?m)^adaptimp .*$", fences)
+
+
+@pytest.fixture
+def prepared(adaptimp: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Command:
+    """The command line in a folder with a model of the user's own; the paper, which takes minutes, is not measured."""
+
+    def reproduce(folder: Path, *_: object, **__: object) -> Report:
+        (folder / "claims.json").write_text("[]")
+        return Report([], folder / "claims.json", [], kept=False)
+
+    monkeypatch.setattr(report, "reproduce", reproduce)
+    (tmp_path / "mine.py").write_text(MINE, encoding="utf-8")
+    assert adaptimp("build", "mine.py", "--out", ".").code == 0
+    return adaptimp
+
+
+def type_in(adaptimp: Command, line: str) -> None:
+    """Run a command line of which a shell would take the comment and the redirection away."""
+    command, _, _ = line.partition(" >")
+    outcome = adaptimp(*shlex.split(command, comments=True)[1:])
+    found_something = command.startswith("adaptimp check") and outcome.code == 1 and outcome.err == ""
+    assert outcome.code == 0 or found_something, f"{line}\n{outcome.out}{outcome.err}"
+
+
+@pytest.mark.parametrize("command", [None, *COMMANDS])
+def test_examples_of_the_help(prepared: Command, command: str | None) -> None:
+    lines = lines_of_help(prepared(*([command] if command else []), "--help").out)
+    assert len(lines) == 2
+    for line in lines:
+        assert line.startswith(f"adaptimp {command or ''}".rstrip())
+        type_in(prepared, line)
+
+
+@pytest.mark.parametrize(("page", "number"), [("README.md", 8), ("docs/command-line.md", 9)])
+def test_command_lines_of_pages(prepared: Command, page: str, number: int) -> None:
+    lines = lines_of_page(page)
+    assert len(lines) >= number, lines
+    for line in lines:
+        type_in(prepared, line)
