@@ -13,6 +13,7 @@ from orchestration.master.algebraic_loops import solve_loops
 from orchestration.master.flatten import Assembly
 from orchestration.master.kernel.codes import CALL_NAMES, Column
 from orchestration.master.kernel.flat_system import copy_links, get_outputs, set_inputs
+from orchestration.master.kernel.series import give
 from orchestration.sandbox.archive import unpacked
 from orchestration.system.system import Component, System
 
@@ -54,7 +55,9 @@ def opened(system: System) -> Iterator[list[Instance]]:
         yield instances
 
 
-def initialize(system: System, instances: Sequence[Instance], assembly: Assembly, t0: float) -> None:
+def initialize(
+    system: System, instances: Sequence[Instance], assembly: Assembly, t0: float, series: np.ndarray | None = None
+) -> None:
     """Set start values, propagate outputs to inputs in initialization mode, and leave this mode.
 
     Outputs are transferred to inputs until nothing changes, so a chain of any length settles. What does
@@ -71,6 +74,8 @@ def initialize(system: System, instances: Sequence[Instance], assembly: Assembly
         Buffers and links of the system as flat arrays.
     t0
         Start time, s.
+    series
+        Table of time series, whose inputs get their values at the start time; None without series.
 
     Raises
     ------
@@ -81,6 +86,8 @@ def initialize(system: System, instances: Sequence[Instance], assembly: Assembly
         set_values(component, instance, component.start)
         instance.set_up(t0)
         instance.call("fmi2EnterInitializationMode")
+    if series is not None:
+        give(series, t0, 0.0)
     _propagate(system, instances, assembly)
     for instance in instances:
         instance.call("fmi2ExitInitializationMode")
@@ -116,8 +123,9 @@ def _propagate(system: System, instances: Sequence[Instance], assembly: Assembly
     """Transfer outputs to inputs until nothing changes, or solve the algebraic loops that remain."""
     plan = assembly.plan
     _get_all(instances, assembly)
-    # A chain passes through each connection at most once; anything longer is an algebraic loop.
-    for _ in range(len(system.connections) + 1):
+    # A chain passes through each connection at most once, after what drives it from outside; anything longer is an
+    # algebraic loop.
+    for _ in range(len(system.connections) + 1 + bool(assembly.driven)):
         before = plan.reals.copy(), plan.discretes.copy()
         for i, instance in enumerate(instances):
             _transfer(assembly, i)

@@ -14,17 +14,22 @@ After initialization, the master calls fmi2DoStep between a set of inputs and th
 as FMI 2.0 demands.
 """
 
+import itertools
 import warnings
-from collections.abc import Sequence
+from collections.abc import Collection, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from orchestration.errors import SystemDescriptionError
 from orchestration.master.algorithm import ALGORITHMS, Algorithm, find_algorithm
+from orchestration.master.changes import Changes
 from orchestration.master.options import Options, Progress
+from orchestration.master.outside import outside
+from orchestration.master.pacing import Pace
 from orchestration.master.progress import progress_bar
 from orchestration.master.provenance import provenance
 from orchestration.master.simulation import Simulation
@@ -48,6 +53,9 @@ def simulate(
     record: str | Sequence[str] | None = None,
     order: Sequence[str] | None = None,
     times: np.ndarray | None = None,
+    inputs: Any = None,
+    changes: Changes | None = None,
+    pace: float | Pace | None = None,
     progress: bool | Progress = False,
     options: Options | None = None,
 ) -> Result:
@@ -65,12 +73,24 @@ def simulate(
     algorithm
         Name of one of `ALGORITHMS`, or an `Algorithm`.
     record
-        Outputs to record: names ``component.variable``, names of arrays, or patterns with ``*`` and ``?``.
-        Default: all outputs.
+        Variables to record: names ``component.variable`` or names of arrays, of any causality, or patterns with ``*``
+        and ``?``, which choose outputs. Default: all outputs.
     order
         Component names in the order of stepping. Default: the order of the system.
     times
         Communication points, s, shape (n + 1,), increasing, instead of `stop_time` and `step`.
+    inputs
+        Time series for inputs without a connection. A mapping from ``component.variable``, a scalar or an array, to
+        ``(time, values)``, a `TimeSeries`, or a column of pandas or xarray. Or a whole table whose columns have such
+        names: the path of a CSV or Parquet file, a DataFrame, a Dataset, a structured array, a `Result`. Its time, in
+        s, is the column ``time``, the index, or the first column; a header ``plant.F [kN]`` names a unit. A series
+        must cover the run.
+    changes
+        Values that change during the run: by time, s, values by ``component.variable``, of tunable parameters and of
+        inputs without a source. They are set at the first communication point at or after the time.
+    pace
+        Simulated seconds per second: 1.0 keeps step with the clock, 2.0 goes twice as fast; or a `Pace`. The result
+        then has a column ``lateness``. Default: as fast as possible.
     progress
         True for a bar on standard error, or a function that is called with the steps made and the steps in all.
     options
@@ -95,8 +115,8 @@ def simulate(
     system = system if isinstance(system, System) else System.read(system)
     with ExitStack() as stack:
         show = stack.enter_context(progress_bar(system.name)) if progress is True else progress or None
-        chosen = _chosen(options, record, show)
-        run = prepare(system, stop_time, step, algorithm, order=order, times=times, options=chosen)
+        given = {"record": record, "progress": show, "inputs": inputs, "changes": changes, "pace": pace}
+        run = prepare(system, stop_time, step, algorithm, order=order, times=times, options=_chosen(options, given))
         simulation = stack.enter_context(run)
         simulation.run()
         return simulation.result()
@@ -111,6 +131,9 @@ def stream(
     *,
     record: str | Sequence[str] | None = None,
     order: Sequence[str] | None = None,
+    inputs: Any = None,
+    changes: Changes | None = None,
+    pace: float | Pace | None = None,
     options: Options | None = None,
 ) -> int:
     """Run a system and write its rows to a Parquet file during the run, so that memory stays bounded.
@@ -121,7 +144,7 @@ def stream(
     ----------
     path
         Parquet file to write.
-    system, stop_time, step, algorithm, record, order, options
+    system, stop_time, step, algorithm, record, order, inputs, changes, pace, options
         As for `simulate`.
 
     Returns
@@ -137,7 +160,8 @@ def stream(
         If the user interrupts the run.
     """
     system = system if isinstance(system, System) else System.read(system)
-    run = prepare(system, stop_time, step, algorithm, order=order, options=_chosen(options, record, None))
+    given = {"record": record, "inputs": inputs, "changes": changes, "pace": pace}
+    run = prepare(system, stop_time, step, algorithm, order=order, options=_chosen(options, given))
     run.stream_to(Path(path))
     with run:
         run.run()
@@ -152,13 +176,16 @@ def prepare(
     *,
     order: Sequence[str] | None = None,
     times: np.ndarray | None = None,
+    inputs: Any = None,
+    changes: Changes | None = None,
+    pace: float | Pace | None = None,
     options: Options | None = None,
 ) -> Simulation:
     """Prepare a run that can be stopped, saved, restored, changed and continued.
 
     Parameters
     ----------
-    system, stop_time, step, algorithm, order, times, options
+    system, stop_time, step, algorithm, order, times, inputs, changes, pace, options
         As for `simulate`.
 
     Returns
@@ -171,12 +198,13 @@ def prepare(
     SystemDescriptionError
         If the system cannot be run as asked.
     """
-    options = options or Options()
+    options = _chosen(options, {"inputs": inputs, "changes": changes, "pace": pace})
     chosen = find_algorithm(algorithm)
     if order is not None:
         system = system.ordered(order)
     grid = _grid(system, (stop_time, step, times), chosen, options)
-    _report_unconnected(system, options)
+    around, grid = outside(system, options, grid, controlled=chosen.control is not None)
+    _report_unconnected(system, options, {*around.inputs.names, *itertools.chain(*around.changes.values())})
     metadata = provenance(
         system,
         algorithm=repr(chosen) if isinstance(algorithm, Algorithm) else chosen.name,
@@ -185,10 +213,10 @@ def prepare(
         stop_time=float(grid.times[-1]),
         order=None,
     )
-    return Simulation(system, grid, chosen, options, metadata=metadata)
+    return Simulation(system, grid, chosen, options, metadata=metadata, outside=around)
 
 
-def _chosen(options: Options | None, record: str | Sequence[str] | None, progress: Progress | None) -> Options:
+def _chosen(options: Options | None, given: Mapping[str, Any]) -> Options:
     """Options with what was given beside them.
 
     Raises
@@ -197,12 +225,12 @@ def _chosen(options: Options | None, record: str | Sequence[str] | None, progres
         If a choice is given twice.
     """
     options = options or Options()
-    given = {"record": record, "progress": progress}
-    for name, value in given.items():
-        if value is not None and getattr(options, name) is not None:
+    given = {name: value for name, value in given.items() if value is not None}
+    for name in given:
+        if getattr(options, name) is not None:
             msg = f"{name} is given twice, as an argument and in the options; give it once."
             raise SystemDescriptionError(msg)
-    return replace(options, **{name: value for name, value in given.items() if value is not None})
+    return replace(options, **given)
 
 
 def _grid(
@@ -233,9 +261,9 @@ def _grid(
     return grid
 
 
-def _report_unconnected(system: System, options: Options) -> None:
-    """Warn of unconnected inputs, or refuse them if the run is strict."""
-    inputs = system.unconnected_inputs()
+def _report_unconnected(system: System, options: Options, given: Collection[str]) -> None:
+    """Warn of inputs that are neither connected nor given otherwise, or refuse them if the run is strict."""
+    inputs = [name for name in system.unconnected_inputs() if name not in given]
     if not inputs:
         return
     msg = f"Unconnected inputs keep their start values: {', '.join(inputs)}."

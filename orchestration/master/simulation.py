@@ -39,12 +39,15 @@ from orchestration.master.capabilities import check_capabilities, check_crossing
 from orchestration.master.failure_text import failure_message
 from orchestration.master.flatten import Assembly, assemble
 from orchestration.master.initialization import initialize, opened, set_values
-from orchestration.master.kernel import fixed_step
+from orchestration.master.kernel import fixed_step, series
 from orchestration.master.kernel.codes import Failure
 from orchestration.master.kernel.step_program import operations_of_step
 from orchestration.master.memory import require_memory
 from orchestration.master.options import Options
+from orchestration.master.outside import Outside
+from orchestration.master.pacing import LATENESS
 from orchestration.master.recorder import Recorder, Sink, not_finite
+from orchestration.master.saving import Saving
 from orchestration.master.snapshot import Snapshot, identity
 from orchestration.master.step_arrays import Experiment, Layout, layout
 from orchestration.master.time_grid import Grid
@@ -55,6 +58,7 @@ if TYPE_CHECKING:
     from orchestration.results.parquet_file import ParquetSink
 
 _FIRST_CHUNK = 256  # steps; later chunks last about _CHUNK_SECONDS
+_LARGEST_CHUNK = 2**40  # steps
 _CHUNK_SECONDS = 0.1
 _CHUNK_VALUES = 2**17  # recorded in a chunk: they are checked while they are in the processor's cache
 
@@ -72,6 +76,8 @@ class Simulation:
         See `orchestration.simulate`.
     metadata
         Metadata of the result.
+    outside
+        Time series, changes and the clock.
 
     Raises
     ------
@@ -89,16 +95,18 @@ class Simulation:
         options: Options,
         *,
         metadata: Mapping[str, str] | None = None,
+        outside: Outside | None = None,
     ) -> None:
         check_crossings(system, options.crossings)
         check_capabilities(system, algorithm, options.crossings, options.ratios)
         self.system, self.grid, self.algorithm, self.options = system, grid, algorithm, options
+        self._outside = outside or Outside()
         self._metadata = dict(metadata or {})
         self._path: Path | None = None
         self._varies = algorithm.control is not None or bool(options.crossings.outputs)  # the number of rows
         self._plain = algorithm.plain and not options.crossings.outputs and not options.slow
-        self._kept: list[Snapshot] = []
         self._changes: list[list[float | str]] = []  # time, variable, value
+        self._changed_at = -1  # point at which scheduled changes were made last
         self._stream: ParquetSink | None = None
         self._stack = ExitStack()
         self._chunk = _FIRST_CHUNK
@@ -113,22 +121,33 @@ class Simulation:
         """Open and initialize the components; row 0 is recorded."""
         with ExitStack() as stack:
             self._instances: list[Instance] = stack.enter_context(opened(self.system))
-            fetched = self.options.crossings.outputs
-            self._assembly: Assembly = assemble(self.system, self._instances, self.options.record, fetched)
-            initialize(self.system, self._instances, self._assembly, float(self.grid.times[0]))
-            self._operations = operations_of_step(self._assembly.plan, sequential=self.algorithm.exchange == SEQUENTIAL)
+            fetched, driven = self.options.crossings.outputs, self._outside.inputs
+            self._assembly: Assembly = assemble(
+                self.system, self._instances, self.options.record, fetched, driven.names
+            )
+            self._series = driven.table(self._assembly.driven)
+            initialize(self.system, self._instances, self._assembly, float(self.grid.times[0]), self._series)
+            self._operations = operations_of_step(
+                self._assembly.plan,
+                sequential=self.algorithm.exchange == SEQUENTIAL,
+                series=None if self._series is None else (series.address(), self._series.ctypes.data),
+            )
             self._layout = self._lay_out()
             self._state = self._layout.coupling.state
             stack.callback(lambda: self._layout.free(self._instances))
-            stack.callback(self._free_snapshots)
+            paced = self._outside.pacer is not None
+            self._columns = (*self._assembly.columns, *((LATENESS,) if paced else ()))
+            self._units = {**self._assembly.units, **({LATENESS: "s"} if paced else {})}
             known = None if self._varies else self.grid.n // self.options.every + 1
             if known is not None and self._path is None:
-                require_memory(self.system.name, self.grid.n, known, len(self._assembly.columns))
-            self._recorder = Recorder(len(self._assembly.columns), known, self._sink(stack))
+                require_memory(self.system.name, self.grid.n, known, len(self._columns))
+            self._recorder = Recorder(len(self._columns), known, self._sink(stack))
+            self._saving = self._make_saving()
+            stack.callback(self._saving.free)
             times, rows = self._recorder.room()
-            times[0] = self.grid.times[0]
+            times[0], rows[0, len(self._assembly.columns) :] = self.grid.times[0], 0.0
             self._assembly.record(rows[0])
-            if fault := not_finite(self._assembly.columns, *self._recorder.filled(1), first=0):
+            if fault := not_finite(self._columns, *self._recorder.filled(1), first=0):
                 raise InitializationError(fault[1])
             self._stack = stack.pop_all()
         self._block.begin()
@@ -197,14 +216,20 @@ class Simulation:
         """
         self._block.require_open()
         last = self.grid.n if until is None else self.grid.ahead(until, self.time)
+        self._begin_pace()
         try:
             while self._state.interval < last:
+                self._apply_changes()
+                reach = self._outside.reach(self.grid, int(self._state.interval), last)
                 started = clock.perf_counter()
-                self._run_plain(last) if self._plain else self._run_general(last)
+                self._run_plain(reach) if self._plain else self._run_general(reach)
                 elapsed = clock.perf_counter() - started
-                self._chunk = max(1, int(self._chunk * min(4.0, _CHUNK_SECONDS / max(elapsed, 1e-6))))
+                chunk = int(self._chunk * min(4.0, _CHUNK_SECONDS / max(elapsed, 1e-6)))
+                self._chunk = min(max(1, chunk), _LARGEST_CHUNK)
                 if self.options.progress is not None:
                     self.options.progress(*self._progress())
+                if self._outside.pacer is not None:
+                    self._outside.pacer.wait(self.time)
         except KeyboardInterrupt as interrupt:
             raise RunInterrupted(self.result()) from interrupt
 
@@ -212,8 +237,8 @@ class Simulation:
         """Return the rows recorded so far; the arrays are views of the run's memory where that is possible."""
         self._block.require_begun()
         times, rows = self._recorder.rows()
-        columns, units, periods = self._assembly.columns, self._assembly.units, self.system.sample_times
-        return Result(times, columns, rows, units, self.steps_per_tick, self._described(), periods)
+        periods = self.system.sample_times
+        return Result(times, self._columns, rows, self._units, self.steps_per_tick, self._described(), periods)
 
     @property
     def steps_per_tick(self) -> dict[str, int]:
@@ -234,6 +259,10 @@ class Simulation:
             If the component refuses, for example because the parameter is fixed.
         """
         self._block.require_open()
+        for name in self._outside.inputs.names:
+            if name in values:
+                msg = f"{name} takes its value from a time series, which would overwrite the change."
+                raise SystemDescriptionError(msg)
         changed = System("_", self.system.components).set(values)
         for component, before, instance in zip(
             changed.components, self.system.components, self._instances, strict=True
@@ -251,19 +280,7 @@ class Simulation:
             If a component does not save states, or rows go to a file.
         """
         self._block.require_open()
-        if self._recorder.streams:
-            msg = f"System {self.system.name}: rows that go to a file cannot be taken back; keep them in memory."
-            raise SystemDescriptionError(msg)
-        states = tuple(instance.save() for instance in self._instances)
-        plan = self._assembly.plan
-        times, rows = self._recorder.rows()
-        arrays = self._layout.save()
-        arrays |= {"reals": plan.reals.copy(), "discretes": plan.discretes.copy()}
-        arrays |= {"times": times.copy(), "rows": rows.copy(), "changes": np.array(json.dumps(self._changes))}
-        snapshot = Snapshot(self.time, self._identity(), arrays, states)
-        if not all(isinstance(state, bytes) for state in states):
-            self._kept.append(snapshot)  # its states live in the FMUs, and are freed with them
-        return snapshot
+        return self._saving.save(self.time, self._changes)
 
     def restore(self, snapshot: Snapshot) -> None:
         """Restore a state that was saved, here or in another run of the same system.
@@ -274,27 +291,12 @@ class Simulation:
             If the snapshot is of another system, algorithm, grid or choice of columns.
         """
         self._block.require_open()
-        if snapshot.identity != self._identity():
-            msg = (
-                f"System {self.system.name}: the snapshot at t = {snapshot.time:.9g} s is of another run;"
-                " components, connections, algorithm, points and recorded outputs must be the same."
-            )
-            raise SystemDescriptionError(msg)
-        whole = all(isinstance(state, bytes) for state in snapshot.states)
-        if not whole and not any(snapshot is mine for mine in self._kept):
-            msg = "The snapshot has states that live in another run; their FMUs do not serialize states."
-            raise SystemDescriptionError(msg)
-        for instance, state in zip(self._instances, snapshot.states, strict=True):
-            instance.restore(state)
-        plan = self._assembly.plan
-        self._layout.restore(snapshot.arrays)
-        plan.reals[:], plan.discretes[:] = snapshot.arrays["reals"], snapshot.arrays["discretes"]
-        self._changes = json.loads(str(snapshot.arrays["changes"]))
-        self._recorder.reset(snapshot.arrays["times"], snapshot.arrays["rows"])
+        self._changes = self._saving.restore(snapshot)
+        self._changed_at = -1
 
     def _described(self) -> dict[str, str]:
         """Return the metadata, with values set during the run and the effort of the algorithm."""
-        described, state = dict(self._metadata), self._state
+        described, state = self._metadata | self._outside.described(), self._state
         if self._changes:
             described["changes"] = json.dumps(self._changes)
         if not self._plain:
@@ -308,16 +310,30 @@ class Simulation:
             return None
         from orchestration.results.parquet_file import ParquetSink
 
-        columns, units = self._assembly.columns, self._assembly.units
         ticks = {"steps_per_tick": self.steps_per_tick, "sample_times": self.system.sample_times}
-        self._stream = stack.enter_context(ParquetSink(self._path, columns, units, self._metadata, **ticks))
+        metadata = self._metadata | self._outside.inputs.described()
+        self._stream = stack.enter_context(ParquetSink(self._path, self._columns, self._units, metadata, **ticks))
         return self._stream
 
     def _lay_out(self) -> Layout:
         experiment = Experiment.of(self.grid, self.options)
-        found = layout(self.system, self._instances, self._assembly, self.algorithm, experiment)
+        found = layout(self.system, self._instances, self._assembly, self.algorithm, experiment, self._series)
         found.start(self._assembly.plan.reals, float(self.grid.times[0]))
         return found
+
+    def _begin_pace(self) -> None:
+        """Set the clock to zero, after the loop has been compiled by a call that makes no step."""
+        if self._outside.pacer is not None:
+            here = int(self._state.interval)
+            self._run_plain(here) if self._plain else self._run_general(here)
+            self._outside.pacer.begin(self.time)
+
+    def _apply_changes(self) -> None:
+        """Make the changes that are due at the present communication point, once."""
+        k = int(self._state.interval)
+        if k in self._outside.changes and k != self._changed_at and self.time == self.grid.times[k]:
+            self._changed_at = k
+            self.set(self._outside.changes[k])
 
     def _run_plain(self, last: int) -> None:
         """Run a part of the steps in the loop for fixed steps."""
@@ -342,11 +358,12 @@ class Simulation:
         """Run a part of the steps in the loop for all algorithms."""
         from orchestration.master.kernel import step_control
 
+        budget = 1 if self._outside.pacer is not None and self._varies else self._chunk
         count, failure = step_control.run(
             self._assembly.plan,
             self._layout.coupling,
             (self.grid.times, self.grid.lengths),
-            (last, self._chunk, self.options.every),
+            (last, budget, self.options.every),
             self._recorder.room(),
         )
         self._finish_rows(*self._recorder.filled(count))
@@ -355,8 +372,10 @@ class Simulation:
 
     def _finish_rows(self, times: np.ndarray, rows: np.ndarray) -> None:
         """Refuse rows with values that are not finite; rows before them stay."""
+        if self._outside.pacer is not None:
+            rows[:, -1] = self._outside.pacer.lateness(times)
         first = self._recorder.count - len(times)
-        if fault := not_finite(self._assembly.columns, times, rows, first=first):
+        if fault := not_finite(self._columns, times, rows, first=first):
             self._recorder.drop(len(times) - fault[0])
             self._recorder.flush()
             raise SimulationError(fault[1], self.result())
@@ -382,14 +401,11 @@ class Simulation:
         span = self.grid.times[-1] - self.grid.times[0]
         return int(1000 * (self.time - self.grid.times[0]) / span), 1000
 
-    def _identity(self) -> str:
-        """Return the values that a run must share with a snapshot that it restores."""
+    def _make_saving(self) -> Saving:
+        """Return what saves the run, with the values that it must share with a snapshot that it restores."""
         options = self.options
-        chosen = (repr(self.algorithm), options.every, sorted(options.ratios.items()), repr(options.crossings))
-        return identity(self.system, self._assembly.columns, self.grid.times, chosen)
-
-    def _free_snapshots(self) -> None:
-        for snapshot in self._kept:
-            for instance, state in zip(self._instances, snapshot.states, strict=True):
-                instance.free_state(state)
-        self._kept.clear()
+        chosen = [repr(self.algorithm), options.every, sorted(options.ratios.items()), repr(options.crossings)]
+        chosen += [self._outside.inputs.digest] if self._outside.inputs else []
+        name = identity(self.system, self._columns, self.grid.times, chosen)
+        run = (self._instances, self._assembly, self._layout, self._recorder)
+        return Saving(self.system.name, name, *run)

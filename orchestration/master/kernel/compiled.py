@@ -26,12 +26,12 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 
 _OPTIONS = {"nogil": True, "error_model": "numpy", "_nrt": False}
 _PART = {**_OPTIONS, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
-_FOLDER = code_folder([*Path(__file__).parent.glob("*.py"), Path(__file__), *SOURCES])
+FOLDER = code_folder([*Path(__file__).parent.glob("*.py"), Path(__file__), *SOURCES])
 
 
 def compiled(function: Function) -> Function:
     """Compile a function that Python calls; its machine code is kept."""
-    return keep_machine_code(njit(**_OPTIONS)(function), function, _FOLDER)
+    return keep_machine_code(njit(**_OPTIONS)(function), function, FOLDER)
 
 
 def compiled_for_callers(function: Function) -> Function:
