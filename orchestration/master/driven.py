@@ -17,8 +17,7 @@ from orchestration.fmi.unit_names import named_unit
 from orchestration.fmi.units import Linear, conversion
 from orchestration.master.kernel import series
 from orchestration.master.kernel.series import Column, Form
-from orchestration.master.series_sources import series_of
-from orchestration.master.time_series import ERROR, HELD, LINEAR, TimeSeries
+from orchestration.master.time_series import ERROR, HELD, LINEAR, TimeSeries, series_of
 from orchestration.system.system import Component, System
 
 STRAIGHT = 1e-12  # of the largest value by which a point may leave the line through its neighbours and be no bend

@@ -1,11 +1,11 @@
-"""Makes time series of what a user has: mappings, files, and tables of pandas, xarray and NumPy."""
+"""Takes times and values out of what a user has: mappings, files, and tables of pandas, xarray and NumPy."""
 
 import re
 import sys
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -13,7 +13,6 @@ from orchestration.errors import SystemDescriptionError
 from orchestration.fmi.unit_names import named_unit
 from orchestration.fmi.units import UnitDefinition, conversion
 from orchestration.master.series_files import read_table
-from orchestration.master.time_series import SUBJECT, TimeSeries
 from orchestration.results.columns import TIME, Columns
 
 _HEADER = re.compile(r"(?P<name>.*\S)\s+\[(?P<unit>[^\]]*)\]", re.DOTALL)
@@ -35,13 +34,23 @@ class Origin:
 _INPUTS = Origin("inputs")
 
 
-def series_of(source: Any) -> dict[str, TimeSeries]:
-    """Return time series by ``component.variable``; of an array they have a column for each element.
+class Given(NamedTuple):
+    """Times and values of a series as they were given, still unchecked, with the first words of messages about it."""
+
+    subject: str
+    time: Any
+    values: Any
+    unit: str = ""
+    origin: Origin = _INPUTS
+
+
+def series_in(source: Any) -> dict[str, Given | Any]:
+    """Return what a source has for each input, by name; values of a mapping that are no arrays are left as they are.
 
     Raises
     ------
     SystemDescriptionError
-        If the source, its time or a column cannot be a time series.
+        If the source or its time cannot be time series.
     """
     if source is None:
         return {}
@@ -56,25 +65,29 @@ def series_of(source: Any) -> dict[str, TimeSeries]:
     if _is_a("xarray", "Dataset", source):
         return {str(name): _of_data_array(f"inputs: {name}", source[name]) for name in source.data_vars}
     if isinstance(source, Mapping):
-        return {_text(name): _one(f"inputs: {name}", value) for name, value in source.items()}
+        return {_text(name): value for name, value in source.items()}
     if isinstance(source, np.ndarray) and source.dtype.names:
         return _of_columns([(name, source[name]) for name in source.dtype.names], _INPUTS, {})
     msg = f"inputs: {_shown(source)} is not {_KINDS}."
     raise SystemDescriptionError(msg)
 
 
-def _one(subject: str, value: Any) -> TimeSeries:
-    """A time series of the value that a mapping gives an input."""
-    if isinstance(value, TimeSeries):
-        return value
+def one_of(subject: str, value: Any) -> Given:
+    """Return the times and values of the value that a mapping has for an input.
+
+    Raises
+    ------
+    SystemDescriptionError
+        If the value does not have both.
+    """
     if _is_a("pandas", "Series", value) or _is_a("pandas", "DataFrame", value):
         units = value.attrs.get("units", value.attrs.get("unit", ""))
         unit = units.get(value.name, "") if isinstance(units, Mapping) and hasattr(value, "name") else units
-        return _made(subject, value.index.to_numpy(), value.to_numpy(), unit if isinstance(unit, str) else "")
+        return Given(subject, value.index.to_numpy(), value.to_numpy(), unit if isinstance(unit, str) else "")
     if _is_a("xarray", "DataArray", value):
         return _of_data_array(subject, value)
     if isinstance(value, tuple | list) and len(value) == 2 and all(np.ndim(part) > 0 for part in value):
-        return _made(subject, value[0], value[1])
+        return Given(subject, value[0], value[1])
     what = "give a constant as a start value, with system.set" if np.ndim(value) == 0 else "give its time, too"
     msg = f"{subject}: {_shown(value)} is not (time, values), a TimeSeries, or a column of pandas or xarray; {what}."
     raise SystemDescriptionError(msg)
@@ -82,7 +95,7 @@ def _one(subject: str, value: Any) -> TimeSeries:
 
 def _of_columns(
     columns: Iterable[tuple[str, np.ndarray]], origin: Origin, units: Mapping[str, str]
-) -> dict[str, TimeSeries]:
+) -> dict[str, Given]:
     """Series of columns; the time is the column called time, or else the first."""
     listed = [(*_header(header), values) for header, values in columns]
     if not listed:
@@ -98,11 +111,11 @@ def _of_columns(
         if name in found:
             msg = f"{origin.words}: the column {name} is there twice; give it once."
             raise SystemDescriptionError(msg)
-        found[name] = _made(f"{origin.words}: {name}", time, values, unit or units.get(name, ""), origin)
+        found[name] = Given(f"{origin.words}: {name}", time, values, unit or units.get(name, ""), origin)
     return found
 
 
-def _of_frame(frame: Any) -> dict[str, TimeSeries]:
+def _of_frame(frame: Any) -> dict[str, Given]:
     """Series of a DataFrame: the time is its column called time, its index, or else its first column."""
     import pandas as pd
 
@@ -116,7 +129,7 @@ def _of_frame(frame: Any) -> dict[str, TimeSeries]:
     return _of_columns(columns, _INPUTS, units if isinstance(units, Mapping) else {})
 
 
-def _of_data_array(subject: str, array: Any) -> TimeSeries:
+def _of_data_array(subject: str, array: Any) -> Given:
     """A series of a DataArray over the coordinate time, or else over its first dimension."""
     if not array.dims:
         msg = f"{subject}: it has no dimension; one over time is needed."
@@ -128,16 +141,7 @@ def _of_data_array(subject: str, array: Any) -> TimeSeries:
     origin = Origin(subject)
     time = _in_seconds(origin, array[over].to_numpy(), str(array[over].attrs.get("units", "")))
     unit = array.attrs.get("units", array.attrs.get("unit", ""))
-    return _made(subject, time, array.transpose(over, ...).to_numpy(), str(unit))
-
-
-def _made(subject: str, time: Any, values: Any, unit: str = "", origin: Origin = _INPUTS) -> TimeSeries:
-    """A time series; an error begins with the subject."""
-    try:
-        return TimeSeries(time, values, unit=unit, source=origin.file, sha256=origin.sha256)
-    except SystemDescriptionError as error:
-        msg = f"{subject}{str(error).removeprefix(SUBJECT)}"
-        raise SystemDescriptionError(msg) from error
+    return Given(subject, time, array.transpose(over, ...).to_numpy(), str(unit))
 
 
 def _in_seconds(origin: Origin, time: np.ndarray, unit: str) -> np.ndarray:

@@ -33,15 +33,14 @@ from orchestration.errors import (
 )
 from orchestration.fmi.codes import WORST_ACCEPTED
 from orchestration.fmi.instance import Instance
-from orchestration.master.algorithm import SEQUENTIAL, Algorithm
+from orchestration.master.algorithm import Algorithm
 from orchestration.master.block import Block
 from orchestration.master.capabilities import check_capabilities, check_crossings
 from orchestration.master.failure_text import failure_message
-from orchestration.master.flatten import Assembly, assemble
-from orchestration.master.initialization import initialize, opened, set_values
-from orchestration.master.kernel import fixed_step, series
+from orchestration.master.flat_run import flat_run
+from orchestration.master.initialization import opened, set_values
+from orchestration.master.kernel import fixed_step
 from orchestration.master.kernel.codes import Failure
-from orchestration.master.kernel.step_program import operations_of_step
 from orchestration.master.memory import require_memory
 from orchestration.master.options import Options
 from orchestration.master.outside import Outside
@@ -49,7 +48,6 @@ from orchestration.master.pacing import LATENESS
 from orchestration.master.recorder import Recorder, Sink, not_finite
 from orchestration.master.saving import Saving
 from orchestration.master.snapshot import Snapshot, identity
-from orchestration.master.step_arrays import Experiment, Layout, layout
 from orchestration.master.time_grid import Grid
 from orchestration.results.result import Result
 from orchestration.system.system import System
@@ -121,18 +119,12 @@ class Simulation:
         """Open and initialize the components; row 0 is recorded."""
         with ExitStack() as stack:
             self._instances: list[Instance] = stack.enter_context(opened(self.system))
-            fetched, driven = self.options.crossings.outputs, self._outside.inputs
-            self._assembly: Assembly = assemble(
-                self.system, self._instances, self.options.record, fetched, driven.names
+            self._flat = flat_run(
+                *(self.system, self._instances, self.algorithm, self.grid),
+                options=self.options,
+                outside=self._outside,
             )
-            self._series = driven.table(self._assembly.driven)
-            initialize(self.system, self._instances, self._assembly, float(self.grid.times[0]), self._series)
-            self._operations = operations_of_step(
-                self._assembly.plan,
-                sequential=self.algorithm.exchange == SEQUENTIAL,
-                series=None if self._series is None else (series.address(), self._series.ctypes.data),
-            )
-            self._layout = self._lay_out()
+            self._assembly, self._layout = self._flat.assembly, self._flat.layout
             self._state = self._layout.coupling.state
             stack.callback(lambda: self._layout.free(self._instances))
             paced = self._outside.pacer is not None
@@ -315,12 +307,6 @@ class Simulation:
         self._stream = stack.enter_context(ParquetSink(self._path, self._columns, self._units, metadata, **ticks))
         return self._stream
 
-    def _lay_out(self) -> Layout:
-        experiment = Experiment.of(self.grid, self.options)
-        found = layout(self.system, self._instances, self._assembly, self.algorithm, experiment, self._series)
-        found.start(self._assembly.plan.reals, float(self.grid.times[0]))
-        return found
-
     def _begin_pace(self) -> None:
         """Set the clock to zero, after the loop has been compiled by a call that makes no step."""
         if self._outside.pacer is not None:
@@ -343,7 +329,7 @@ class Simulation:
         most = max(1, _CHUNK_VALUES // max(1, room.shape[1])) * every
         end = min(last, done + min(self._chunk, most), (done // every + len(room)) * every + every - 1)
         grid = (self.grid.times, self.grid.lengths)
-        k, j, status = fixed_step.run(self._operations, self._assembly.plan, grid, (done, end), room, every)
+        k, j, status = fixed_step.run(self._flat.operations, self._assembly.plan, grid, (done, end), room, every)
         times, _ = self._recorder.room()
         n = k // every - done // every
         times[:n] = self.grid.times[(done // every + 1) * every : k + 1 : every]
@@ -351,7 +337,7 @@ class Simulation:
         state.interval = state.steps_made = k
         state.time = self.grid.times[k]
         if k < end:
-            failed = self._operations[int(j)]
+            failed = self._flat.operations[int(j)]
             self._fail((int(failed.subject), int(failed.call), status))
 
     def _run_general(self, last: int) -> None:

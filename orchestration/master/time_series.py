@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from orchestration.errors import SystemDescriptionError
+from orchestration.master.series_sources import Given, one_of, series_in
 
 HELD, LINEAR = "held", "linear"
 ERROR, HOLD = "error", "hold"
@@ -125,8 +126,6 @@ class TimeSeries:
         >>> TimeSeries.read(table, interpolation="held", units={"plant.u": "mm"})
         {'plant.u': <TimeSeries: 2 points, t = 0 to 0.1 s, held, in mm>}
         """
-        from orchestration.master.series_sources import series_of
-
         found = series_of(source)
         units = dict(units or {})
         for name in units:
@@ -136,6 +135,30 @@ class TimeSeries:
         given = {"interpolation": interpolation, "outside": outside}
         changes = {name: value for name, value in given.items() if value is not None}
         return {name: replace(one, unit=units.get(name, one.unit), **changes) for name, one in found.items()}
+
+
+def series_of(source: Any) -> dict[str, TimeSeries]:
+    """Return time series by ``component.variable`` of whatever `simulate` takes as ``inputs``.
+
+    Raises
+    ------
+    SystemDescriptionError
+        If the source, its time or a column cannot be a time series.
+    """
+    return {name: _made(f"inputs: {name}", given) for name, given in series_in(source).items()}
+
+
+def _made(subject: str, value: Any) -> TimeSeries:
+    """A time series; an error begins with the subject."""
+    if isinstance(value, TimeSeries):
+        return value
+    given = value if isinstance(value, Given) else one_of(subject, value)
+    origin = given.origin
+    try:
+        return TimeSeries(given.time, given.values, unit=given.unit, source=origin.file, sha256=origin.sha256)
+    except SystemDescriptionError as error:
+        msg = f"{given.subject}{str(error).removeprefix(SUBJECT)}"
+        raise SystemDescriptionError(msg) from error
 
 
 def _numbers(what: str, given: Any) -> np.ndarray:
