@@ -11,6 +11,7 @@ import typer
 from typer.core import TyperGroup
 
 from orchestration.cli.codes import INTERRUPTED
+from orchestration.cli.outside import RunCommand
 
 
 class Interruptible(TyperGroup):
@@ -91,7 +92,7 @@ def paper(
     reproduce_paper(out, image, fresh=fresh)
 
 
-@app.command()
+@app.command(cls=RunCommand)
 def run(
     system: Annotated[
         str, typer.Argument(help="A scenario (fig2, ..., fig7, ideal, spong-ortega), an .ssp file or one .fmu file.")
@@ -145,9 +146,28 @@ def run(
     out: Annotated[Path | None, typer.Option("--out", "-o", help="File for the result, .csv or .parquet.")] = None,
     record: Annotated[
         list[str] | None,
-        typer.Option(metavar="COMP.VAR,...", help="Outputs, arrays or patterns to record; may be repeated."),
+        typer.Option(metavar="COMP.VAR,...", help="Variables, arrays, patterns of outputs; may be repeated."),
     ] = None,
     every: Annotated[int, typer.Option(help="Record every n-th step.")] = 1,
+    input_: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--input",
+            metavar="FILE[:held|:linear]",
+            help="Time series for inputs, .csv or .parquet with columns COMP.VAR; may be repeated.",
+        ),
+    ] = None,
+    at: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--at",
+            metavar="T COMP.VAR=VALUE",
+            help="Set a tunable parameter or a free input at T s; may be repeated.",
+        ),
+    ] = None,
+    pace: Annotated[
+        float | None, typer.Option(help="Simulated seconds per second: 1 keeps step with the clock.")
+    ] = None,
     verdict: Annotated[
         bool, typer.Option("--verdict/--no-verdict", help="Warn before the run if the algorithm is unstable.")
     ] = True,
@@ -161,6 +181,7 @@ def run(
     ] = False,
 ) -> None:
     """Run a system and print what it did."""
+    from orchestration.cli.outside import OutsideRequest
     from orchestration.cli.run import AlgorithmRequest, RunRequest, recorded, run_system
 
     run_system(
@@ -183,6 +204,7 @@ def run(
             strict=strict,
             assumptions=assumptions,
             allow_stale_inputs=allow_stale_inputs,
+            outside=OutsideRequest(tuple(input_ or ()), tuple(at or ()), pace),
         )
     )
 

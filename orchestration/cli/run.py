@@ -16,6 +16,7 @@ from rich.table import Column, Table
 from orchestration.cli.assumptions import print_assumptions
 from orchestration.cli.codes import INTERRUPTED
 from orchestration.cli.commands import console, errors, require_folder, setting_of
+from orchestration.cli.outside import OutsideRequest
 from orchestration.errors import (
     OrchestrationError,
     RecordedRows,
@@ -95,6 +96,7 @@ class RunRequest:
     strict: bool
     assumptions: bool
     allow_stale_inputs: bool
+    outside: OutsideRequest
 
 
 def run_system(request: RunRequest) -> None:
@@ -118,7 +120,7 @@ def run_system(request: RunRequest) -> None:
         warnings.simplefilter("always")
         simulation = prepare(system, request.stop, step, algorithm, options=_options(request, report))
         if request.verdict:
-            _warn(system, step, algorithm)
+            _warn(system.set(simulation.first_inputs), step, algorithm)
         streamed = request.out if request.out is not None and request.out.suffix == ".parquet" else None
         if streamed is not None:
             simulation.stream_to(streamed)
@@ -156,6 +158,7 @@ def _options(request: RunRequest, report: Report) -> Options:
         ratios=ratios,
         crossings=Crossings(request.crossings),
         progress=report,
+        **request.outside.options(_setting),
     )
 
 

@@ -73,9 +73,12 @@ def _point(grid: Grid, time: float) -> int:
     slack = RATIO_TOLERANCE * max(1.0, abs(time))
     k = int(np.searchsorted(grid.times, time - slack))
     if time < grid.times[0] - slack or k >= grid.n:
-        span = f"{grid.times[0]:.9g} s to {grid.times[-1]:.9g} s"
-        last = f"; the last step begins at {grid.times[-2]:.9g} s" if time <= grid.times[-1] else ""
-        msg = f"changes: t = {time:.9g} s is not a time in the run from {span} that a step follows{last}."
+        msg = f"changes: t = {time:.9g} s lies outside of the run from {grid.times[0]:.9g} s to {grid.times[-1]:.9g} s."
+        if grid.times[0] <= time <= grid.times[-1]:
+            msg = (
+                f"changes: a change at t = {time:.9g} s would do nothing; the last step begins at"
+                f" {grid.times[-2]:.9g} s."
+            )
         raise SystemDescriptionError(msg)
     return k
 

@@ -15,7 +15,6 @@ second at a time, so that interrupts are noticed and progress is shown.
 """
 
 import json
-import time as clock
 from collections.abc import Mapping
 from contextlib import ExitStack
 from pathlib import Path
@@ -36,6 +35,7 @@ from orchestration.fmi.instance import Instance
 from orchestration.master.algorithm import Algorithm
 from orchestration.master.block import Block
 from orchestration.master.capabilities import check_capabilities, check_crossings
+from orchestration.master.chunks import Chunks
 from orchestration.master.failure_text import failure_message
 from orchestration.master.flat_run import flat_run
 from orchestration.master.initialization import opened, set_values
@@ -55,9 +55,6 @@ from orchestration.system.system import System
 if TYPE_CHECKING:
     from orchestration.results.parquet_file import ParquetSink
 
-_FIRST_CHUNK = 256  # steps; later chunks last about _CHUNK_SECONDS
-_LARGEST_CHUNK = 2**40  # steps
-_CHUNK_SECONDS = 0.1
 _CHUNK_VALUES = 2**17  # recorded in a chunk: they are checked while they are in the processor's cache
 
 
@@ -107,7 +104,7 @@ class Simulation:
         self._changed_at = -1  # point at which scheduled changes were made last
         self._stream: ParquetSink | None = None
         self._stack = ExitStack()
-        self._chunk = _FIRST_CHUNK
+        self._chunks = Chunks()
         self._block = Block(system.name)
 
     def __repr__(self) -> str:
@@ -171,6 +168,11 @@ class Simulation:
         self._path = path
 
     @property
+    def first_inputs(self) -> dict[str, float]:
+        """Values that time series give to inputs at the start time, by ``component.variable``."""
+        return self._outside.inputs.first_values(float(self.grid.times[0]))
+
+    @property
     def count(self) -> int:
         """Number of rows recorded."""
         self._block.require_begun()
@@ -213,11 +215,9 @@ class Simulation:
             while self._state.interval < last:
                 self._apply_changes()
                 reach = self._outside.reach(self.grid, int(self._state.interval), last)
-                started = clock.perf_counter()
+                self._chunks.begin()
                 self._run_plain(reach) if self._plain else self._run_general(reach)
-                elapsed = clock.perf_counter() - started
-                chunk = int(self._chunk * min(4.0, _CHUNK_SECONDS / max(elapsed, 1e-6)))
-                self._chunk = min(max(1, chunk), _LARGEST_CHUNK)
+                self._chunks.end()
                 if self.options.progress is not None:
                     self.options.progress(*self._progress())
                 if self._outside.pacer is not None:
@@ -327,7 +327,7 @@ class Simulation:
         done = int(state.interval)
         room = self._recorder.room()[1]
         most = max(1, _CHUNK_VALUES // max(1, room.shape[1])) * every
-        end = min(last, done + min(self._chunk, most), (done // every + len(room)) * every + every - 1)
+        end = min(last, done + min(self._chunks.steps, most), (done // every + len(room)) * every + every - 1)
         grid = (self.grid.times, self.grid.lengths)
         k, j, status = fixed_step.run(self._flat.operations, self._assembly.plan, grid, (done, end), room, every)
         times, _ = self._recorder.room()
@@ -344,7 +344,7 @@ class Simulation:
         """Run a part of the steps in the loop for all algorithms."""
         from orchestration.master.kernel import step_control
 
-        budget = 1 if self._outside.pacer is not None and self._varies else self._chunk
+        budget = 1 if self._outside.pacer is not None and self._varies else self._chunks.steps
         count, failure = step_control.run(
             self._assembly.plan,
             self._layout.coupling,
