@@ -40,6 +40,7 @@ _PREFIXES = {
     **{"n": 1e-9, "u": 1e-6, "µ": 1e-6, "m": 1e-3, "c": 1e-2, "d": 1e-1},
     **{"h": 1e2, "k": 1e3, "M": 1e6, "G": 1e9},
 }
+_WHOLE = ("1", "kg")  # take no prefix
 _FACTOR = re.compile(r"(?P<symbol>[A-Za-zµ°%]+|1)\^?(?P<power>-?\d+)?")
 
 
@@ -71,7 +72,7 @@ def _meaning(name: str) -> Unit | None:
     exponents: dict[str, int] = dict.fromkeys(BASE_UNITS, 0)
     scale = 1.0
     for place, product in enumerate(name.split("/")):
-        for text in re.split(r"[.*\s]+", product.strip()):
+        for text in re.split(r"\s*[.*]\s*|\s+", product.strip()):
             match = _FACTOR.fullmatch(text)
             found = match and _symbol(match["symbol"])
             if not (match and found):
@@ -89,7 +90,7 @@ def _symbol(text: str) -> tuple[dict[str, int], float] | None:
     if text in known:
         return known[text]
     prefix, symbol = text[:1], text[1:]
-    if prefix in _PREFIXES and symbol in _SYMBOLS and symbol != "1":
+    if prefix in _PREFIXES and symbol in _SYMBOLS and symbol not in _WHOLE:
         exponents, factor = _SYMBOLS[symbol]
         return exponents, _PREFIXES[prefix] * factor
     return None

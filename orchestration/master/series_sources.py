@@ -86,9 +86,9 @@ def one_of(subject: str, value: Any) -> Given:
         return Given(subject, value.index.to_numpy(), value.to_numpy(), unit if isinstance(unit, str) else "")
     if _is_a("xarray", "DataArray", value):
         return _of_data_array(subject, value)
-    if isinstance(value, tuple | list) and len(value) == 2 and all(np.ndim(part) > 0 for part in value):
+    if isinstance(value, tuple | list) and len(value) == 2 and all(map(_is_long, value)):
         return Given(subject, value[0], value[1])
-    what = "give a constant as a start value, with system.set" if np.ndim(value) == 0 else "give its time, too"
+    what = "give a constant as a start value, with system.set" if not _is_long(value) else "give its time, too"
     msg = f"{subject}: {_shown(value)} is not (time, values), a TimeSeries, or a column of pandas or xarray; {what}."
     raise SystemDescriptionError(msg)
 
@@ -172,6 +172,11 @@ def _is_a(package: str, kind: str, value: Any) -> bool:
     """Whether a value is of a class of a package, which is not imported for the question."""
     module = sys.modules.get(package)
     return module is not None and isinstance(value, getattr(module, kind))
+
+
+def _is_long(value: Any) -> bool:
+    """Whether a value has elements."""
+    return hasattr(value, "__len__") and not isinstance(value, str)
 
 
 def _shown(value: Any) -> str:
