@@ -10,7 +10,6 @@ from orchestration.master.algorithm import SEQUENTIAL, Algorithm
 from orchestration.master.flatten import Assembly, assemble
 from orchestration.master.initialization import initialize
 from orchestration.master.kernel import series
-from orchestration.master.kernel.records import Operation, Records
 from orchestration.master.kernel.step_program import operations_of_step
 from orchestration.master.options import Options
 from orchestration.master.outside import Outside
@@ -32,7 +31,7 @@ class FlatRun:
     """
 
     assembly: Assembly
-    operations: Records[Operation]
+    operations: np.recarray
     layout: Layout
     series: np.ndarray | None = field(repr=False)
 

@@ -20,6 +20,9 @@ from orchestration.master.kernel.flat_system import Plan
 # against 0.5 ns, and a call for the rest is needed in any case).
 COPIES_PER_CALL = 5
 
+NOBODY = -1
+"""The subject of an operation that calls no component."""
+
 _SETS = (Column.SET_REAL, Column.SET_INTEGER, Column.SET_BOOLEAN)
 _GETS = (Column.GET_REAL, Column.GET_INTEGER, Column.GET_BOOLEAN)
 _SIZES = {Column.SET_REAL: 8, Column.SET_INTEGER: 4, Column.SET_BOOLEAN: 4}  # bytes of a value
@@ -49,7 +52,7 @@ def operations_of_step(plan: Plan, *, sequential: bool, series: tuple[int, int] 
     n = plan.table.shape[0]
     phases = [[_set(plan, i), _step(plan, i), _get(plan, i)] for i in range(n)]
     ordered = phases if sequential else [list(phase) for phase in zip(*phases, strict=True)]
-    first = [] if series is None else [(Kind.STEP, *series, 0, 0, 0, 0, Column.DO_STEP)]
+    first = [] if series is None else [(Kind.STEP, *series, 0, 0, 0, NOBODY, Column.DO_STEP)]
     operations = first + [operation for phase in itertools.chain.from_iterable(ordered) for operation in phase]
     return np.array(operations, OPERATION).view(np.recarray)
 

@@ -43,7 +43,7 @@ def plant(small: dict[str, Path]) -> System:
     return system(small, {"plant": "Integrator"}, steps=STEPS)
 
 
-def roof(t: np.ndarray) -> np.ndarray:
+def roof(t: np.ndarray | float) -> np.ndarray:
     """Rise by 2 per second to the kink, then fall by 4 per second."""
     return np.where(t <= KINK, 2 * t, 2 * KINK - 4 * (t - KINK))
 

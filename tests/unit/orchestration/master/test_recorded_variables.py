@@ -63,6 +63,14 @@ def test_in_a_controlled_run_an_input_shows_what_the_second_half_was_given(small
     assert result["relay.u"][1] == 1.0 + 3.0 * H / 2
 
 
+@pytest.mark.parametrize("order", [0, 1])
+def test_an_input_that_moves_shows_its_value_at_the_start_of_the_step(small: dict[str, Path], order: int) -> None:
+    made = system(small, {"plant": "Integrator"})
+    given = {"plant.u": (np.array([0.0, 2.0]), np.array([1.0, 5.0]))}
+    result = simulate(made, algorithm=Algorithm("either", order=order), inputs=given, record="plant.u")
+    np.testing.assert_array_equal(result["plant.u"], [1.0, *(1.0 + 2.0 * result.time[:-1])])
+
+
 def test_an_input_is_in_its_own_unit_where_a_connection_scales(small: dict[str, Path]) -> None:
     made = mixed(small)
     scaled = [replace(c, factor=-0.5, offset=0.25) if c.target == "plant" else c for c in made.connections]
