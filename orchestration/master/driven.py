@@ -46,11 +46,11 @@ class DrivenInput:
     form: Form
     given: TimeSeries
 
-    def first_value(self, start: float) -> float:
-        """The value at a start time, s."""
+    def first_value(self, start: float, step: float) -> float:
+        """The value for a first step from a start time, s, of a length, s."""
         if self.form == Form.LINEAR:
             return float(np.interp(start, self.time, self.values))
-        reached = np.searchsorted(self.time, start + SAME_TIME * max(1.0, abs(start)), side="right")
+        reached = np.searchsorted(self.time, series.reached(start, step), side="right")
         return float(self.values[max(0, int(reached) - 1)])
 
     def corners(self) -> np.ndarray:
@@ -81,9 +81,9 @@ class DrivenInputs:
         """The inputs as ``component.variable``."""
         return tuple(one.name for one in self.inputs)
 
-    def first_values(self, start: float) -> dict[str, float]:
-        """The values at a start time, s, by name."""
-        return {one.name: one.first_value(start) for one in self.inputs}
+    def first_values(self, start: float, step: float) -> dict[str, float]:
+        """The values for a first step from a start time, s, of a length, s, by name."""
+        return {one.name: one.first_value(start, step) for one in self.inputs}
 
     def corners(self) -> np.ndarray:
         """Times, s, at which some input jumps or bends, in any order."""

@@ -57,7 +57,7 @@ def flat_run(
     start = float(grid.times[0])
     assembly = assemble(system, instances, options.record, options.crossings.outputs, outside.inputs.names)
     table = outside.inputs.table(assembly.driven)
-    initialize(system, instances, assembly, start, table)
+    initialize(system, instances, assembly, start, None if table is None else (table, float(grid.lengths[0])))
     addresses = None if table is None else (series.address(), table.ctypes.data)
     operations = operations_of_step(assembly.plan, sequential=algorithm.exchange == SEQUENTIAL, series=addresses)
     arrays = layout(system, instances, assembly, algorithm, Experiment.of(grid, options), table)

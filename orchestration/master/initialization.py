@@ -56,7 +56,11 @@ def opened(system: System) -> Iterator[list[Instance]]:
 
 
 def initialize(
-    system: System, instances: Sequence[Instance], assembly: Assembly, t0: float, series: np.ndarray | None = None
+    system: System,
+    instances: Sequence[Instance],
+    assembly: Assembly,
+    t0: float,
+    series: tuple[np.ndarray, float] | None = None,
 ) -> None:
     """Set start values, propagate outputs to inputs in initialization mode, and leave this mode.
 
@@ -75,7 +79,8 @@ def initialize(
     t0
         Start time, s.
     series
-        Table of time series, whose inputs get their values at the start time; None without series.
+        Table of time series, whose inputs get their values for the first step, and the length of this step, s. None
+        without series.
 
     Raises
     ------
@@ -87,7 +92,7 @@ def initialize(
         instance.set_up(t0)
         instance.call("fmi2EnterInitializationMode")
     if series is not None:
-        give(series, t0, 0.0)
+        give(series[0], t0, series[1])
     _propagate(system, instances, assembly)
     for instance in instances:
         instance.call("fmi2ExitInitializationMode")

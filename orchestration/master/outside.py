@@ -3,6 +3,8 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+import numpy as np
+
 from orchestration.master.changes import scheduled, times_of
 from orchestration.master.driven import DrivenInputs, driven_inputs, require_cover
 from orchestration.master.options import Options
@@ -53,7 +55,7 @@ def outside(system: System, options: Options, grid: Grid, *, controlled: bool) -
     require_cover(inputs, float(grid.times[0]), float(grid.times[-1]))
     changes = options.changes or {}
     if controlled:
-        grid = with_points(grid, [*inputs.corners(), *times_of(changes)])
+        grid = with_points(grid, np.concatenate([inputs.corners(), times_of(changes)]))
     pace = Pace.of(options.pace)
     found = Outside(inputs, scheduled(system, changes, grid, inputs.names), Pacer(pace) if pace else None)
     return found, grid

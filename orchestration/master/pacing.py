@@ -14,9 +14,6 @@ import numpy as np
 
 from orchestration.errors import SystemDescriptionError
 
-LATENESS = "lateness"
-"""Name of the column of a paced run that says how late each row is, in s."""
-
 
 @dataclass(frozen=True)
 class Pace:

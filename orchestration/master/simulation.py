@@ -44,11 +44,11 @@ from orchestration.master.kernel.codes import Failure
 from orchestration.master.memory import require_memory
 from orchestration.master.options import Options
 from orchestration.master.outside import Outside
-from orchestration.master.pacing import LATENESS
 from orchestration.master.recorder import Recorder, Sink, not_finite
 from orchestration.master.saving import Saving
 from orchestration.master.snapshot import Snapshot, identity
 from orchestration.master.time_grid import Grid
+from orchestration.results.columns import LATENESS
 from orchestration.results.result import Result
 from orchestration.system.system import System
 
@@ -170,7 +170,7 @@ class Simulation:
     @property
     def first_inputs(self) -> dict[str, float]:
         """Values that time series give to inputs at the start time, by ``component.variable``."""
-        return self._outside.inputs.first_values(float(self.grid.times[0]))
+        return self._outside.inputs.first_values(float(self.grid.times[0]), float(self.grid.lengths[0]))
 
     @property
     def count(self) -> int:
@@ -210,8 +210,8 @@ class Simulation:
         """
         self._block.require_open()
         last = self.grid.n if until is None else self.grid.ahead(until, self.time)
-        self._begin_pace()
         try:
+            self._begin_pace()
             while self._state.interval < last:
                 self._apply_changes()
                 reach = self._outside.reach(self.grid, int(self._state.interval), last)

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from orchestration import Result, System, simulate
+from orchestration import Algorithm, Result, System, simulate
 from orchestration.cli.outside import joined
 from tests.faults.cli import Command
 
@@ -43,6 +43,20 @@ def test_a_file_drives_inputs(adaptimp: Command, plant: Path, suffix: str) -> No
     if suffix == "parquet":
         entries = json.loads(Result.read(plant / "x.parquet").metadata["inputs"])
         assert [(e["input"], e["file"]) for e in entries] == [(f"Plant.tau[{i}]", "tau.csv") for i in (1, 2)]
+
+
+@pytest.mark.usefixtures("plant")
+def test_the_verdict_is_about_the_inputs_at_the_start(adaptimp: Command, monkeypatch: pytest.MonkeyPatch) -> None:
+    judged: list[System] = []
+
+    def stable(system: System, step: float, algorithm: Algorithm) -> bool:
+        judged.append(system)
+        return step > 0 and bool(algorithm.name)
+
+    monkeypatch.setattr("orchestration.analysis.stability.verdict.is_stable", stable)
+    outcome = adaptimp(*RUN[:-1], "--input", "tau.csv")
+    assert (outcome.code, outcome.err) == (0, "")
+    assert [judged[0]["Plant"].start[f"tau[{i}]"] for i in (1, 2)] == [0.0, 1.0]
 
 
 def test_several_files_give_different_inputs(adaptimp: Command, plant: Path) -> None:

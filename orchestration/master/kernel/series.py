@@ -57,7 +57,9 @@ class Form(IntEnum):
 N_COLUMNS = len(Column)
 REACHED = 1e-9  # of a step by which a point may lie ahead and count as reached, because k h and the data are rounded
 
-_WORD, _ROUNDING = 8, 4 * float(np.finfo(float).eps)
+ROUNDING = 4 * float(np.finfo(float).eps)
+
+_WORD = 8
 _LINEAR, _HELD_DISCRETE = int(Form.LINEAR), int(Form.HELD_DISCRETE)
 _TIMES, _LAST, _VALUES, _STRIDE, _CURSOR, _FORM, _PLACE, _RATE = (_WORD * int(column) for column in Column)
 _ROW = _WORD * N_COLUMNS
@@ -79,6 +81,11 @@ def address() -> int:
     return cast("int", made.address)
 
 
+def reached(t: float, h: float) -> float:
+    """Return the time, s, up to which points count as reached in a step from t, s, of length h, s."""
+    return t + REACHED * h + ROUNDING * abs(t)
+
+
 def give(table: np.ndarray, t: float, h: float) -> None:
     """Give all inputs of a table their values for a step from t, s, of length h, s."""
     call_do_step(address(), table.ctypes.data, t, h)
@@ -89,15 +96,15 @@ _compiled: list[Any] = []  # keeps the code that the address points to
 
 
 def _give(table, t, h, final):  # noqa: ARG001 - the signature of fmi2DoStep
-    reached = t + REACHED * h + _ROUNDING * abs(t)
+    until = t + REACHED * h + ROUNDING * abs(t)
     for k in range(load_integer(table)):
         row = table + (k + 1) * _ROW
         times, last = load_integer(row + _TIMES), load_integer(row + _LAST)
         values, stride = load_integer(row + _VALUES), load_integer(row + _STRIDE)
         i = load_integer(row + _CURSOR)
-        while i < last and load_real(times + 8 * (i + 1)) <= reached:
+        while i < last and load_real(times + 8 * (i + 1)) <= until:
             i += 1
-        while i > 0 and load_real(times + 8 * i) > reached:
+        while i > 0 and load_real(times + 8 * i) > until:
             i -= 1
         store_integer(row + _CURSOR, i)
         value, form, place = load_real(values + stride * i), load_integer(row + _FORM), load_integer(row + _PLACE)
@@ -120,7 +127,7 @@ def _give(table, t, h, final):  # noqa: ARG001 - the signature of fmi2DoStep
                 if part == 0:
                     value = end
             if rate != 0:
-                whole = j == i and load_real(times + 8 * i) <= reached
+                whole = j == i and load_real(times + 8 * i) <= until
                 store_real(rate, slope if whole else (end - value) / h)
         store_real(place, value)
     return types.int32(0)

@@ -57,6 +57,8 @@ def test_a_run_that_costs_nothing_waits_for_every_row(plant: System, algorithm: 
     assert clock.now == pytest.approx(1000.0 + STEPS * H / rate)
     np.testing.assert_array_equal(result["lateness"], 0.0)
     assert result.unit("lateness") == "s"
+    assert result.lateness is not None
+    assert result.lateness.tobytes() == result["lateness"].tobytes()
     assert (result.metadata["pace"], result.metadata["late_rows"]) == (repr(rate), "0")
 
 
@@ -64,6 +66,7 @@ def test_a_run_that_costs_nothing_waits_for_every_row(plant: System, algorithm: 
 def test_the_clock_changes_no_number(plant: System, algorithm: Algorithm) -> None:
     free = simulate(plant, algorithm=algorithm, changes=RISING)
     paced = simulate(plant, algorithm=algorithm, changes=RISING, pace=Clock().pace())
+    assert free.lateness is None
     assert paced.names == (*free.names, "lateness")
     assert paced.time.tobytes() == free.time.tobytes()
     assert all(paced[name].tobytes() == free[name].tobytes() for name in free)

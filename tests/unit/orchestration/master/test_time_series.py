@@ -10,7 +10,7 @@ import pandas as pd
 import pytest
 import xarray as xr
 
-from orchestration import Result, SystemDescriptionError, TimeSeries, prepare, simulate
+from orchestration import Result, System, SystemDescriptionError, TimeSeries, prepare, simulate
 from orchestration.master.driven import driven_inputs
 from orchestration.master.kernel import series
 from orchestration.master.time_series import series_of
@@ -82,6 +82,24 @@ def test_every_file_gives_the_same_series(tmp_path: Path, name: str) -> None:
             np.testing.assert_allclose(found[column].time, T, rtol=1e-15)
             np.testing.assert_array_equal(found[column].values, values)
             assert found[column].source == path.name
+
+
+def test_what_a_result_gives_can_be_given_back(fig2: System, tmp_path: Path) -> None:
+    """As a result, a file, a DataFrame or a Dataset, with units, and arrays as elements or as a whole."""
+    result = simulate(fig2, 1e-3, record=["plant.tau", "controller.x_v"])
+    result.write(tmp_path / "x.parquet")
+    units = {"plant.tau[1]": "N.m", "plant.tau[2]": "N.m", "controller.x_v[1]": "m", "controller.x_v[2]": "m"}
+    for source in (result, tmp_path / "x.parquet", result.to_pandas()):
+        found = series_of(source)
+        assert {name: one.unit for name, one in found.items()} == units
+        assert all(one.values.tobytes() == result[name].tobytes() for name, one in found.items())
+    whole = series_of(result.to_xarray())
+    assert {name: (one.unit, one.values.shape) for name, one in whole.items()} == {
+        "plant.tau": ("N.m", (11, 2)),
+        "controller.x_v": ("m", (11, 2)),
+    }
+    columns = series_of({"plant.tau[1]": result.to_pandas()["plant.tau[1]"]})
+    assert columns["plant.tau[1]"].unit == "N.m"
 
 
 def test_arrays_are_not_copied() -> None:
