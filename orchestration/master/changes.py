@@ -59,8 +59,9 @@ def scheduled(
         k = _point(grid, time)
         for path, value in changes[time].items():
             elements = system.elements(path)
+            require_free(elements, driven)
             for element in elements:
-                _require_changeable(system, element, driven)
+                _require_changeable(system, element)
             changed = plain.set({path: value})
             for element in elements:
                 component, variable = changed.resolve(element)
@@ -83,20 +84,35 @@ def _point(grid: Grid, time: float) -> int:
     return k
 
 
-def _require_changeable(system: System, path: str, driven: Collection[str]) -> None:
+def _require_changeable(system: System, path: str) -> None:
     """Refuse a variable whose value cannot change during a run, or would be overwritten at once."""
     component, variable = system.resolve(path)
     tunable = variable.causality == "parameter" and variable.variability == "tunable"
     if not tunable and variable.causality != "input":
-        kind = f"a {variable.variability} parameter" if variable.causality == "parameter" else f"a {variable.causality}"
+        kind = (
+            f"a {variable.variability} parameter"
+            if variable.causality == "parameter"
+            else f"of causality {variable.causality}"
+        )
         msg = f"changes: {path} is {kind}; only tunable parameters and inputs without a source can change in a run."
         raise SystemDescriptionError(msg)
     if source := _source(system, component, variable.name):
         msg = f"changes: {path} takes its value from {source}, which would overwrite the change."
         raise SystemDescriptionError(msg)
-    if path in driven:
-        msg = f"changes: {path} takes its value from a time series, which would overwrite the change."
-        raise SystemDescriptionError(msg)
+
+
+def require_free(values: Collection[str], driven: Collection[str]) -> None:
+    """Refuse to change inputs that take their values from time series.
+
+    Raises
+    ------
+    SystemDescriptionError
+        Naming the first of them.
+    """
+    for path in driven:
+        if path in values:
+            msg = f"{path} takes its value from a time series, which would overwrite the change."
+            raise SystemDescriptionError(msg)
 
 
 def _source(system: System, component: Component, name: str) -> str | None:

@@ -10,6 +10,7 @@ from orchestration.master.driven import DrivenInputs, driven_inputs, require_cov
 from orchestration.master.options import Options
 from orchestration.master.pacing import Pace, Pacer
 from orchestration.master.time_grid import Grid, with_points
+from orchestration.results.columns import LATENESS
 from orchestration.system.system import System
 
 
@@ -35,6 +36,11 @@ class Outside:
         """Return the point up to which to step now from a point: not beyond a change, nor ahead of the clock."""
         last = min([last, *(k for k in self.changes if k > interval)])
         return last if self.pacer is None else self.pacer.reach(grid.times, interval, last)
+
+    @property
+    def units(self) -> dict[str, str]:
+        """Columns that a run has beside the recorded variables, with their units."""
+        return {LATENESS: "s"} if self.pacer else {}
 
     def described(self) -> dict[str, str]:
         """Metadata of a result."""

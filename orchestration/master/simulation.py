@@ -28,13 +28,13 @@ from orchestration.errors import (
     OrchestrationError,
     RunInterrupted,
     SimulationError,
-    SystemDescriptionError,
 )
 from orchestration.fmi.codes import WORST_ACCEPTED
 from orchestration.fmi.instance import Instance
 from orchestration.master.algorithm import Algorithm
 from orchestration.master.block import Block
 from orchestration.master.capabilities import check_capabilities, check_crossings
+from orchestration.master.changes import require_free
 from orchestration.master.chunks import Chunks
 from orchestration.master.failure_text import failure_message
 from orchestration.master.flat_run import flat_run
@@ -48,7 +48,6 @@ from orchestration.master.recorder import Recorder, Sink, not_finite
 from orchestration.master.saving import Saving
 from orchestration.master.snapshot import Snapshot, identity
 from orchestration.master.time_grid import Grid
-from orchestration.results.columns import LATENESS
 from orchestration.results.result import Result
 from orchestration.system.system import System
 
@@ -116,17 +115,13 @@ class Simulation:
         """Open and initialize the components; row 0 is recorded."""
         with ExitStack() as stack:
             self._instances: list[Instance] = stack.enter_context(opened(self.system))
-            self._flat = flat_run(
-                *(self.system, self._instances, self.algorithm, self.grid),
-                options=self.options,
-                outside=self._outside,
-            )
+            run = (self.system, self._instances, self.algorithm, self.grid)
+            self._flat = flat_run(*run, options=self.options, outside=self._outside)
             self._assembly, self._layout = self._flat.assembly, self._flat.layout
             self._state = self._layout.coupling.state
             stack.callback(lambda: self._layout.free(self._instances))
-            paced = self._outside.pacer is not None
-            self._columns = (*self._assembly.columns, *((LATENESS,) if paced else ()))
-            self._units = {**self._assembly.units, **({LATENESS: "s"} if paced else {})}
+            self._columns = (*self._assembly.columns, *self._outside.units)
+            self._units = self._assembly.units | self._outside.units
             known = None if self._varies else self.grid.n // self.options.every + 1
             if known is not None and self._path is None:
                 require_memory(self.system.name, self.grid.n, known, len(self._columns))
@@ -251,10 +246,7 @@ class Simulation:
             If the component refuses, for example because the parameter is fixed.
         """
         self._block.require_open()
-        for name in self._outside.inputs.names:
-            if name in values:
-                msg = f"{name} takes its value from a time series, which would overwrite the change."
-                raise SystemDescriptionError(msg)
+        require_free(values, self._outside.inputs.names)
         changed = System("_", self.system.components).set(values)
         for component, before, instance in zip(
             changed.components, self.system.components, self._instances, strict=True
@@ -319,7 +311,11 @@ class Simulation:
         k = int(self._state.interval)
         if k in self._outside.changes and k != self._changed_at and self.time == self.grid.times[k]:
             self._changed_at = k
-            self.set(self._outside.changes[k])
+            try:
+                self.set(self._outside.changes[k])
+            except InitializationError as refused:
+                msg = f"The change at t = {self.time:.9g} s (step {self.steps_made}) is refused: {refused}"
+                raise SimulationError(msg, self.result()) from refused
 
     def _run_plain(self, last: int) -> None:
         """Run a part of the steps in the loop for fixed steps."""
