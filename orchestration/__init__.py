@@ -33,9 +33,11 @@ if TYPE_CHECKING:
     from orchestration.master.algorithm import Algorithm, Correction, StepControl, Tolerance
     from orchestration.master.form import FormalityWarning
     from orchestration.master.options import Crossings, Options
+    from orchestration.master.pacing import Pace
     from orchestration.master.simulate import UnconnectedInputWarning, prepare, simulate, stream
     from orchestration.master.simulation import Simulation
     from orchestration.master.snapshot import Snapshot
+    from orchestration.master.time_series import TimeSeries
     from orchestration.paper.ready import scenario
     from orchestration.results.comparison import ColumnDifference, Comparison, compare
     from orchestration.results.result import Result
@@ -56,6 +58,7 @@ _HOME = {
     "Ledger": "analysis.energy",
     "Options": "master.options",
     "OrchestrationError": "errors",
+    "Pace": "master.pacing",
     "PowerBond": "analysis.energy",
     "Result": "results.result",
     "RunInterrupted": "errors",
@@ -66,6 +69,7 @@ _HOME = {
     "StepControl": "master.algorithm",
     "System": "system.system",
     "SystemDescriptionError": "errors",
+    "TimeSeries": "master.time_series",
     "Tolerance": "master.algorithm",
     "UnconnectedInputWarning": "master.simulate",
     "Verdict": "analysis.stability.verdict",
@@ -93,6 +97,7 @@ __all__ = [
     "Ledger",
     "Options",
     "OrchestrationError",
+    "Pace",
     "PowerBond",
     "Result",
     "RunInterrupted",
@@ -103,6 +108,7 @@ __all__ = [
     "StepControl",
     "System",
     "SystemDescriptionError",
+    "TimeSeries",
     "Tolerance",
     "UnconnectedInputWarning",
     "UnknownNameError",

@@ -15,6 +15,7 @@ from orchestration.cli.codes import ExitCode, exit_code_of
 from orchestration.cli.options import (
     ALGORITHM,
     CARE,
+    OUTSIDE,
     ROWS,
     TIME,
     Controller,
@@ -25,6 +26,7 @@ from orchestration.cli.options import (
     SystemName,
 )
 from orchestration.cli.output import never_fail_on_characters, output
+from orchestration.cli.outside import RunCommand
 from orchestration.cli.program import (
     MESSAGES,
     SETTINGS,
@@ -99,7 +101,7 @@ def info(
 
 
 @app.command(
-    cls=Command,
+    cls=RunCommand,
     epilog=closing(
         "adaptimp run fig4 --set plant.mu=0.2 -o fig4.csv",
         "adaptimp run fig2 --algorithm adaptive --tolerance 1e-6 \\\n    --record plant.x -o x.parquet",
@@ -187,12 +189,38 @@ def run(
         list[str] | None,
         typer.Option(
             metavar="COMP.VAR,...",
-            help="Outputs, arrays or patterns to record; repeatable.",
+            help="Variables, arrays, patterns of outputs; repeatable.",
             rich_help_panel=ROWS,
             autocompletion=completion.recordable,
         ),
     ] = None,
     every: Annotated[int, typer.Option(metavar="N", help="Record every n-th step.", rich_help_panel=ROWS)] = 1,
+    input_: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--input",
+            metavar="FILE[:held|:linear]",
+            help="Time series for inputs, .csv or .parquet with columns COMP.VAR; repeatable.",
+            rich_help_panel=OUTSIDE,
+        ),
+    ] = None,
+    at: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--at",
+            metavar="T COMP.VAR=VALUE",
+            help="Set a tunable parameter or a free input at T s; repeatable.",
+            rich_help_panel=OUTSIDE,
+        ),
+    ] = None,
+    pace: Annotated[
+        float | None,
+        typer.Option(
+            metavar="RATE",
+            help="Simulated seconds per second: 1 keeps step with the clock.",
+            rich_help_panel=OUTSIDE,
+        ),
+    ] = None,
     verdict: Annotated[
         bool,
         typer.Option(
@@ -222,6 +250,7 @@ def run(
 ) -> None:
     """Run a system, and print or write what it did."""
     from orchestration.cli.algorithms import AlgorithmRequest
+    from orchestration.cli.outside import OutsideRequest
     from orchestration.cli.run import RunRequest, run_system
     from orchestration.cli.settings import listed
     from orchestration.cli.systems import SystemRequest
@@ -244,6 +273,7 @@ def run(
             assumptions=assumptions,
             allow_stale_inputs=allow_stale_inputs,
             json=json,
+            outside=OutsideRequest(tuple(input_ or ()), tuple(at or ()), pace),
         )
     )
 

@@ -8,6 +8,7 @@ from orchestration.cli import completion
 from orchestration.cli.program import MESSAGES
 
 SYSTEM, TIME, ALGORITHM, ROWS, CARE = "System", "Time", "Algorithm", "Rows", "Care"
+OUTSIDE = "From outside"
 """Sections of the help of ``adaptimp run``."""
 
 SystemName = Annotated[

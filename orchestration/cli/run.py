@@ -10,9 +10,10 @@ from pathlib import Path
 from orchestration.cli.algorithms import AlgorithmRequest
 from orchestration.cli.assumptions import print_assumptions
 from orchestration.cli.output import output, watched, width
+from orchestration.cli.outside import OutsideRequest
 from orchestration.cli.report import RunReport
 from orchestration.cli.rows import Destination
-from orchestration.cli.settings import numbers
+from orchestration.cli.settings import numbers, start_value
 from orchestration.cli.signals import signal_record, signal_table
 from orchestration.cli.systems import SystemRequest
 from orchestration.errors import (
@@ -51,6 +52,7 @@ class RunRequest:
     assumptions: bool = False
     allow_stale_inputs: bool = False
     json: bool = False
+    outside: OutsideRequest = field(default_factory=OutsideRequest)
 
 
 def run_system(request: RunRequest) -> None:
@@ -111,6 +113,7 @@ def _options(request: RunRequest, line: ProgressLine) -> Options:
         ratios=numbers("--ratio", request.ratios, int),
         crossings=Crossings(request.crossings),
         progress=line.steps,
+        **request.outside.options(start_value),
     )
 
 
@@ -154,7 +157,7 @@ def _judge(simulation: Simulation, report: RunReport) -> None:
     """Warn if the algorithm is unstable at the start; a system that cannot be judged is run anyway."""
     from orchestration.analysis.stability.verdict import is_stable, stability
 
-    judged = simulation.system, report.step, simulation.algorithm
+    judged = simulation.system.set(simulation.first_inputs), report.step, simulation.algorithm
     try:
         if not is_stable(*judged):
             report.warnings.append(str(stability(*judged)))

@@ -17,7 +17,6 @@ from pathlib import Path
 from typing import Any, cast
 
 import numpy as np
-from llvmlite import ir
 from numba import types
 from numba.core.ccallback import CFunc
 
@@ -30,8 +29,11 @@ from orchestration.fmi.native_calls import (
     emit_rates,
     emit_state,
     emit_transfer,
-    emitted,
     keep_machine_code,
+    load_integer,
+    load_real,
+    load_reference,
+    store_real,
 )
 from orchestration.fmi.units import Linear
 
@@ -119,82 +121,55 @@ _compiled: dict[str, Any] = {}  # keeps the code that addresses point to
 
 
 def _do_step(unit, t, h, final):  # noqa: ARG001 - emit_do_step says that no step is undone
-    return emit_do_step(_integer(unit + 8 * _DO_STEP), _integer(unit), t, h)
+    return emit_do_step(load_integer(unit + 8 * _DO_STEP), load_integer(unit), t, h)
 
 
 def _set_real(unit, references, n, values):
-    buffer = _integer(unit + 8 * _BUFFER)
-    if n > _integer(unit + 8 * _CAPACITY):
+    buffer = load_integer(unit + 8 * _BUFFER)
+    if n > load_integer(unit + 8 * _CAPACITY):
         return types.int32(_ERROR)
     for i in range(n):
-        value = _real(values + 8 * i)
-        for j in range(_integer(unit + 8 * _N)):
-            if _reference(_integer(unit + 8 * _REFERENCES) + 4 * j) == _reference(references + 4 * i):
-                factor = _real(_integer(unit + 8 * _FACTORS) + 8 * j)
-                value = factor * value + _real(_integer(unit + 8 * _OFFSETS) + 8 * j)
-        _put(buffer + 8 * i, value)
-    return emit_transfer(_integer(unit + 8 * _SET_REAL), _integer(unit), references, n, buffer)
+        value = load_real(values + 8 * i)
+        for j in range(load_integer(unit + 8 * _N)):
+            if load_reference(load_integer(unit + 8 * _REFERENCES) + 4 * j) == load_reference(references + 4 * i):
+                factor = load_real(load_integer(unit + 8 * _FACTORS) + 8 * j)
+                value = factor * value + load_real(load_integer(unit + 8 * _OFFSETS) + 8 * j)
+        store_real(buffer + 8 * i, value)
+    return emit_transfer(load_integer(unit + 8 * _SET_REAL), load_integer(unit), references, n, buffer)
 
 
 def _set_rates(unit, references, n, orders, values):
-    buffer = _integer(unit + 8 * _BUFFER)
-    if n > _integer(unit + 8 * _CAPACITY):
+    buffer = load_integer(unit + 8 * _BUFFER)
+    if n > load_integer(unit + 8 * _CAPACITY):
         return types.int32(_ERROR)
     for i in range(n):
-        value = _real(values + 8 * i)
-        for j in range(_integer(unit + 8 * _N)):
-            if _reference(_integer(unit + 8 * _REFERENCES) + 4 * j) == _reference(references + 4 * i):
-                value *= _real(_integer(unit + 8 * _FACTORS) + 8 * j)
-        _put(buffer + 8 * i, value)
-    return emit_rates(_integer(unit + 8 * _SET_RATES), _integer(unit), references, n, orders, buffer)
+        value = load_real(values + 8 * i)
+        for j in range(load_integer(unit + 8 * _N)):
+            if load_reference(load_integer(unit + 8 * _REFERENCES) + 4 * j) == load_reference(references + 4 * i):
+                value *= load_real(load_integer(unit + 8 * _FACTORS) + 8 * j)
+        store_real(buffer + 8 * i, value)
+    return emit_rates(load_integer(unit + 8 * _SET_RATES), load_integer(unit), references, n, orders, buffer)
 
 
 def _direction(unit, unknowns, n, known, one, seed, values):  # noqa: ARG001 - there is one known variable
-    buffer = _integer(unit + 8 * _BUFFER)
-    value = _real(seed)
-    for j in range(_integer(unit + 8 * _N)):
-        if _reference(_integer(unit + 8 * _REFERENCES) + 4 * j) == _reference(known):
-            value *= _real(_integer(unit + 8 * _FACTORS) + 8 * j)
-    _put(buffer, value)
-    return emit_direction(_integer(unit + 8 * _DIRECTION), _integer(unit), unknowns, n, known, buffer, values)
+    buffer = load_integer(unit + 8 * _BUFFER)
+    value = load_real(seed)
+    for j in range(load_integer(unit + 8 * _N)):
+        if load_reference(load_integer(unit + 8 * _REFERENCES) + 4 * j) == load_reference(known):
+            value *= load_real(load_integer(unit + 8 * _FACTORS) + 8 * j)
+    store_real(buffer, value)
+    return emit_direction(load_integer(unit + 8 * _DIRECTION), load_integer(unit), unknowns, n, known, buffer, values)
 
 
 def _forward_transfer(slot: int) -> Callable:
     def forward(unit, references, n, values):
-        return emit_transfer(_integer(unit + 8 * slot), _integer(unit), references, n, values)
+        return emit_transfer(load_integer(unit + 8 * slot), load_integer(unit), references, n, values)
 
     return forward
 
 
 def _forward_state(slot: int) -> Callable:
     def forward(unit, state):
-        return emit_state(_integer(unit + 8 * slot), _integer(unit), state)
+        return emit_state(load_integer(unit + 8 * slot), load_integer(unit), state)
 
     return forward
-
-
-def _load(kind: Any, pointed: Any) -> Callable:
-    """An intrinsic that reads the value at an address."""
-
-    @emitted
-    def load(typing: Any, address: Any) -> Any:  # noqa: ARG001 - numba gives both
-        def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:  # noqa: ARG001
-            return builder.load(builder.inttoptr(arguments[0], pointed.as_pointer()))
-
-        return kind(types.int64), generate
-
-    return load
-
-
-_integer = _load(types.int64, ir.IntType(64))
-_reference = _load(types.uint32, ir.IntType(32))
-_real = _load(types.float64, ir.DoubleType())
-
-
-@emitted
-def _put(typing: Any, address: Any, value: Any) -> Any:  # noqa: ARG001 - numba gives all
-    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:  # noqa: ARG001
-        builder.store(arguments[1], builder.inttoptr(arguments[0], ir.DoubleType().as_pointer()))
-        return context.get_dummy_value()
-
-    return types.void(types.int64, types.float64), generate

@@ -253,6 +253,39 @@ def emit_direction(
     return signature, generate
 
 
+def _load(kind: Any, pointed: Any) -> Callable[[int], Any]:
+    """An intrinsic that reads the value at an address."""
+
+    @emitted
+    def load(typing: Any, address: Any) -> Any:
+        def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+            return builder.load(builder.inttoptr(arguments[0], pointed.as_pointer()))
+
+        return kind(types.int64), generate
+
+    return load
+
+
+def _store(kind: Any, pointed: Any) -> Callable[[int, Any], None]:
+    """An intrinsic that writes a value to an address."""
+
+    @emitted
+    def store(typing: Any, address: Any, value: Any) -> Any:
+        def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+            builder.store(arguments[1], builder.inttoptr(arguments[0], pointed.as_pointer()))
+            return context.get_dummy_value()
+
+        return types.void(types.int64, kind), generate
+
+    return store
+
+
+# Of functions that a loop calls by address, which get addresses instead of arrays; compiled only.
+load_integer, store_integer = _load(types.int64, _I64), _store(types.int64, _I64)
+load_real, store_real = _load(types.float64, _F64), _store(types.float64, _F64)
+load_reference, store_discrete = _load(types.uint32, _I32), _store(types.int32, _I32)
+
+
 @emitted
 def _copy_run(typing: Any, source: Any, first: Any, rows: Any, row: Any, column: Any, n: Any) -> Any:
     signature = types.void(source, first, rows, row, column, n)

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from orchestration.errors import SystemDescriptionError
-from orchestration.fmi.codes import BOOLEAN, INTEGER, REAL
+from orchestration.fmi.codes import BOOLEAN, INTEGER, REAL, STRING
 from orchestration.fmi.instance import Instance
 from orchestration.fmi.names import chosen, suggestion
 from orchestration.master.kernel import flat_system
@@ -36,6 +36,8 @@ class Assembly:
         Recorded variables as ``component.variable``.
     real_outputs
         Index of each fetched Real output in the plan's buffer of reals, by ``component.variable``.
+    driven
+        Address of the place of each input that is driven from outside, by ``component.variable``.
     real_connections, discrete_connections
         Connection of each Real link, and of each discrete link.
     alive
@@ -46,6 +48,7 @@ class Assembly:
     columns: tuple[str, ...]
     units: dict[str, str]
     real_outputs: dict[str, int]
+    driven: dict[str, int]
     real_connections: tuple[Connection, ...]
     discrete_connections: tuple[Connection, ...]
     alive: tuple[np.ndarray, ...]
@@ -87,22 +90,25 @@ def assemble(
     instances: Sequence[Instance],
     record: Collection[str] | None,
     fetched: Collection[str] = (),
+    driven: Collection[str] = (),
 ) -> Assembly:
     """Flatten a system for a run, with its instances in the order of the components.
 
-    Outputs in `fetched` are fetched even if they are neither recorded nor connected.
+    Outputs in `fetched` are fetched even if they are neither recorded nor connected. Inputs in `driven` have places
+    although they have no connection.
 
     Raises
     ------
     SystemDescriptionError
-        If a variable to record is unknown or not an output.
+        If a variable to record is unknown or a String.
     """
-    recorded = _recorded_paths(system, record)
+    recorded = recorded_paths(system, record)
     sources = {(c.target, c.input): c for c in system.connections}
     buffers = _Buffers()
     shown = {(c.source, c.output) for c in system.connections}
     wanted = {*recorded, *shown, *(_path(system, name) for name in fetched)}
-    calls = _calls(system, {"output": wanted, "input": set(sources)}, buffers)
+    driven_paths = {_path(system, name): name for name in driven}
+    calls = _calls(system, {"output": wanted, "input": {*sources, *driven_paths}}, buffers)
     reals, discretes = np.zeros(len(buffers.reals)), np.zeros(len(buffers.discretes), np.int32)
     table, references = _table(instances, calls, reals, discretes)
     columns = {path: column for column, path in enumerate(recorded)}
@@ -121,11 +127,23 @@ def assemble(
         plan,
         columns=tuple(f"{c}.{v}" for c, v in recorded),
         units={f"{c}.{v}": system.component(c).variable(v).unit for c, v in recorded},
-        real_outputs={f"{c}.{v}": i for (kind, c, v), i in buffers.reals.items() if kind == "output"},
+        real_outputs={
+            f"{c}.{v}": i
+            for (kind, c, v), i in buffers.reals.items()
+            if kind == "output" and system.component(c).variable(v).causality == "output"
+        },
+        driven={name: _address(path, buffers, reals, discretes) for path, name in driven_paths.items()},
         real_connections=real_connections,
         discrete_connections=discrete_connections,
         alive=tuple(references),
     )
+
+
+def _address(path: Path, buffers: _Buffers, reals: np.ndarray, discretes: np.ndarray) -> int:
+    """Return the address of an input's place in its buffer."""
+    key = ("input", *path)
+    buffer, places = (reals, buffers.reals) if key in buffers.reals else (discretes, buffers.discretes)
+    return buffer.ctypes.data + places[key] * buffer.itemsize
 
 
 def _calls(system: System, wanted: dict[str, set[Path]], buffers: _Buffers) -> list[_Call]:
@@ -160,12 +178,23 @@ def _table(
         group[Group.REFERENCES] = references.ctypes.data
         group[Group.COUNT] = len(call.names)
         group[Group.VALUES] = buffer.ctypes.data + call.first * buffer.itemsize
+        if column == Column.GET_REAL:
+            variables = [call.component.variable(name) for name in call.names]
+            table[call.row, Column.REAL_OUTPUTS] = sum(v.causality == "output" for v in variables)
         kept.append(references)
     return table, kept
 
 
-def _recorded_paths(system: System, record: Collection[str] | None) -> list[Path]:
-    """Return the recorded variables: all outputs if `record` is None, else what its names and patterns choose."""
+def recorded_paths(system: System, record: Collection[str] | None) -> list[Path]:
+    """Return the recorded variables: all outputs if `record` is None, else what its names and patterns choose.
+
+    A pattern chooses outputs only. A name, or the name of an array, chooses a variable of any causality.
+
+    Raises
+    ------
+    SystemDescriptionError
+        If a pattern chooses nothing, or a variable is unknown or a String.
+    """
     outputs = {
         f"{component.name}.{variable.name}": (component.name, variable.name)
         for component in system.components
@@ -173,16 +202,26 @@ def _recorded_paths(system: System, record: Collection[str] | None) -> list[Path
     }
     if record is None:
         return list(outputs.values())
-    names, others = chosen(record, outputs)
-    for pattern in others:
-        if "*" in pattern or "?" in pattern:
-            msg = f"record: no output fits {pattern!r}; {suggestion(pattern.strip('*?'), outputs)}"
-            raise SystemDescriptionError(msg)
-        variable = system.resolve(pattern)[1]
-        is_ = f"a {variable.type} of causality {variable.causality}"
-        msg = f"{pattern} is {is_}; only outputs that are Real, Integer or Boolean can be recorded."
+    found: dict[Path, None] = {}
+    for pattern in record:
+        names, others = chosen([pattern], outputs)
+        found |= dict.fromkeys(outputs[name] for name in names)
+        if others:
+            found |= dict.fromkeys(_of_any_causality(system, pattern, outputs))
+    return list(found)
+
+
+def _of_any_causality(system: System, name: str, outputs: Collection[str]) -> list[Path]:
+    """Return the variable, or the elements of the array, that a name which is not an output's chooses."""
+    if "*" in name or "?" in name:
+        msg = f"record: no output fits {name!r}; {suggestion(name.strip('*?'), outputs)}"
         raise SystemDescriptionError(msg)
-    return [outputs[name] for name in names]
+    found = [system.resolve(path) for path in system.elements(name)]
+    for component, variable in found:
+        if variable.type == STRING:
+            msg = f"record: {component.name}.{variable.name} is a String; only numbers and Booleans can be recorded."
+            raise SystemDescriptionError(msg)
+    return [(component.name, variable.name) for component, variable in found]
 
 
 def _path(system: System, name: str) -> Path:
@@ -191,12 +230,10 @@ def _path(system: System, name: str) -> Path:
 
 
 def _names(component: Component, causality: str, kind: str, wanted: Collection[Path]) -> list[str]:
-    """Return the variables of a component that a single call sets or gets."""
-    return [
-        variable.name
-        for variable in component.description.of_causality(causality)
-        if variable.type == kind and (component.name, variable.name) in wanted
-    ]
+    """Return the variables of a component that a single call sets or gets; a get call has the outputs first."""
+    first = component.description.of_causality(causality)
+    others = [v for v in component.description.variables.values() if causality == "output" != v.causality]
+    return [v.name for v in (*first, *others) if v.type == kind and (component.name, v.name) in wanted]
 
 
 def _links(
@@ -215,7 +252,7 @@ def _links(
     for i, component in enumerate(system.components):
         table[i, column] = len(links)
         for (causality, name, variable), place in places.items():
-            if causality == "input" and name == component.name:
+            if causality == "input" and name == component.name and (name, variable) in sources:
                 connection = sources[name, variable]
                 links.append((places["output", connection.source, connection.output], place))
                 connections.append(connection)

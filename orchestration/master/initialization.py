@@ -14,6 +14,7 @@ from orchestration.master.algebraic_loops import solve_loops
 from orchestration.master.flatten import Assembly
 from orchestration.master.kernel.codes import CALL_NAMES, Column
 from orchestration.master.kernel.flat_system import copy_links, get_outputs, set_inputs
+from orchestration.master.kernel.series import give
 from orchestration.sandbox.archive import unpacked
 from orchestration.stages import stage
 from orchestration.system.system import Component, System
@@ -58,7 +59,13 @@ def opened(system: System) -> Iterator[list[Instance]]:
         yield instances
 
 
-def initialize(system: System, instances: Sequence[Instance], assembly: Assembly, t0: float) -> None:
+def initialize(
+    system: System,
+    instances: Sequence[Instance],
+    assembly: Assembly,
+    t0: float,
+    series: tuple[np.ndarray, float] | None = None,
+) -> None:
     """Set start values, propagate outputs to inputs in initialization mode, and leave this mode.
 
     Inputs get their start values in initialization mode, all other variables before it (FMI 2.0.4, section 4.2.4).
@@ -76,6 +83,9 @@ def initialize(system: System, instances: Sequence[Instance], assembly: Assembly
         Buffers and links of the system as flat arrays.
     t0
         Start time, s.
+    series
+        Table of time series, whose inputs get their values for the first step, and the length of this step, s. None
+        without series.
 
     Raises
     ------
@@ -86,6 +96,8 @@ def initialize(system: System, instances: Sequence[Instance], assembly: Assembly
     with stage(f"initializing {counted}", f"initialized {counted}"):
         for component, instance in zip(system.components, instances, strict=True):
             _start(component, instance, t0)
+        if series is not None:
+            give(series[0], t0, series[1])
         _propagate(system, instances, assembly)
         for instance in instances:
             instance.call("fmi2ExitInitializationMode")
@@ -132,8 +144,9 @@ def _propagate(system: System, instances: Sequence[Instance], assembly: Assembly
     """Transfer outputs to inputs until nothing changes, or solve the algebraic loops that remain."""
     plan = assembly.plan
     _get_all(instances, assembly)
-    # A chain passes through each connection at most once; anything longer is an algebraic loop.
-    for _ in range(len(system.connections) + 1):
+    # A chain passes through each connection at most once, after what drives it from outside; anything longer is an
+    # algebraic loop.
+    for _ in range(len(system.connections) + 1 + bool(assembly.driven)):
         before = plan.reals.copy(), plan.discretes.copy()
         for i, instance in enumerate(instances):
             _transfer(assembly, i)

@@ -2,9 +2,12 @@
 
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 from orchestration.errors import SystemDescriptionError
 from orchestration.fmi.given import a_number, positive, require_names, require_type, shown
+from orchestration.master.changes import Changes, times_of
+from orchestration.master.pacing import Pace
 
 Progress = Callable[[int, int], None]
 
@@ -39,8 +42,8 @@ class Options:
     Attributes
     ----------
     record
-        Outputs to record: names ``component.variable``, names of arrays, or patterns with ``*`` and ``?``.
-        Default: all outputs.
+        Variables to record: names ``component.variable`` or names of arrays, of any causality, or patterns with ``*``
+        and ``?``, which choose outputs. Default: all outputs.
     every
         Every n-th step is recorded. Row 0 is always recorded.
     start_time
@@ -58,11 +61,17 @@ class Options:
         Outputs whose change of sign ends a step. The step after a crossing extrapolates nothing.
     progress
         Function that is called now and then with two numbers: the steps made, and all steps of the run.
+    inputs
+        Time series for inputs without a connection, see `orchestration.simulate`.
+    changes
+        Values that change during the run, by time, see `orchestration.simulate`.
+    pace
+        Simulated seconds per second of the clock, or a `Pace`. Default: as fast as possible.
 
     Raises
     ------
     SystemDescriptionError
-        If `every` or a ratio is not a positive integer.
+        If `every` or a ratio is not a positive integer, or the pace is not a positive number.
     """
 
     record: str | Collection[str] | None = None
@@ -73,6 +82,9 @@ class Options:
     ratios: Mapping[str, int] = field(default_factory=dict)
     crossings: Crossings = field(default_factory=Crossings)
     progress: Progress | None = None
+    inputs: Any = None
+    changes: Changes | None = None
+    pace: float | Pace | None = None
 
     def __post_init__(self) -> None:
         """Refuse numbers that are not positive integers."""
@@ -84,6 +96,9 @@ class Options:
         if not _counts(self.every):
             msg = f"every = {self.every!r}: every n-th step is recorded, where n is an integer of at least 1."
             raise SystemDescriptionError(msg)
+        object.__setattr__(self, "pace", Pace.of(self.pace))
+        if self.changes is not None:
+            times_of(self.changes)
         for name, ratio in self.ratios.items():
             if not _counts(ratio):
                 msg = f"{name}: the ratio {ratio!r} of its step to the communication step is not a positive integer."

@@ -14,20 +14,25 @@ After initialization, the master calls fmi2DoStep between a set of inputs and th
 as FMI 2.0 demands.
 """
 
+import itertools
 import warnings
-from collections.abc import Sequence
+from collections.abc import Collection, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import replace
 from os import PathLike
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from orchestration.errors import SystemDescriptionError
 from orchestration.fmi.given import a_path, require_type, shown
 from orchestration.master.algorithm import ALGORITHMS, Algorithm, find_algorithm
+from orchestration.master.changes import Changes
 from orchestration.master.form import report_descriptions
 from orchestration.master.options import Options, Progress
+from orchestration.master.outside import outside
+from orchestration.master.pacing import Pace
 from orchestration.master.progress import progress_bar
 from orchestration.master.provenance import provenance
 from orchestration.master.simulation import Simulation
@@ -51,6 +56,9 @@ def simulate(
     record: str | Sequence[str] | None = None,
     order: Sequence[str] | None = None,
     times: np.ndarray | None = None,
+    inputs: Any = None,
+    changes: Changes | None = None,
+    pace: float | Pace | None = None,
     progress: bool | Progress = False,
     options: Options | None = None,
 ) -> Result:
@@ -68,12 +76,24 @@ def simulate(
     algorithm
         Name of one of `ALGORITHMS`, or an `Algorithm`.
     record
-        Outputs to record: names ``component.variable``, names of arrays, or patterns with ``*`` and ``?``.
-        Default: all outputs.
+        Variables to record: names ``component.variable`` or names of arrays, of any causality, or patterns with ``*``
+        and ``?``, which choose outputs. Default: all outputs.
     order
         Component names in the order of stepping. Default: the order of the system.
     times
         Communication points, s, shape (n + 1,), increasing, instead of `stop_time` and `step`.
+    inputs
+        Time series for inputs without a connection. A mapping from ``component.variable``, a scalar or an array, to
+        ``(time, values)``, a `TimeSeries`, or a column of pandas or xarray. Or a whole table whose columns have such
+        names: the path of a CSV or Parquet file, a DataFrame, a Dataset, a structured array, a `Result`. Its time, in
+        s, is the column ``time``, the index, or the first column; a header ``plant.F [kN]`` names a unit. A series
+        must cover the run.
+    changes
+        Values that change during the run: by time, s, values by ``component.variable``, of tunable parameters and of
+        inputs without a source. They are set at the first communication point at or after the time.
+    pace
+        Simulated seconds per second: 1.0 keeps step with the clock, 2.0 goes twice as fast; or a `Pace`. The result
+        then has a column ``lateness``. Default: as fast as possible.
     progress
         True for a bar on standard error, or a function that is called with the steps made and the steps in all.
     options
@@ -101,8 +121,8 @@ def simulate(
         raise SystemDescriptionError(msg)
     with ExitStack() as stack:
         show = stack.enter_context(progress_bar()) if progress is True else progress or None
-        chosen = _chosen(options, record, show)
-        run = prepare(system, stop_time, step, algorithm, order=order, times=times, options=chosen)
+        given = {"record": record, "progress": show, "inputs": inputs, "changes": changes, "pace": pace}
+        run = prepare(system, stop_time, step, algorithm, order=order, times=times, options=_chosen(options, given))
         simulation = stack.enter_context(run)
         simulation.run()
         return simulation.result()
@@ -117,6 +137,9 @@ def stream(
     *,
     record: str | Sequence[str] | None = None,
     order: Sequence[str] | None = None,
+    inputs: Any = None,
+    changes: Changes | None = None,
+    pace: float | Pace | None = None,
     options: Options | None = None,
 ) -> int:
     """Run a system and write its rows to a Parquet file during the run, so that memory stays bounded.
@@ -127,7 +150,7 @@ def stream(
     ----------
     path
         Parquet file to write.
-    system, stop_time, step, algorithm, record, order, options
+    system, stop_time, step, algorithm, record, order, inputs, changes, pace, options
         As for `simulate`.
 
     Returns
@@ -143,7 +166,8 @@ def stream(
         If the user interrupts the run.
     """
     file = a_path("The file for the rows", path)
-    run = prepare(_system(system), stop_time, step, algorithm, order=order, options=_chosen(options, record, None))
+    given = {"record": record, "inputs": inputs, "changes": changes, "pace": pace}
+    run = prepare(_system(system), stop_time, step, algorithm, order=order, options=_chosen(options, given))
     run.stream_to(file)
     with run:
         run.run()
@@ -158,13 +182,16 @@ def prepare(
     *,
     order: Sequence[str] | None = None,
     times: np.ndarray | None = None,
+    inputs: Any = None,
+    changes: Changes | None = None,
+    pace: float | Pace | None = None,
     options: Options | None = None,
 ) -> Simulation:
     """Prepare a run that can be stopped, saved, restored, changed and continued.
 
     Parameters
     ----------
-    system, stop_time, step, algorithm, order, times, options
+    system, stop_time, step, algorithm, order, times, inputs, changes, pace, options
         As for `simulate`.
 
     Returns
@@ -178,13 +205,14 @@ def prepare(
         If the system cannot be run as asked.
     """
     require_type("The system", system, System, "give a System, as System.read('loop.ssp')")
-    options = _chosen(options, None, None)
+    options = _chosen(options, {"inputs": inputs, "changes": changes, "pace": pace})
     chosen = find_algorithm(algorithm)
     if order is not None:
         system = system.ordered(order)
     grid = _grid(system, (stop_time, step, times), chosen, options)
     report_descriptions(system, strict=options.strict)
-    _report_unconnected(system, options)
+    around, grid = outside(system, options, grid, controlled=chosen.control is not None)
+    _report_unconnected(system, options, {*around.inputs.names, *itertools.chain(*around.changes.values())})
     metadata = provenance(
         system,
         algorithm=repr(chosen) if isinstance(algorithm, Algorithm) else chosen.name,
@@ -193,7 +221,7 @@ def prepare(
         stop_time=float(grid.times[-1]),
         order=None,
     )
-    return Simulation(system, grid, chosen, options, metadata=metadata)
+    return Simulation(system, grid, chosen, options, metadata=metadata, outside=around)
 
 
 def _system(system: System | str | Path) -> System:
@@ -204,7 +232,7 @@ def _system(system: System | str | Path) -> System:
     return System.read(system)
 
 
-def _chosen(options: Options | None, record: str | Sequence[str] | None, progress: Progress | None) -> Options:
+def _chosen(options: Options | None, given: Mapping[str, Any]) -> Options:
     """Options with what was given beside them.
 
     Raises
@@ -215,12 +243,12 @@ def _chosen(options: Options | None, record: str | Sequence[str] | None, progres
     if options is not None:
         require_type("options", options, Options, "give Options, as Options(every=2)")
     options = options or Options()
-    given = {"record": record, "progress": progress}
-    for name, value in given.items():
-        if value is not None and getattr(options, name) is not None:
+    given = {name: value for name, value in given.items() if value is not None}
+    for name in given:
+        if getattr(options, name) is not None:
             msg = f"{name} is given twice, as an argument and in the options; give it once."
             raise SystemDescriptionError(msg)
-    return replace(options, **{name: value for name, value in given.items() if value is not None})
+    return replace(options, **given)
 
 
 def _grid(
@@ -251,9 +279,9 @@ def _grid(
     return grid
 
 
-def _report_unconnected(system: System, options: Options) -> None:
-    """Warn of unconnected inputs, or refuse them if the run is strict."""
-    inputs = system.unconnected_inputs()
+def _report_unconnected(system: System, options: Options, given: Collection[str]) -> None:
+    """Warn of inputs that are neither connected nor given otherwise, or refuse them if the run is strict."""
+    inputs = [name for name in system.unconnected_inputs() if name not in given]
     if not inputs:
         return
     msg = f"Unconnected inputs keep their start values: {', '.join(inputs)}."

@@ -15,7 +15,6 @@ second at a time, so that interrupts are noticed and progress is shown.
 """
 
 import json
-import time as clock
 from collections.abc import Mapping
 from contextlib import ExitStack
 from pathlib import Path
@@ -29,27 +28,28 @@ from orchestration.errors import (
     OrchestrationError,
     RunInterrupted,
     SimulationError,
-    SystemDescriptionError,
 )
 from orchestration.fmi.codes import WORST_ACCEPTED
 from orchestration.fmi.given import a_number, require_type
 from orchestration.fmi.instance import Instance
-from orchestration.master.algorithm import SEQUENTIAL, Algorithm
+from orchestration.master.algorithm import Algorithm
 from orchestration.master.block import Block
 from orchestration.master.capabilities import check_capabilities, check_crossings, check_steps, require_undriven
+from orchestration.master.changes import require_free
+from orchestration.master.chunks import Chunks
 from orchestration.master.compilation import compile_loop
 from orchestration.master.failure_text import failure_message
-from orchestration.master.flatten import Assembly, assemble
+from orchestration.master.flat_run import flat_run
 from orchestration.master.form import report_libraries
-from orchestration.master.initialization import initialize, opened, set_values
+from orchestration.master.initialization import opened, set_values
 from orchestration.master.kernel import fixed_step
 from orchestration.master.kernel.codes import Failure
-from orchestration.master.kernel.step_program import operations_of_step
 from orchestration.master.memory import require_memory
 from orchestration.master.options import Options
+from orchestration.master.outside import Outside
 from orchestration.master.recorder import Recorder, Sink, not_finite
+from orchestration.master.saving import Saving
 from orchestration.master.snapshot import Snapshot, identity
-from orchestration.master.step_arrays import Experiment, Layout, layout
 from orchestration.master.time_grid import Grid
 from orchestration.results.formats import require_parquet
 from orchestration.results.result import Result
@@ -58,8 +58,6 @@ from orchestration.system.system import System
 if TYPE_CHECKING:
     from orchestration.results.parquet_file import ParquetSink
 
-_FIRST_CHUNK = 256  # steps; later chunks last about _CHUNK_SECONDS
-_CHUNK_SECONDS = 0.1
 _CHUNK_VALUES = 2**17  # recorded in a chunk: they are checked while they are in the processor's cache
 
 
@@ -76,6 +74,8 @@ class Simulation:
         See `orchestration.simulate`.
     metadata
         Metadata of the result.
+    outside
+        Time series, changes and the clock.
 
     Raises
     ------
@@ -96,20 +96,22 @@ class Simulation:
         options: Options,
         *,
         metadata: Mapping[str, str] | None = None,
+        outside: Outside | None = None,
     ) -> None:
         check_crossings(system, options.crossings)
         check_capabilities(system, algorithm, options.crossings, options.ratios)
         check_steps(system, algorithm, options.crossings, unequal=grid.unequal)
         self.system, self.grid, self.algorithm, self.options = system, grid, algorithm, options
+        self._outside = outside or Outside()
         self._metadata = dict(metadata or {})
         self._path: Path | None = None
         self._varies = algorithm.control is not None or bool(options.crossings.outputs)  # the number of rows
         self._plain = algorithm.plain and not options.crossings.outputs and not options.slow
-        self._kept: list[Snapshot] = []
         self._changes: list[list[float | str]] = []  # time, variable, value
+        self._changed_at = -1  # point at which scheduled changes were made last
         self._stream: ParquetSink | None = None
         self._stack = ExitStack()
-        self._chunk = _FIRST_CHUNK
+        self._chunks = Chunks()
         self._block = Block(system.name)
 
     def __repr__(self) -> str:
@@ -122,22 +124,23 @@ class Simulation:
         with ExitStack() as stack:
             self._instances: list[Instance] = stack.enter_context(opened(self.system))
             report_libraries(self._instances, strict=self.options.strict)
-            fetched = self.options.crossings.outputs
-            self._assembly: Assembly = assemble(self.system, self._instances, self.options.record, fetched)
-            initialize(self.system, self._instances, self._assembly, float(self.grid.times[0]))
-            self._operations = operations_of_step(self._assembly.plan, sequential=self.algorithm.exchange == SEQUENTIAL)
-            self._layout = self._lay_out()
+            run = (self.system, self._instances, self.algorithm, self.grid)
+            self._flat = flat_run(*run, options=self.options, outside=self._outside)
+            self._assembly, self._layout = self._flat.assembly, self._flat.layout
             self._state = self._layout.coupling.state
             stack.callback(lambda: self._layout.free(self._instances))
-            stack.callback(self._free_snapshots)
+            self._columns = (*self._assembly.columns, *self._outside.units)
+            self._units = self._assembly.units | self._outside.units
             known = None if self._varies else self.grid.n // self.options.every + 1
             if known is not None and self._path is None:
-                require_memory(self.system.name, self.grid.n, known, len(self._assembly.columns))
-            self._recorder = Recorder(len(self._assembly.columns), known, self._sink(stack))
+                require_memory(self.system.name, self.grid.n, known, len(self._columns))
+            self._recorder = Recorder(len(self._columns), known, self._sink(stack))
+            self._saving = self._make_saving()
+            stack.callback(self._saving.free)
             times, rows = self._recorder.room()
-            times[0] = self.grid.times[0]
+            times[0], rows[0, len(self._assembly.columns) :] = self.grid.times[0], 0.0
             self._assembly.record(rows[0])
-            if fault := not_finite(self._assembly.columns, *self._recorder.filled(1), first=0):
+            if fault := not_finite(self._columns, *self._recorder.filled(1), first=0):
                 raise InitializationError(fault[1])
             self.compile_seconds = compile_loop(lambda: self._run_plain(0) if self._plain else self._run_general(0))
             self._stack = stack.pop_all()
@@ -169,6 +172,11 @@ class Simulation:
         """Write rows to a .parquet file instead of keeping them; call this before the ``with`` block begins."""
         require_parquet(path)
         self._path = path
+
+    @property
+    def first_inputs(self) -> dict[str, float]:
+        """Values that time series give to inputs at the start time, by ``component.variable``."""
+        return self._outside.inputs.first_values(float(self.grid.times[0]), float(self.grid.lengths[0]))
 
     @property
     def count(self) -> int:
@@ -209,13 +217,18 @@ class Simulation:
         self._block.require_open()
         last = self.grid.n if until is None else self.grid.ahead(a_number("The time to run until", until), self.time)
         try:
+            if self._outside.pacer is not None:
+                self._outside.pacer.begin(self.time)
             while self._state.interval < last:
-                started = clock.perf_counter()
-                self._run_plain(last) if self._plain else self._run_general(last)
-                elapsed = clock.perf_counter() - started
-                self._chunk = max(1, int(self._chunk * min(4.0, _CHUNK_SECONDS / max(elapsed, 1e-6))))
+                self._apply_changes()
+                reach = self._outside.reach(self.grid, int(self._state.interval), last)
+                self._chunks.begin()
+                self._run_plain(reach) if self._plain else self._run_general(reach)
+                self._chunks.end()
                 if self.options.progress is not None:
                     self.options.progress(*self._progress())
+                if self._outside.pacer is not None:
+                    self._outside.pacer.wait(self.time)
         except KeyboardInterrupt as interrupt:
             raise RunInterrupted(self.result()) from interrupt
 
@@ -223,8 +236,8 @@ class Simulation:
         """Return the rows recorded so far; the arrays are views of the run's memory where that is possible."""
         self._block.require_begun()
         times, rows = self._recorder.rows()
-        columns, units, periods = self._assembly.columns, self._assembly.units, self.system.sample_times
-        return Result(times, columns, rows, units, self.steps_per_tick, self._described(), periods)
+        periods = self.system.sample_times
+        return Result(times, self._columns, rows, self._units, self.steps_per_tick, self._described(), periods)
 
     @property
     def steps_per_tick(self) -> dict[str, int]:
@@ -246,6 +259,7 @@ class Simulation:
         """
         self._block.require_open()
         require_undriven(self.system, values)
+        require_free(values, self._outside.inputs.names)
         changed = System("_", self.system.components).set(values)
         for component, before, instance in zip(
             changed.components, self.system.components, self._instances, strict=True
@@ -263,19 +277,7 @@ class Simulation:
             If a component does not save states, or rows go to a file.
         """
         self._block.require_open()
-        if self._recorder.streams:
-            msg = f"System {self.system.name}: rows that go to a file cannot be taken back; keep them in memory."
-            raise SystemDescriptionError(msg)
-        states = tuple(instance.save() for instance in self._instances)
-        plan = self._assembly.plan
-        times, rows = self._recorder.rows()
-        arrays = self._layout.save()
-        arrays |= {"reals": plan.reals.copy(), "discretes": plan.discretes.copy()}
-        arrays |= {"times": times.copy(), "rows": rows.copy(), "changes": np.array(json.dumps(self._changes))}
-        snapshot = Snapshot(self.time, self._identity(), arrays, states)
-        if not all(isinstance(state, bytes) for state in states):
-            self._kept.append(snapshot)  # its states live in the FMUs, and are freed with them
-        return snapshot
+        return self._saving.save(self.time, self._changes)
 
     def restore(self, snapshot: Snapshot) -> None:
         """Restore a state that was saved, here or in another run of the same system.
@@ -287,27 +289,12 @@ class Simulation:
         """
         self._block.require_open()
         require_type("The snapshot", snapshot, Snapshot, "give one of save(), or of Snapshot.read(path)")
-        if snapshot.identity != self._identity():
-            msg = (
-                f"System {self.system.name}: the snapshot at t = {snapshot.time:.9g} s is of another run;"
-                " components, connections, algorithm, points and recorded outputs must be the same."
-            )
-            raise SystemDescriptionError(msg)
-        whole = all(isinstance(state, bytes) for state in snapshot.states)
-        if not whole and not any(snapshot is mine for mine in self._kept):
-            msg = "The snapshot has states that live in another run; their FMUs do not serialize states."
-            raise SystemDescriptionError(msg)
-        for instance, state in zip(self._instances, snapshot.states, strict=True):
-            instance.restore(state)
-        plan = self._assembly.plan
-        self._layout.restore(snapshot.arrays)
-        plan.reals[:], plan.discretes[:] = snapshot.arrays["reals"], snapshot.arrays["discretes"]
-        self._changes = json.loads(str(snapshot.arrays["changes"]))
-        self._recorder.reset(snapshot.arrays["times"], snapshot.arrays["rows"])
+        self._changes = self._saving.restore(snapshot)
+        self._changed_at = -1
 
     def _described(self) -> dict[str, str]:
         """Return the metadata, with values set during the run and the effort of the algorithm."""
-        described, state = dict(self._metadata), self._state
+        described, state = self._metadata | self._outside.described(), self._state
         if self._changes:
             described["changes"] = json.dumps(self._changes)
         if not self._plain:
@@ -321,16 +308,21 @@ class Simulation:
             return None
         from orchestration.results.parquet_file import ParquetSink
 
-        columns, units = self._assembly.columns, self._assembly.units
         ticks = {"steps_per_tick": self.steps_per_tick, "sample_times": self.system.sample_times}
-        self._stream = stack.enter_context(ParquetSink(self._path, columns, units, self._metadata, **ticks))
+        metadata = self._metadata | self._outside.inputs.described()
+        self._stream = stack.enter_context(ParquetSink(self._path, self._columns, self._units, metadata, **ticks))
         return self._stream
 
-    def _lay_out(self) -> Layout:
-        experiment = Experiment.of(self.grid, self.options)
-        found = layout(self.system, self._instances, self._assembly, self.algorithm, experiment)
-        found.start(self._assembly.plan.reals, float(self.grid.times[0]))
-        return found
+    def _apply_changes(self) -> None:
+        """Make the changes that are due at the present communication point, once."""
+        k = int(self._state.interval)
+        if k in self._outside.changes and k != self._changed_at and self.time == self.grid.times[k]:
+            self._changed_at = k
+            try:
+                self.set(self._outside.changes[k])
+            except InitializationError as refused:
+                msg = f"The change at t = {self.time:.9g} s (step {self.steps_made}) is refused: {refused}"
+                raise SimulationError(msg, self.result()) from refused
 
     def _run_plain(self, last: int) -> None:
         """Run a part of the steps in the loop for fixed steps."""
@@ -338,9 +330,9 @@ class Simulation:
         done = int(state.interval)
         room = self._recorder.room()[1]
         most = max(1, _CHUNK_VALUES // max(1, room.shape[1])) * every
-        end = min(last, done + min(self._chunk, most), (done // every + len(room)) * every + every - 1)
+        end = min(last, done + min(self._chunks.steps, most), (done // every + len(room)) * every + every - 1)
         grid = (self.grid.times, self.grid.lengths)
-        k, j, status = fixed_step.run(self._operations, self._assembly.plan, grid, (done, end), room, every)
+        k, j, status = fixed_step.run(self._flat.operations, self._assembly.plan, grid, (done, end), room, every)
         times, _ = self._recorder.room()
         n = k // every - done // every
         times[:n] = self.grid.times[(done // every + 1) * every : k + 1 : every]
@@ -348,18 +340,19 @@ class Simulation:
         state.interval = state.steps_made = k
         state.time = self.grid.times[k]
         if k < end:
-            failed = self._operations[int(j)]
+            failed = self._flat.operations[int(j)]
             self._fail((int(failed.subject), int(failed.call), status))
 
     def _run_general(self, last: int) -> None:
         """Run a part of the steps in the loop for all algorithms."""
         from orchestration.master.kernel import step_control
 
+        budget = 1 if self._outside.pacer is not None and self._varies else self._chunks.steps
         count, failure = step_control.run(
             self._assembly.plan,
             self._layout.coupling,
             (self.grid.times, self.grid.lengths),
-            (last, self._chunk, self.options.every),
+            (last, budget, self.options.every),
             self._recorder.room(),
         )
         self._finish_rows(*self._recorder.filled(count))
@@ -368,8 +361,10 @@ class Simulation:
 
     def _finish_rows(self, times: np.ndarray, rows: np.ndarray) -> None:
         """Refuse rows with values that are not finite; rows before them stay."""
+        if self._outside.pacer is not None:
+            rows[:, -1] = self._outside.pacer.lateness(times)
         first = self._recorder.count - len(times)
-        if fault := not_finite(self._assembly.columns, times, rows, first=first):
+        if fault := not_finite(self._columns, times, rows, first=first):
             self._recorder.drop(len(times) - fault[0])
             self._recorder.flush()
             raise SimulationError(fault[1], self.result())
@@ -395,14 +390,11 @@ class Simulation:
         span = self.grid.times[-1] - self.grid.times[0]
         return int(1000 * (self.time - self.grid.times[0]) / span), 1000
 
-    def _identity(self) -> str:
-        """Return the values that a run must share with a snapshot that it restores."""
+    def _make_saving(self) -> Saving:
+        """Return what saves the run, with the values that it must share with a snapshot that it restores."""
         options = self.options
-        chosen = (repr(self.algorithm), options.every, sorted(options.ratios.items()), repr(options.crossings))
-        return identity(self.system, self._assembly.columns, self.grid.times, chosen)
-
-    def _free_snapshots(self) -> None:
-        for snapshot in self._kept:
-            for instance, state in zip(self._instances, snapshot.states, strict=True):
-                instance.free_state(state)
-        self._kept.clear()
+        chosen = [repr(self.algorithm), options.every, sorted(options.ratios.items()), repr(options.crossings)]
+        chosen += [self._outside.inputs.digest] if self._outside.inputs else []
+        name = identity(self.system, self._columns, self.grid.times, chosen)
+        run = (self._instances, self._assembly, self._layout, self._recorder)
+        return Saving(self.system.name, name, *run)

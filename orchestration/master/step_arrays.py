@@ -24,6 +24,9 @@ from orchestration.master.kernel.codes import (
 )
 from orchestration.master.kernel.coupling import Coupling
 from orchestration.master.kernel.records import Method, Records, Watched
+from orchestration.master.kernel.series import Column as SeriesColumn
+from orchestration.master.kernel.series import Form as SeriesForm
+from orchestration.master.kernel.series import address as series_address
 from orchestration.master.options import Crossings, Options
 from orchestration.master.time_grid import Grid
 from orchestration.system.system import Component, Connection, System
@@ -114,22 +117,35 @@ def layout(
     assembly: Assembly,
     algorithm: Algorithm,
     experiment: Experiment,
+    series: np.ndarray | None = None,
 ) -> Layout:
-    """Make the arrays for a run; `orchestration.master.capabilities` has accepted the run before."""
+    """Make the arrays for a run; `orchestration.master.capabilities` has accepted the run before.
+
+    The table of time series, which has a row for each input in ``assembly.driven``, gets the addresses of the inputs'
+    derivatives.
+    """
     plan, n = assembly.plan, len(instances)
     connections = (*assembly.real_connections, *assembly.discrete_connections)
-    links, n_rates = _links(system, assembly, algorithm, experiment.ratios)
+    straight = _straight(assembly, series)
+    links, rate_of, n_rates = _links(system, assembly, algorithm, experiment.ratios, straight)
     rates, states, one = np.zeros(n_rates), np.zeros((N_LEVELS, n), np.int64), np.ones(1)
     history, kept_discretes = np.zeros((N_ROWS, len(plan.reals) + 1)), np.zeros_like(plan.discretes)
     references = np.array([_target(system, x)[1].reference for x in assembly.real_connections], np.uint32)
     links.reference = references.ctypes.data + references.itemsize * np.arange(len(links))
-    listed = _fill_table(system, instances, assembly, experiment.ratios, (links, references, rates))
+    listed = _fill_table(system, instances, assembly, experiment.ratios, (links, references, rates, rate_of))
+    if series is not None:
+        for row, name in zip(series[1:], assembly.driven, strict=True):
+            row[SeriesColumn.RATE] = rates.ctypes.data + rates.itemsize * rate_of[name] if name in rate_of else 0
     watched = [x for x in assembly.real_outputs if system.resolve(x)[0].continuous]
     assumed = np.flatnonzero(links.assumed)
     method, state = _method(system, algorithm, links, experiment), np.zeros(1, STATE).view(np.recarray)
     method.one, method.saved_states = one.ctypes.data, states.ctypes.data
     method.history, method.reals = history.ctypes.data, plan.reals.ctypes.data
     method.discretes, method.kept_discretes = plan.discretes.ctypes.data, kept_discretes.ctypes.data
+    if series is not None:
+        method.give, method.series = series_address(), series.ctypes.data
+    if any(system.resolve(name)[0].continuous and name not in rate_of for name in straight):
+        method.error_order = 1
     coupling = Coupling(
         table=plan.table,
         discrete_links=plan.discrete_links,
@@ -153,10 +169,22 @@ def layout(
     )
 
 
+def _straight(assembly: Assembly, series: np.ndarray | None) -> list[str]:
+    """Return the inputs whose time series move in straight lines."""
+    rows = [] if series is None else series[1:]
+    return [
+        name for row, name in zip(rows, assembly.driven, strict=True) if row[SeriesColumn.FORM] == SeriesForm.LINEAR
+    ]
+
+
 def _links(
-    system: System, assembly: Assembly, algorithm: Algorithm, ratios: Mapping[str, int]
-) -> tuple[np.recarray, int]:
-    """Return the links, still without addresses, and the number of input derivatives."""
+    system: System, assembly: Assembly, algorithm: Algorithm, ratios: Mapping[str, int], straight: Sequence[str]
+) -> tuple[np.recarray, dict[str, int], int]:
+    """Return the links, still without addresses, and the places and the number of the input derivatives.
+
+    The places are those of inputs with time series; links have their own. The derivatives of a component are
+    neighbours: the first ones of its links, the second ones of its links, those of its series.
+    """
     plan, position = assembly.plan, {component.name: i for i, component in enumerate(system.components)}
     links = np.zeros(len(plan.real_links), LINK).view(np.recarray)
     links.source, links.target = plan.real_links[:, 0], plan.real_links[:, 1]
@@ -164,7 +192,7 @@ def _links(
     links.absolute, links.relative = _tolerances(
         [_source_unit(system, x) for x in assembly.real_connections], algorithm.correction
     )
-    n_rates = 0
+    n_rates, rate_of = 0, {}
     for i, target in enumerate(system.components):
         rows = np.arange(plan.table[i, Column.FIRST_REAL], plan.table[i, Column.END_REAL])
         smooth = []
@@ -172,8 +200,7 @@ def _links(
             source = system.component(assembly.real_connections[j].source)
             links.component[j] = i
             links.fresh[j] = algorithm.exchange == SEQUENTIAL and position[source.name] < i
-            single = ratios.get(source.name, 1) == ratios.get(target.name, 1) == 1
-            if single and source.continuous and target.continuous and target.description.can(INTERPOLATES):
+            if ratios.get(source.name, 1) == 1 and source.continuous and _moves(target, ratios):
                 smooth.append(j)
         assumed = algorithm.correction is not None or algorithm.order > 0
         links.assumed[rows] = assumed and target.continuous and (links.fresh[rows] == 0)
@@ -181,7 +208,16 @@ def _links(
             if algorithm.order >= order:
                 places[smooth] = n_rates + np.arange(len(smooth))
                 n_rates += len(smooth)
-    return links, n_rates
+        if algorithm.order > 0 and _moves(target, ratios):
+            mine = [name for name in straight if name.partition(".")[0] == target.name]
+            rate_of |= {name: n_rates + k for k, name in enumerate(mine)}
+            n_rates += len(mine)
+    return links, rate_of, n_rates
+
+
+def _moves(target: Component, ratios: Mapping[str, int]) -> bool:
+    """Whether inputs of a component may move within a communication step."""
+    return ratios.get(target.name, 1) == 1 and target.continuous and target.description.can(INTERPOLATES)
 
 
 def _fill_table(
@@ -189,13 +225,14 @@ def _fill_table(
     instances: Sequence[Instance],
     assembly: Assembly,
     ratios: Mapping[str, int],
-    moving: tuple[np.recarray, np.ndarray, np.ndarray],
+    moving: tuple[np.recarray, np.ndarray, np.ndarray, Mapping[str, int]],
 ) -> list[np.ndarray]:
     """Fill the columns of the table that the loop of all algorithms needs; returns the arrays behind addresses.
 
-    `moving` holds the links, the value references of their inputs, and the input derivatives.
+    `moving` holds the links, the value references of their inputs, the input derivatives, and the places of those of
+    inputs with time series.
     """
-    links, references, rates = moving
+    links, references, rates, rate_of = moving
     alive = []
     for i, (component, instance) in enumerate(zip(system.components, instances, strict=True)):
         row = assembly.plan.table[i]
@@ -206,15 +243,18 @@ def _fill_table(
         row[Column.RATIO] = ratios.get(component.name, 1)
         mine = links.component == i
         smooth = [np.flatnonzero(mine & (places >= 0)) for places in (links.rate, links.curvature)]
-        if len(smooth[0]):
-            listed = references[np.concatenate(smooth)]
-            orders = np.repeat(np.array([1, 2], np.int32), [len(m) for m in smooth])
+        given = {name: place for name, place in rate_of.items() if system.resolve(name)[0] is component}
+        if len(smooth[0]) or given:
+            driven = np.array([system.resolve(name)[1].reference for name in given], np.uint32)
+            listed = np.concatenate([references[np.concatenate(smooth)], driven])
+            orders = np.repeat(np.array([1, 2, 1], np.int32), [*(len(m) for m in smooth), len(given)])
+            first = min([*links.rate[smooth[0]], *given.values()])
             alive += [listed, orders]
             group = row[Column.SET_RATES :]
             group[Group.FUNCTION] = instance.address("fmi2SetRealInputDerivatives")
             group[Group.REFERENCES] = listed.ctypes.data
             group[Group.COUNT] = len(listed)
-            group[Group.VALUES] = rates.ctypes.data + rates.itemsize * links.rate[smooth[0][0]]
+            group[Group.VALUES] = rates.ctypes.data + rates.itemsize * first
             group[Group.ORDERS] = orders.ctypes.data
     return alive
 

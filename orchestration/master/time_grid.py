@@ -1,7 +1,7 @@
 """The communication points of a run, and how the sampling periods of components fit the points."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -129,6 +129,26 @@ def tick_grid(system: System, span: tuple[float, float], step: float) -> Grid:
     if stop - points[-1] > RATIO_TOLERANCE * interval:
         points = np.append(points, stop)
     return Grid(points, np.diff(points), step)
+
+
+def with_points(grid: Grid, times: Collection[float] | np.ndarray) -> Grid:
+    """Return a grid with further points, s, at which steps must end; what lies outside or is a point is left out.
+
+    The ticks keep their times, to the bit. A point within 1e-9 of another one, relative to the larger of 1 s and the
+    time, is the same.
+    """
+    wanted = np.unique(np.asarray(times, float))
+    slack = RATIO_TOLERANCE * np.maximum(1.0, np.abs(wanted))
+    after = np.searchsorted(grid.times, wanted)
+    inside = (after > 0) & (after <= grid.n)
+    wanted, slack, after = wanted[inside], slack[inside], after[inside]
+    apart = (grid.times[after] - wanted > slack) & (wanted - grid.times[after - 1] > slack)
+    wanted, slack = wanted[apart], slack[apart]
+    wanted = wanted[np.diff(wanted, prepend=-np.inf) > slack]
+    if not wanted.size:
+        return grid
+    points = np.sort(np.concatenate([grid.times, wanted]))
+    return Grid(points, np.diff(points), grid.step, grid.steps_per_tick)
 
 
 def _given_points(times: np.ndarray) -> np.ndarray:

@@ -11,6 +11,9 @@ import numpy as np
 TIME = "time"
 """Name of the first column of every file, which holds the communication points."""
 
+LATENESS = "lateness"
+"""Name of the column of a run that keeps step with a clock: by how many seconds each row was made after it was due."""
+
 COMPLETE, FAILED, INTERRUPTED = "complete", "failed", "interrupted"
 """What became of the run that recorded the numbers."""
 
@@ -24,7 +27,7 @@ class Columns:
     time
         Communication points, s, shape (n_rows,).
     names
-        Columns as ``component.variable``, without time.
+        Columns as ``component.variable``, without time; the last one of a paced run is `LATENESS`.
     rows
         Values, float64, shape (n_rows, n_columns), in the units of the columns. Booleans and Integers are
         stored as numbers.

@@ -11,7 +11,7 @@ from orchestration.errors import OrchestrationError, UnknownNameError
 from orchestration.fmi.given import shown
 from orchestration.fmi.names import arrays, suggestion
 from orchestration.results import csv_file, formats, parquet_file
-from orchestration.results.columns import TIME, Columns
+from orchestration.results.columns import LATENESS, TIME, Columns
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -133,6 +133,11 @@ class Result(Columns, Mapping[str, np.ndarray]):
             msg = f"{name}: not every tick of {period:g} s is recorded; record every step."
             raise OrchestrationError(msg)
         return rows
+
+    @property
+    def lateness(self) -> np.ndarray | None:
+        """By how many seconds each row was made after it was due, shape (n_rows,); None if the run was not paced."""
+        return self[LATENESS] if LATENESS in self.names else None
 
     def unit(self, name: str) -> str:
         """Unit of a column, or of an array whose elements share one; empty if there is none."""

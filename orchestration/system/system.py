@@ -236,15 +236,17 @@ class System:
         """The same values with those of arrays for each element."""
         found: dict[str, Any] = {}
         for path, value in values.items():
-            name, _, variable = path.partition(".")
-            known = tuple(self.component(name).description.variables) if name in self else ()
-            positions = None if variable in known else arrays(known).get(variable)
-            if positions is None:
-                found[path] = value
-                continue
-            elements = [f"{name}.{known[i]}" for i in positions.ravel()]
-            found |= dict(zip(elements, spread(path, value, elements), strict=True))
+            elements = self.elements(path)
+            values_of = [value] if elements == [path] else spread(path, value, elements)
+            found |= dict(zip(elements, values_of, strict=True))
         return found
+
+    def elements(self, path: str) -> list[str]:
+        """Return the paths of an array's elements, row by row; the path itself if it does not name an array."""
+        name, _, variable = path.partition(".")
+        known = tuple(self.component(name).description.variables) if name in self else ()
+        positions = None if variable in known else arrays(known).get(variable)
+        return [path] if positions is None else [f"{name}.{known[i]}" for i in positions.ravel()]
 
     def replace(self, name: str, fmu: str | Path, mapping: Mapping[str, str] | None = None) -> "System":
         """Return the system with another FMU in the place of a component.

@@ -19,7 +19,7 @@ BAD_SETTINGS = {
     "arm.K_f=1": r"System fig2 has no component arm; there are trajectory, sensor, controller, actuator and 1 more",
     "K_f=1": r"'K_f' is not of the form component\.variable, such as plant\.K_f\.",
     "plant.K_f": r"--set plant\.K_f: COMPONENT\.VARIABLE=VALUE is needed, such as",
-    "plant.q[1]=0": r"plant\.q\[1\] has causality output; only parameters, inputs and initial states can be set; did you mean",
+    "plant.q[1]=0": r"plant\.q\[1\] has causality output; only parameters, inputs and initial states can be set; ",
     "plant.K_f=hard": r"plant\.K_f = 'hard': a plain number in N/m is needed, without a unit\.",
     "plant.K_f=": r"plant\.K_f = '': a plain number in N/m is needed, without a unit\.",
     "sensor.seed=0.5": r"sensor\.seed = '0\.5': an integer of 32 bits is needed, ",

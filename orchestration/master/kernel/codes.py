@@ -31,9 +31,10 @@ class Column(IntEnum):
     SET_RATES = 33  # a group with orders
     IS_CONTINUOUS = 38  # 1, or 0 for a component that is sampled
     RATIO = 39  # communication steps per step of the component
+    REAL_OUTPUTS = 40  # number of outputs among the fetched Reals, of which they are the first
 
 
-N_COLUMNS = 40
+N_COLUMNS = 41
 GROUP_SIZE = 4
 
 
@@ -139,6 +140,8 @@ METHOD = np.dtype(
         ("reals", np.int64),
         ("discretes", np.int64),
         ("kept_discretes", np.int64),
+        ("give", np.int64),  # address of the function that gives inputs the values of series; 0 without series
+        ("series", np.int64),  # address of the table of series
     ]
 )
 """An algorithm as numbers, and its limits."""

@@ -27,12 +27,12 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 _OPTIONS = {"nogil": True, "error_model": "numpy", "_nrt": False}
 _PART = {**_OPTIONS, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 _CALLED_FROM_PYTHON: list[Any] = []
-_FOLDER = code_folder([*Path(__file__).parent.glob("*.py"), Path(__file__), *SOURCES])
+FOLDER = code_folder([*Path(__file__).parent.glob("*.py"), Path(__file__), *SOURCES])
 
 
 def compiled(function: Function) -> Function:
     """Compile a function that Python calls; its machine code is kept."""
-    kept = keep_machine_code(njit(**_OPTIONS)(function), function, _FOLDER)
+    kept = keep_machine_code(njit(**_OPTIONS)(function), function, FOLDER)
     _CALLED_FROM_PYTHON.append(kept)
     return kept
 

@@ -12,7 +12,7 @@ as it serves.
 import numpy as np
 
 from orchestration.fmi.codes import WORST_ACCEPTED
-from orchestration.fmi.native_calls import call_direction
+from orchestration.fmi.native_calls import call_direction, call_do_step
 from orchestration.master.kernel.codes import Column, Failure, Group, Level, Reason, Row, Scope, Turn
 from orchestration.master.kernel.compiled import compiled_for_callers, compiled_in_place
 from orchestration.master.kernel.coupling import Coupling
@@ -34,6 +34,8 @@ def corrected_step(c: Coupling, step: tuple[float, float]) -> Failure:
     correcting = method.max_iterations > 0
     state.starting = starting
     failure = FINE
+    if method.give != 0:
+        call_do_step(method.give, method.series, step[0], step[1])
     if starting or correcting:
         extrapolate(c, step[1])
         if method.sweeps != 1:
@@ -199,12 +201,12 @@ def directional_jacobian(c: Coupling) -> Failure:
         for k in range(c.reals.shape[0]):
             c.reals[k] = 0.0
         status = 0
-        if c.table[i, Column.GET_REAL + Group.COUNT] > 0:
+        if c.table[i, Column.REAL_OUTPUTS] > 0:
             status = call_direction(
                 c.table[i, Column.GET_DIRECTION],
                 c.table[i, Column.INSTANCE],
                 c.table[i, Column.GET_REAL + Group.REFERENCES],
-                c.table[i, Column.GET_REAL + Group.COUNT],
+                c.table[i, Column.REAL_OUTPUTS],
                 link.reference,
                 c.method.one,
                 c.table[i, Column.GET_REAL + Group.VALUES],

@@ -95,6 +95,8 @@ class Method(Protocol):
     reals: int
     discretes: int
     kept_discretes: int
+    give: int
+    series: int
 
 
 class State(Protocol):

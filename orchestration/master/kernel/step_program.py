@@ -3,6 +3,7 @@
     Gauss-Seidel: for each component: set its inputs, doStep, get its outputs
     Jacobi:       set all inputs; doStep all; get all outputs
 
+With time series, the step begins with a call that looks like a doStep: it gives their inputs the values for the step.
 An input is set directly from the place of its source, if that costs less than a copy to a place of its own.
 So inputs whose sources are neighbours are set by one call, without a copy.
 """
@@ -19,6 +20,9 @@ from orchestration.master.kernel.flat_system import Plan
 # against 0.5 ns, and a call for the rest is needed in any case).
 COPIES_PER_CALL = 5
 
+NOBODY = -1
+"""The subject of an operation that calls no component."""
+
 _SETS = (Column.SET_REAL, Column.SET_INTEGER, Column.SET_BOOLEAN)
 _GETS = (Column.GET_REAL, Column.GET_INTEGER, Column.GET_BOOLEAN)
 _SIZES = {Column.SET_REAL: 8, Column.SET_INTEGER: 4, Column.SET_BOOLEAN: 4}  # bytes of a value
@@ -28,7 +32,7 @@ Run = tuple[int, int, int]  # first source, first target, number
 Operation = tuple[int, ...]  # the fields of OPERATION
 
 
-def operations_of_step(plan: Plan, *, sequential: bool) -> np.recarray:
+def operations_of_step(plan: Plan, *, sequential: bool, series: tuple[int, int] | None = None) -> np.recarray:
     """Return the operations of a step of a fixed-step algorithm.
 
     Parameters
@@ -37,6 +41,8 @@ def operations_of_step(plan: Plan, *, sequential: bool) -> np.recarray:
         Flat form of the system. It must outlive the operations, which hold addresses of its buffers.
     sequential
         Gauss-Seidel if true, else Jacobi.
+    series
+        Addresses of `orchestration.master.kernel.series.give` and of the table of series; None without series.
 
     Returns
     -------
@@ -46,7 +52,8 @@ def operations_of_step(plan: Plan, *, sequential: bool) -> np.recarray:
     n = plan.table.shape[0]
     phases = [[_set(plan, i), _step(plan, i), _get(plan, i)] for i in range(n)]
     ordered = phases if sequential else [list(phase) for phase in zip(*phases, strict=True)]
-    operations = [operation for phase in itertools.chain.from_iterable(ordered) for operation in phase]
+    first = [] if series is None else [(Kind.STEP, *series, 0, 0, 0, NOBODY, Column.DO_STEP)]
+    operations = first + [operation for phase in itertools.chain.from_iterable(ordered) for operation in phase]
     return np.array(operations, OPERATION).view(np.recarray)
 
 
@@ -64,11 +71,14 @@ def _set(plan: Plan, i: int) -> list[Operation]:
         buffer = plan.reals if kind == Kind.COPY_REALS else plan.discretes
         place = (plan.table[i, call + Group.VALUES] - buffer.ctypes.data) // _SIZES[call]
         own = links[plan.table[i, first] : plan.table[i, end]].tolist()
-        runs = list(_runs([pair for pair in own if place <= pair[1] < place + count]))
+        linked = [pair for pair in own if place <= pair[1] < place + count]
+        alone = set(range(place, place + count)) - {target for _, target in linked}
+        runs = list(_runs([*linked, *((target, target) for target in alone)]))  # a series writes to the place itself
         if (len(runs) - 1) * COPIES_PER_CALL <= count:
             operations += [_transfer(plan, i, call, (target - place, source - place, n)) for source, target, n in runs]
         else:
-            operations += [(kind, 0, 0, source, n, target, i, call) for source, target, n in runs]
+            moved = [run for run in runs if run[0] != run[1]]
+            operations += [(kind, 0, 0, source, n, target, i, call) for source, target, n in moved]
             operations.append(_transfer(plan, i, call, (0, 0, count)))
     return operations
 

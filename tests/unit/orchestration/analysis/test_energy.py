@@ -47,6 +47,15 @@ def test_the_residual_is_the_energy_that_appears(algorithm: str, order: str, sha
     np.testing.assert_allclose(book.received, result["mass.v"] ** 2 / 2, atol=1e-12)
 
 
+def test_inputs_and_lateness_beside_the_outputs_change_no_entry() -> None:
+    system, result = run("gauss-seidel")
+    inputs = [f"{c.target}.{c.input}" for c in system.connections]
+    more = simulate(system, record=["*", *inputs], pace=1e6)
+    assert more.names == (*result.names, *inputs, "lateness")
+    book, other = (ledger(r, BOND, system, "gauss-seidel") for r in (result, more))
+    assert book.residual.tobytes() == other.residual.tobytes()
+
+
 def test_both_sides_agree_if_they_saw_the_same() -> None:
     system = wall.system(H, STOP)
     t = np.arange(2001) * H

@@ -17,6 +17,7 @@ from orchestration import Options, System, simulate
 from tests.reference.problems import PROBLEMS
 from tests.unit.orchestration.runs import ALGORITHMS, at_zero, falling
 from tests.unit.orchestration.small_models import mixed
+from tests.unit.orchestration.small_models import system as make_system
 
 ROOT = Path(__file__).parents[3]
 STEPS = 200
@@ -95,12 +96,16 @@ def test_fig2_is_in_contact_here(systems: dict[str, System]) -> None:
 
 @pytest.fixture(scope="module")
 def general(fig2: System, small: dict[str, Path]) -> dict[str, tuple[System, Options]]:
-    """Return three systems: two masses with feedback, all types of signals with a crossing, Fig. 2 in contact."""
+    """Return two masses with feedback, all types of signals with a crossing, Fig. 2 in contact, and a time series."""
     pair = PROBLEMS["force-displacement"].system(5e-3, 1.0)
     return {
         "pair": (pair, Options()),
         "falling": (falling(small, steps=SHORT), at_zero()),
         "fig2": (fig2.set(IN_CONTACT), Options()),
+        "driven": (
+            make_system(small, {"a": "Integrator", "b": "Integrator"}, "a.x -> b.u", steps=SHORT),
+            Options(inputs={"a.u": ([0.3 * k for k in range(11)], [(-1.0) ** k * k for k in range(11)])}),
+        ),
     }
 
 
@@ -121,7 +126,7 @@ def general_oracle(general: dict[str, tuple[System, Options]], tmp_path_factory:
 
 
 @pytest.mark.parametrize("algorithm", GENERAL)
-@pytest.mark.parametrize("name", ["pair", "falling", "fig2"])
+@pytest.mark.parametrize("name", ["pair", "falling", "fig2", "driven"])
 def test_compiled_general_loop_equals_its_source_bitwise(
     general: dict[str, tuple[System, Options]], general_oracle: Path, name: str, algorithm: str
 ) -> None:

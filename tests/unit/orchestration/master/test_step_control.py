@@ -36,7 +36,7 @@ def discarding(simulation: Simulation, component: int, longest: float, status: i
         return genuine(instance, t, h, keep)
 
     stand_in = DO_STEP_TYPE(do_step)
-    operations = simulation._operations
+    operations = simulation._flat.operations
     steps = (operations.subject == component) & (operations.call == Column.DO_STEP)
     address = ctypes.cast(stand_in, ctypes.c_void_p).value
     table[component, Column.DO_STEP] = operations.function[steps] = address

@@ -76,6 +76,20 @@ def test_order_is_the_algorithm(small: dict[str, Path], sequential: bool) -> Non
     assert set(rows["subject"].tolist()) == {0, 1, 2, 3}
 
 
+@pytest.mark.parametrize("sequential", [True, False])
+def test_series_add_one_operation_at_the_start_of_a_step(small: dict[str, Path], sequential: bool) -> None:
+    """And without series the step consists of the same operations, in the same order, as if there were none."""
+    made = mixed(small)
+    with opened(made) as instances:
+        assembly = assemble(made, instances, None)
+        initialize(made, instances, assembly, 0.0)
+        without = operations_of_step(assembly.plan, sequential=sequential)
+        with_series = operations_of_step(assembly.plan, sequential=sequential, series=(11, 12))
+    first = with_series[0]
+    assert (first.kind, first.function, first.instance, first.subject) == (Kind.STEP, 11, 12, -1)
+    assert with_series[1:].tobytes() == without.tobytes()
+
+
 @pytest.mark.parametrize("algorithm", ["gauss-seidel", "jacobi"])
 @pytest.mark.parametrize("sources", ["1234", "3412", "4321", "1111"])
 def test_copies_and_calls_hand_over_the_same(wide: dict[str, Path], monkeypatch, algorithm: str, sources: str) -> None:

@@ -1,0 +1,65 @@
+"""Initializes the components of a run, and makes everything that its compiled loop works on."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from orchestration.fmi.instance import Instance
+from orchestration.master.algorithm import SEQUENTIAL, Algorithm
+from orchestration.master.flatten import Assembly, assemble
+from orchestration.master.initialization import initialize
+from orchestration.master.kernel import series
+from orchestration.master.kernel.step_program import operations_of_step
+from orchestration.master.options import Options
+from orchestration.master.outside import Outside
+from orchestration.master.step_arrays import Experiment, Layout, layout
+from orchestration.master.time_grid import Grid
+from orchestration.system.system import System
+
+
+@dataclass(frozen=True)
+class FlatRun:
+    """What a loop works on.
+
+    Attributes
+    ----------
+    operations
+        Those of a step of fixed length.
+    series
+        Table of time series, whose address the others have; None without series.
+    """
+
+    assembly: Assembly
+    operations: np.recarray
+    layout: Layout
+    series: np.ndarray | None = field(repr=False)
+
+
+def flat_run(
+    system: System,
+    instances: Sequence[Instance],
+    algorithm: Algorithm,
+    grid: Grid,
+    *,
+    options: Options,
+    outside: Outside,
+) -> FlatRun:
+    """Flatten a system with its instances, initialize the instances, and lay out the arrays of a run.
+
+    Raises
+    ------
+    SystemDescriptionError
+        If a variable to record cannot be recorded.
+    InitializationError
+        If a component refuses its start values, or an algebraic loop has no solution.
+    """
+    start = float(grid.times[0])
+    assembly = assemble(system, instances, options.record, options.crossings.outputs, outside.inputs.names)
+    table = outside.inputs.table(assembly.driven)
+    initialize(system, instances, assembly, start, None if table is None else (table, float(grid.lengths[0])))
+    addresses = None if table is None else (series.address(), table.ctypes.data)
+    operations = operations_of_step(assembly.plan, sequential=algorithm.exchange == SEQUENTIAL, series=addresses)
+    arrays = layout(system, instances, assembly, algorithm, Experiment.of(grid, options), table)
+    arrays.start(assembly.plan.reals, start)
+    return FlatRun(assembly, operations, arrays, table)

@@ -1,0 +1,82 @@
+"""Saves and restores a run: the states of its components, the values exchanged, and the rows so far."""
+
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from orchestration.errors import SystemDescriptionError
+from orchestration.fmi.instance import Instance
+from orchestration.master.flatten import Assembly
+from orchestration.master.recorder import Recorder
+from orchestration.master.snapshot import Snapshot
+from orchestration.master.step_arrays import Layout
+
+Change = list[float | str]  # time, variable, value
+
+
+@dataclass
+class Saving:
+    """What a run saves, and what it is called.
+
+    Attributes
+    ----------
+    system
+        Name of the system, for messages.
+    identity
+        Hash that a run must share with a snapshot that it restores.
+    kept
+        Snapshots whose states live in the instances, and are freed with them.
+    """
+
+    system: str
+    identity: str
+    instances: Sequence[Instance]
+    assembly: Assembly
+    layout: Layout
+    recorder: Recorder
+    kept: list[Snapshot] = field(default_factory=list)
+
+    def save(self, time: float, changes: Sequence[Change]) -> Snapshot:
+        """Return the state of the run at a time, s, with the changes made until then; see `Simulation.save`."""
+        if self.recorder.streams:
+            msg = f"System {self.system}: rows that go to a file cannot be taken back; keep them in memory."
+            raise SystemDescriptionError(msg)
+        states = tuple(instance.save() for instance in self.instances)
+        plan = self.assembly.plan
+        times, rows = self.recorder.rows()
+        arrays = self.layout.save()
+        arrays |= {"reals": plan.reals.copy(), "discretes": plan.discretes.copy()}
+        arrays |= {"times": times.copy(), "rows": rows.copy(), "changes": np.array(json.dumps(changes))}
+        snapshot = Snapshot(time, self.identity, arrays, states)
+        if not all(isinstance(state, bytes) for state in states):
+            self.kept.append(snapshot)
+        return snapshot
+
+    def restore(self, snapshot: Snapshot) -> list[Change]:
+        """Restore a state, and return the changes made until then; see `Simulation.restore`."""
+        if snapshot.identity != self.identity:
+            msg = (
+                f"System {self.system}: the snapshot at t = {snapshot.time:.9g} s is of another run; components,"
+                " connections, algorithm, points, time series and recorded variables must be the same."
+            )
+            raise SystemDescriptionError(msg)
+        whole = all(isinstance(state, bytes) for state in snapshot.states)
+        if not whole and not any(snapshot is mine for mine in self.kept):
+            msg = "The snapshot has states that live in another run; their FMUs do not serialize states."
+            raise SystemDescriptionError(msg)
+        for instance, state in zip(self.instances, snapshot.states, strict=True):
+            instance.restore(state)
+        plan = self.assembly.plan
+        self.layout.restore(snapshot.arrays)
+        plan.reals[:], plan.discretes[:] = snapshot.arrays["reals"], snapshot.arrays["discretes"]
+        self.recorder.reset(snapshot.arrays["times"], snapshot.arrays["rows"])
+        return json.loads(str(snapshot.arrays["changes"]))
+
+    def free(self) -> None:
+        """Free the states that live in the instances."""
+        for snapshot in self.kept:
+            for instance, state in zip(self.instances, snapshot.states, strict=True):
+                instance.free_state(state)
+        self.kept.clear()
