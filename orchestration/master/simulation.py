@@ -1,14 +1,5 @@
 """A running simulation of a system, which can be saved, taken back, branched and continued.
 
-    with prepare(system, stop_time=2.0, step=1e-4) as simulation:
-        simulation.run(until=1.0)
-        snapshot = simulation.save()
-        simulation.run()                              # to the stop time
-        simulation.restore(snapshot)
-        simulation.set({"controller.K[1]": 2000.0})
-        simulation.run()                              # another second half
-        result = simulation.result()
-
 An algorithm that neither extrapolates nor corrects inputs nor controls its step uses the short loop of
 `kernel.fixed_step`. Other algorithms use the loop of `kernel.step_control`. A loop is called for about a tenth of a
 second at a time, so that interrupts are noticed and progress is shown.
@@ -16,8 +7,9 @@ second at a time, so that interrupts are noticed and progress is shown.
 
 import json
 import time as clock
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
+from dataclasses import replace
 from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Self
@@ -44,10 +36,12 @@ from orchestration.master.kernel.codes import Failure
 from orchestration.master.kernel.step_program import operations_of_step
 from orchestration.master.memory import require_memory
 from orchestration.master.options import Options
+from orchestration.master.provenance import told_afterwards
 from orchestration.master.recorder import Recorder, Sink, not_finite
 from orchestration.master.snapshot import Snapshot, identity
 from orchestration.master.step_arrays import Experiment, Layout, layout
 from orchestration.master.time_grid import Grid
+from orchestration.results.columns import FAILED, INTERRUPTED
 from orchestration.results.result import Result
 from orchestration.system.system import System
 
@@ -79,6 +73,21 @@ class Simulation:
         If the system does not allow the algorithm or the options.
     InitializationError
         On entry, if a component refuses its start values.
+
+    Examples
+    --------
+    >>> from orchestration import prepare, scenario
+    >>> with prepare(scenario("fig2"), stop_time=1.2) as run:
+    ...     run.run(until=0.9)  # s; soon the arm touches the wall
+    ...     before = run.save()
+    ...     run.run()
+    ...     stiff = run.result()
+    ...     run.restore(before)
+    ...     run.set({"controller.K": 2000.0})  # N/m
+    ...     run.run()
+    ...     soft = run.result()
+    >>> round(1e3 * float(stiff["plant.x[1]"][-1] - soft["plant.x[1]"][-1]), 1)  # mm, when the wall is left
+    0.7
     """
 
     def __init__(
@@ -206,7 +215,7 @@ class Simulation:
                 if self.options.progress is not None:
                     self.options.progress(*self._progress())
         except KeyboardInterrupt as interrupt:
-            raise RunInterrupted(self.result()) from interrupt
+            raise RunInterrupted(self._broken_off(INTERRUPTED, "The run was interrupted.")) from interrupt
 
     def result(self) -> Result:
         """Return the rows recorded so far; the arrays are views of the run's memory where that is possible."""
@@ -214,6 +223,9 @@ class Simulation:
         times, rows = self._recorder.rows()
         columns, units, periods = self._assembly.columns, self._assembly.units, self.system.sample_times
         return Result(times, columns, rows, units, self.steps_per_tick, self._described(), periods)
+
+    def _broken_off(self, status: str, message: str) -> Result:
+        return replace(self.result(), status=status, message=message)
 
     @property
     def steps_per_tick(self) -> dict[str, int]:
@@ -223,8 +235,8 @@ class Simulation:
             return {}
         return {name: n // every for name, n in self.grid.steps_per_tick.items() if n % every == 0}
 
-    def set(self, values: Mapping[str, float | bool | str]) -> None:
-        """Set tunable parameters, and inputs without a source, by ``component.variable``, from here on.
+    def set(self, values: Mapping[str, float | bool | str | Sequence[float]]) -> None:
+        """Set tunable parameters, and inputs without a source, from here on; values are as for `System.set`.
 
         Raises
         ------
@@ -234,6 +246,7 @@ class Simulation:
             If the component refuses, for example because the parameter is fixed.
         """
         self._block.require_open()
+        values = self.system.elementwise(values)
         changed = System("_", self.system.components).set(values)
         for component, before, instance in zip(
             changed.components, self.system.components, self._instances, strict=True
@@ -293,15 +306,7 @@ class Simulation:
         self._recorder.reset(snapshot.arrays["times"], snapshot.arrays["rows"])
 
     def _described(self) -> dict[str, str]:
-        """Return the metadata, with values set during the run and the effort of the algorithm."""
-        described, state = dict(self._metadata), self._state
-        if self._changes:
-            described["changes"] = json.dumps(self._changes)
-        if not self._plain:
-            described["steps_made"] = str(state.steps_made)
-            described["steps_rejected"] = str(state.rejected)
-            described["sweeps"] = str(state.iterations)
-        return described
+        return self._metadata | told_afterwards(self._changes, None if self._plain else self._state)
 
     def _sink(self, stack: ExitStack) -> Sink | None:
         if self._path is None:
@@ -359,13 +364,13 @@ class Simulation:
         if fault := not_finite(self._assembly.columns, times, rows, first=first):
             self._recorder.drop(len(times) - fault[0])
             self._recorder.flush()
-            raise SimulationError(fault[1], self.result())
+            raise SimulationError(fault[1], self._broken_off(FAILED, fault[1]))
 
     def _fail(self, failure: Failure) -> None:
         self._recorder.flush()
         where = f" at t = {self.time:.9g} s (step {self.steps_made})"
         message = failure_message(failure, where, self._layout, self._instances, self._assembly)
-        raise SimulationError(message, self.result())
+        raise SimulationError(message, self._broken_off(FAILED, message))
 
     def _terminate(self) -> None:
         self._recorder.flush()

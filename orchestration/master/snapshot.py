@@ -52,6 +52,19 @@ class Snapshot:
         Buffers of the master and the rows so far, by name.
     states
         State of each component in the order of the system: bytes if serialized, else an fmi2FMUstate.
+
+    Examples
+    --------
+    A file takes the state to another process or another day:
+
+    >>> from orchestration import Snapshot, prepare, scenario
+    >>> with prepare(scenario("fig2")) as run:
+    ...     run.run(until=0.5)
+    ...     path = run.save().write("half.snapshot")
+    >>> with prepare(scenario("fig2")) as run:
+    ...     run.restore(Snapshot.read(path))
+    ...     print(run.time)
+    0.5
     """
 
     time: float

@@ -8,7 +8,8 @@ import numpy as np
 
 from orchestration.errors import SystemDescriptionError
 from orchestration.master.memory import require_memory
-from orchestration.system.system import RATIO_TOLERANCE, System
+from orchestration.system.sampling import RATIO_TOLERANCE
+from orchestration.system.system import System
 
 
 @dataclass(frozen=True)
