@@ -78,6 +78,16 @@ class Fmu:
         If the FMU refuses its start values.
     SignalError
         If a start value has a wrong name, shape or type.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from orchestration import Fmu, scenario
+    >>> file = scenario("fig2")["plant"].description.path  # any FMU of yours
+    >>> with Fmu(file, q_start=[0.3, 1.0], dq_start=[0.0, 0.0]) as plant:
+    ...     rows = plant.drive(1e-3, {"tau": np.full((100, 2), 0.5)})  # N.m, a row for each step of 1 ms
+    ...     print(plant, rows["q"].shape, rows["q"][-1].round(4))
+    <Fmu Plant at t = 0.1 s> (100, 2) [0.2995 1.0033]
     """
 
     def __init__(
@@ -122,7 +132,15 @@ class Fmu:
         return self._origin + self._k * self._h
 
     def outputs(self) -> dict[str, np.ndarray]:
-        """Outputs as they are now, by name, float64: of shape (), arrays of shape (k,)."""
+        """Outputs as they are now, by name, float64: of shape (), arrays of shape (k,).
+
+        Examples
+        --------
+        >>> from orchestration import Fmu, scenario
+        >>> with Fmu(scenario("fig2")["plant"].description.path) as plant:
+        ...     print(plant.outputs()["x"].round(3), plant.outputs()["gap"].round(3))  # m
+        [1.5 0. ] -2.95
+        """
         return {name: values[0] for name, values in self._signals.grouped(self._row()[None, :]).items()}
 
     def set(self, values: Mapping[str, Value] | None = None, /, **more: Value) -> None:
@@ -136,6 +154,13 @@ class Fmu:
             If the FMU refuses.
         SignalError
             If a name, a shape or a type is wrong; then nothing is set.
+
+        Examples
+        --------
+        >>> from orchestration import Fmu, scenario
+        >>> with Fmu(scenario("fig2")["plant"].description.path) as plant:
+        ...     plant.set(tau=[0.5, 0.0])  # N.m
+        ...     plant.set({"tau[2]": 0.1})
         """
         given = {**(values or {}), **more}
         rows = {name: self._signals.rows(name, [value]) for name, value in given.items()}
@@ -151,6 +176,15 @@ class Fmu:
             If the FMU does not accept the step.
         SignalError
             If h is not positive.
+
+        Examples
+        --------
+        >>> from orchestration import Fmu, scenario
+        >>> with Fmu(scenario("fig2")["plant"].description.path) as plant:
+        ...     while plant.outputs()["x[1]"] > 1.4:  # m
+        ...         plant.step(1e-3)
+        ...     print(f"{plant.time:.3f} s")
+        0.377 s
         """
         self._require_step(h)
         self._do_step(float(h))
@@ -183,6 +217,17 @@ class Fmu:
             If the FMU refuses a call; says at which time and step.
         SignalError
             If a name, a shape, a type or a time is wrong; then nothing has been done.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from orchestration import Fmu, scenario
+        >>> times = np.linspace(0.0, 0.5, 501)  # s
+        >>> torques = np.column_stack([np.sin(times[:-1]), np.zeros(500)])  # N.m
+        >>> with Fmu(scenario("fig2")["plant"].description.path) as plant:
+        ...     rows = plant.drive(times, {"tau": torques})
+        >>> rows["q"].shape, rows["gap"].shape
+        ((500, 2), (500,))
         """
         rows = {name: self._signals.rows(name, value, driven=True) for name, value in (inputs or {}).items()}
         points = np.asarray(times, dtype=float)
@@ -213,6 +258,17 @@ class Fmu:
             If the FMU saves no state.
         SimulationError
             If a call fails.
+
+        Examples
+        --------
+        >>> from orchestration import Fmu, scenario
+        >>> with Fmu(scenario("fig2")["plant"].description.path) as plant:
+        ...     plant.step(1e-3)
+        ...     state = plant.save()
+        ...     plant.step(1e-3)
+        ...     plant.restore(state)
+        ...     print(plant.time)
+        0.001
         """
         self._require_open()
         state = self._instance.save()

@@ -1,7 +1,7 @@
 """Components of a coupled system, and connections between their variables."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -9,9 +9,10 @@ from typing import Any
 
 import numpy as np
 
-from orchestration.errors import SystemDescriptionError
+from orchestration.errors import SystemDescriptionError, UnknownNameError
 from orchestration.fmi.codes import BOOLEAN, INTEGER, REAL, STRING
 from orchestration.fmi.description import SAMPLE_TIME, Description, Variable, parse_value, read_description
+from orchestration.fmi.names import arrays, suggestion
 from orchestration.fmi.units import Linear, conversion
 from orchestration.system.display import component_html, component_line
 
@@ -32,6 +33,19 @@ class Component:
     start
         Start values by variable name, in the units of the FMU. Booleans are 0 or 1. A variable that is not
         listed keeps the start value of the FMU.
+
+    Examples
+    --------
+    >>> from orchestration import Component, System, scenario
+    >>> file = scenario("fig2")["plant"].description.path  # any FMU of yours
+    >>> arm = Component.read(file, "arm")
+    >>> arm
+    <Component arm: Plant, 2 inputs, 14 outputs>
+    >>> arm["m"].tolist(), arm.variable("m[1]").unit, [v.name for v in arm.description.of_causality("input")]
+    ([2.0, 1.0], 'kg', ['tau[1]', 'tau[2]'])
+    >>> heavy = System.of({"heavy": arm}).set({"heavy.m": [4.0, 2.0]})["heavy"]
+    >>> heavy
+    <Component heavy: Plant, 2 inputs, 14 outputs, m[1] = 4, m[2] = 2>
     """
 
     name: str
@@ -46,6 +60,12 @@ class Component:
         ------
         ArchiveError
             If the file is no FMI 2.0 co-simulation FMU.
+
+        Examples
+        --------
+        >>> from orchestration import Component, scenario
+        >>> Component.read(scenario("fig2")["sensor"].description.path)
+        <Component ForceSensor: ForceSensor, 2 inputs, 2 outputs>
         """
         return cls(name or Path(path).stem, read_description(Path(path)))
 
@@ -63,6 +83,43 @@ class Component:
             known = ", ".join(self.description.variables)
             msg = f"{self.name} has no variable {name}; it has {known}."
             raise SystemDescriptionError(msg) from None
+
+    def __getitem__(self, name: str) -> "float | str | np.ndarray":
+        """Start value that is in force, in the unit of the FMU; of an array, an array of its shape.
+
+        Raises
+        ------
+        UnknownNameError
+            If there is no such variable, or it has no start value, as most outputs. It is a KeyError.
+        """
+        names = tuple(self.description.variables)
+        positions = None if name in names else arrays(names).get(name)
+        if positions is None:
+            return self._in_force(name)
+        return np.array([self._in_force(names[i]) for i in positions.ravel()]).reshape(positions.shape)
+
+    def __contains__(self, name: object) -> bool:
+        """Whether there is a variable or an array of that name."""
+        names = tuple(self.description.variables)
+        return name in names or name in arrays(names)
+
+    def __iter__(self) -> Iterator[str]:
+        """Names of the variables, in the order of the FMU."""
+        return iter(self.description.variables)
+
+    def _ipython_key_completions_(self) -> list[str]:
+        started = tuple(name for name, v in self.description.variables.items() if v.start is not None)
+        return [*arrays(started), *started]
+
+    def _in_force(self, name: str) -> float | str:
+        variables = self.description.variables
+        value = self.start.get(name, variables[name].start if name in variables else None)
+        if value is None:
+            lacks = "start value" if name in variables else "variable"
+            known = [other for other in variables if variables[other].start is not None]
+            msg = f"{self.name} has no {lacks} {name}; {suggestion(name, known)}"
+            raise UnknownNameError(msg)
+        return value
 
     def __repr__(self) -> str:
         """Name, model, numbers of inputs and outputs, start values that differ from the FMU's."""
@@ -102,6 +159,18 @@ class Connection:
         between both units, and a `System` replaces None by the number.
     offset
         Added value, in the unit of the input.
+
+    Examples
+    --------
+    A damper at each joint turns a joint's rate into a torque against it:
+
+    >>> from orchestration import Connection, System, scenario, simulate
+    >>> dampers = [Connection("arm", f"dq[{i}]", "arm", f"tau[{i}]", factor=-20.0) for i in (1, 2)]  # N.m.s/rad
+    >>> system = System.of({"arm": scenario("fig2")["plant"]}).connect(*dampers)
+    >>> result = simulate(system, stop_time=1.0, step=1e-3)
+    >>> print(abs(result["arm.dq"][[0, -1]]).round(2))  # rad/s
+    [[2.09 0.  ]
+     [0.02 0.01]]
     """
 
     source: str
