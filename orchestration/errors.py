@@ -127,7 +127,7 @@ class SignalError(OrchestrationError, ValueError):
     Examples
     --------
     >>> from orchestration import Fmu, SignalError, scenario
-    >>> with Fmu(scenario("fig2")["plant"].description.path) as plant:
+    >>> with Fmu(scenario("fig2")["plant"].path) as plant:
     ...     try:
     ...         plant.set(tau=[1.0, 2.0, 3.0])  # N.m; the arm has two joints
     ...     except SignalError as error:

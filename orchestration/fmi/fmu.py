@@ -18,6 +18,7 @@ import struct
 from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, field
+from html import escape
 from os import PathLike
 from pathlib import Path
 from types import TracebackType
@@ -29,6 +30,7 @@ from orchestration.errors import InitializationError, SignalError, SimulationErr
 from orchestration.fmi.arrays import Signals, Value
 from orchestration.fmi.codes import Status, accepted
 from orchestration.fmi.description import Variable, read_description
+from orchestration.fmi.display import Variables, variables_html
 from orchestration.fmi.instance import Instance
 from orchestration.fmi.library import needed_to_run
 from orchestration.fmi.logging import Messages
@@ -83,7 +85,7 @@ class Fmu:
     --------
     >>> import numpy as np
     >>> from orchestration import Fmu, scenario
-    >>> file = scenario("fig2")["plant"].description.path  # any FMU of yours
+    >>> file = scenario("fig2")["plant"].path  # any FMU of yours
     >>> with Fmu(file, q_start=[0.3, 1.0], dq_start=[0.0, 0.0]) as plant:
     ...     rows = plant.drive(1e-3, {"tau": np.full((100, 2), 0.5)})  # N.m, a row for each step of 1 ms
     ...     print(plant, rows["q"].shape, rows["q"][-1].round(4))
@@ -121,10 +123,15 @@ class Fmu:
         state = f"at t = {self.time:.12g} s" if self._instance.is_open else "closed"
         return f"<Fmu {self.name} {state}>"
 
+    def _repr_html_(self) -> str:
+        state = f"at t = {self.time:.12g} s" if self._instance.is_open else "closed"
+        table = variables_html(self.variables, {})
+        return f"<div><p><b>FMU {escape(self.name)}</b> {state}; {escape(self.path.name)}</p>{table}</div>"
+
     @property
     def variables(self) -> Mapping[str, Variable]:
         """All variables by name."""
-        return self.description.variables
+        return Variables(self.description.variables)
 
     @property
     def time(self) -> float:
@@ -137,7 +144,7 @@ class Fmu:
         Examples
         --------
         >>> from orchestration import Fmu, scenario
-        >>> with Fmu(scenario("fig2")["plant"].description.path) as plant:
+        >>> with Fmu(scenario("fig2")["plant"].path) as plant:
         ...     print(plant.outputs()["x"].round(3), plant.outputs()["gap"].round(3))  # m
         [1.5 0. ] -2.95
         """
@@ -158,7 +165,7 @@ class Fmu:
         Examples
         --------
         >>> from orchestration import Fmu, scenario
-        >>> with Fmu(scenario("fig2")["plant"].description.path) as plant:
+        >>> with Fmu(scenario("fig2")["plant"].path) as plant:
         ...     plant.set(tau=[0.5, 0.0])  # N.m
         ...     plant.set({"tau[2]": 0.1})
         """
@@ -180,7 +187,7 @@ class Fmu:
         Examples
         --------
         >>> from orchestration import Fmu, scenario
-        >>> with Fmu(scenario("fig2")["plant"].description.path) as plant:
+        >>> with Fmu(scenario("fig2")["plant"].path) as plant:
         ...     while plant.outputs()["x[1]"] > 1.4:  # m
         ...         plant.step(1e-3)
         ...     print(f"{plant.time:.3f} s")
@@ -224,7 +231,7 @@ class Fmu:
         >>> from orchestration import Fmu, scenario
         >>> times = np.linspace(0.0, 0.5, 501)  # s
         >>> torques = np.column_stack([np.sin(times[:-1]), np.zeros(500)])  # N.m
-        >>> with Fmu(scenario("fig2")["plant"].description.path) as plant:
+        >>> with Fmu(scenario("fig2")["plant"].path) as plant:
         ...     rows = plant.drive(times, {"tau": torques})
         >>> rows["q"].shape, rows["gap"].shape
         ((500, 2), (500,))
@@ -262,7 +269,7 @@ class Fmu:
         Examples
         --------
         >>> from orchestration import Fmu, scenario
-        >>> with Fmu(scenario("fig2")["plant"].description.path) as plant:
+        >>> with Fmu(scenario("fig2")["plant"].path) as plant:
         ...     plant.step(1e-3)
         ...     state = plant.save()
         ...     plant.step(1e-3)

@@ -151,5 +151,5 @@ def identity(system: System, columns: Sequence[str], times: np.ndarray, chosen: 
         Further choices of the run, such as its algorithm; the hash takes the ``repr`` of each.
     """
     members = [(c.name, c.description.identifier, c.description.guid) for c in system.components]
-    said = (members, [repr(connection) for connection in system.connections], tuple(columns), *chosen)
+    said = (members, [str(connection) for connection in system.connections], tuple(columns), *chosen)
     return hashlib.sha256(repr(said).encode() + times.tobytes()).hexdigest()

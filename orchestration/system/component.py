@@ -37,7 +37,7 @@ class Component:
     Examples
     --------
     >>> from orchestration import Component, System, scenario
-    >>> file = scenario("fig2")["plant"].description.path  # any FMU of yours
+    >>> file = scenario("fig2")["plant"].path  # any FMU of yours
     >>> arm = Component.read(file, "arm")
     >>> arm
     <Component arm: Plant, 2 inputs, 14 outputs>
@@ -64,7 +64,7 @@ class Component:
         Examples
         --------
         >>> from orchestration import Component, scenario
-        >>> Component.read(scenario("fig2")["sensor"].description.path)
+        >>> Component.read(scenario("fig2")["sensor"].path)
         <Component ForceSensor: ForceSensor, 2 inputs, 2 outputs>
         """
         return cls(name or Path(path).stem, read_description(Path(path)))
@@ -129,6 +129,11 @@ class Component:
         return component_html(self)
 
     @property
+    def path(self) -> Path:
+        """The FMU file."""
+        return self.description.path
+
+    @property
     def sample_time(self) -> float | None:
         """Sampling period, s; None for a component without a parameter ``sample_time``."""
         variable = self.description.variables.get(SAMPLE_TIME)
@@ -144,7 +149,7 @@ class Component:
         return self.sample_time is None and not held
 
 
-@dataclass(frozen=True, order=True)
+@dataclass(frozen=True, order=True, repr=False)
 class Connection:
     """A connection from a scalar output to a scalar input: input = factor * output + offset.
 
@@ -186,6 +191,10 @@ class Connection:
         if self.scale.trivial:
             return ends
         return f"{ends} (factor {self.scale.factor!r}, offset {self.scale.offset!r})"
+
+    def __repr__(self) -> str:
+        """Both ends, as in the text."""
+        return f"<Connection {self}>"
 
     @property
     def scale(self) -> Linear:

@@ -115,7 +115,7 @@ class System:
         Examples
         --------
         >>> from orchestration import System, scenario
-        >>> plant = scenario("fig2")["plant"].description.path  # any FMU of yours
+        >>> plant = scenario("fig2")["plant"].path  # any FMU of yours
         >>> System.of({"left": plant, "right": plant}, "two arms")
         <System two arms: 2 components (left: Plant, right: Plant), 0 connections>
         """
@@ -296,7 +296,7 @@ class System:
         Examples
         --------
         >>> from orchestration import scenario
-        >>> adaptive = scenario("fig5")["controller"].description.path  # any controller of yours
+        >>> adaptive = scenario("fig5")["controller"].path  # any controller of yours
         >>> system = scenario("fig2").replace("controller", adaptive)
         >>> system["controller"].description.model_name, len(system.notices)
         ('CraigAdaptiveImpedance', 2)
