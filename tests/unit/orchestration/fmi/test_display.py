@@ -20,7 +20,7 @@ def test_elements_share_a_row_unless_they_are_described_differently(fig2: System
     assert found["M [2]"][2:4] == ["kg", "2"]
     assert found["tau_cmd [2]"][3] == ""
     assert {"p_start[1]", "p_start[2]"} <= set(found)  # masses of two links
-    assert list(found)[0] == "q [2]"  # inputs come first
+    assert next(iter(found)) == "q [2]"  # inputs come first
 
 
 def test_long_tables_say_how_much_is_left_out(fig2: System) -> None:
