@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from orchestration.errors import OrchestrationError
+from orchestration.fmi.names import MOST_NEAR
 from orchestration.results.columns import Columns
 
 if TYPE_CHECKING:
@@ -90,9 +91,19 @@ class Comparison:
         return not alone and all(difference.first is None for difference in self.differences)
 
     @property
-    def worst(self) -> ColumnDifference | None:
-        """The column with the largest relative difference."""
-        return self.differences[0] if self.differences else None
+    def worst(self) -> ColumnDifference:
+        """The column with the largest relative difference.
+
+        Raises
+        ------
+        OrchestrationError
+            If the results have no common column.
+        """
+        if not self.differences:
+            names = f"{_some(self.only_in_first)}, and {_some(self.only_in_second)}"
+            msg = f"The results have no common column: {names}; record the same outputs in both runs."
+            raise OrchestrationError(msg)
+        return self.differences[0]
 
     def to_pandas(self) -> "pd.DataFrame":
         """One row for each column, with the attributes of `ColumnDifference`."""
@@ -105,9 +116,9 @@ class Comparison:
     def __repr__(self) -> str:
         """One line: identical, or the worst column."""
         head = f"<Comparison: {len(self.differences)} columns, {self.n_rows} rows"
-        worst = self.worst
-        if self.identical or worst is None:
+        if self.identical or not self.differences:
             return f"{head}, {'all bits agree' if self.identical else 'no common column'}>"
+        worst = self.worst
         size = f"{worst.largest:.3g} {worst.unit}".strip()
         return f"{head}; worst: {worst.name} by {size} at t = {worst.at:.6g} s ({worst.relative:.2g} of its range)>"
 
@@ -161,6 +172,10 @@ def compare(first: Columns, second: Columns) -> Comparison:
         tuple(name for name in first.names if name not in places),
         tuple(name for name in second.names if name not in first.names),
     )
+
+
+def _some(names: tuple[str, ...]) -> str:
+    return ", ".join(names[:MOST_NEAR]) + (" ..." if len(names) > MOST_NEAR else "") if names else "none"
 
 
 def _common(a: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -1,6 +1,6 @@
 """Three FMUs as another tool might have written them: a motor, an elastic shaft, and a pump that counts in rpm.
 
-    uv run python -m tests.scenarios.drive FOLDER    writes Motor.fmu, Shaft.fmu and Pump.fmu
+uv run python -m tests.scenarios.drive FOLDER    writes Motor.fmu, Shaft.fmu and Pump.fmu
 """
 
 import math

@@ -16,6 +16,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from adaptimp_fmu import build
+from fmus.catalog import MODELS
 from tests.scenarios import drive
 
 FENCE = re.compile(r"^```python\n(?P<code>.*?)^```\n(?:\n```text\n(?P<shown>.*?)^```\n)?", re.MULTILINE | re.DOTALL)
@@ -64,6 +66,16 @@ def cells(page: Path) -> list[Cell]:
     return [Cell(page, text.count("\n", 0, m.start("code")) + 1, m["code"], m["shown"]) for m in FENCE.finditer(text)]
 
 
+def furnish(folder: Path, page: Path) -> None:
+    """Write the FMUs that a page takes for granted into a folder."""
+    text = page.read_text(encoding="utf-8")
+    if '"Pump.fmu"' in text:
+        drive.write(folder)
+    for name, declare in MODELS.items():
+        if f"fmus_built/{name}.fmu" in text:
+            build(declare(), folder / "fmus_built")
+
+
 def run_here(page: Path) -> list[tuple[Cell, str]]:
     """Run all blocks of a page in the present folder; return each with what it shows."""
     names: dict[str, Any] = {}
@@ -86,5 +98,5 @@ def with_what_is_shown(page: Path) -> str:
 if __name__ == "__main__":
     for page in [Path(name).resolve() for name in sys.argv[1:]]:
         with tempfile.TemporaryDirectory() as folder, chdir(folder):
-            drive.write(Path(folder))
+            furnish(Path(folder), page)
             page.write_text(with_what_is_shown(page), encoding="utf-8")

@@ -1,28 +1,50 @@
 """Pages whose Python blocks are run in their order, in an empty folder, and show what the pages say."""
 
+import re
 from pathlib import Path
 
 import matplotlib.pyplot as plt
 import pytest
 
-from tests.scenarios import drive
-from tests.scenarios.pages import cells, run_here
+from tests.scenarios.pages import cells, furnish, run_here
 
 ROOT = Path(__file__).parents[2]
-DOCS = ROOT / "docs"
-OBJECTS = sorted(path.relative_to(DOCS).as_posix() for path in (DOCS / "objects").glob("*.md"))
+OBJECTS = sorted(path.relative_to(ROOT).as_posix() for path in (ROOT / "docs" / "objects").glob("*.md"))
+PAGES = sorted(p.relative_to(ROOT).as_posix() for p in (*ROOT.glob("*.md"), *ROOT.glob("docs/**/*.md")))
+LINK = re.compile(r"\]\((?!https?:)([^)#\s]*)(?:#([^)\s]*))?\)")
 
 
-@pytest.mark.parametrize("page", ["own-fmus.md", "two-masses.md", *OBJECTS])
+@pytest.mark.parametrize("page", ["README.md", "docs/own-fmus.md", "docs/two-masses.md", *OBJECTS])
 def test_blocks_run_and_show_what_the_page_says(page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("MPLBACKEND", "Agg")
-    drive.write(tmp_path)
-    ran = run_here(DOCS / page)
+    furnish(tmp_path, ROOT / page)
+    ran = run_here(ROOT / page)
     plt.close("all")
     assert ran
     for cell, said in ran:
         assert cell.agrees(said), f"{page}, line {cell.line}, shows\n{cell.shown}\nand its block shows\n{said}"
+
+
+def headings(page: Path) -> set[str]:
+    """Names of the headings of a page in links, as GitHub makes them."""
+    lines = re.findall(r"^#+ (.*)$", page.read_text(encoding="utf-8"), re.MULTILINE)
+    return {re.sub(r"[^\w -]", "", line.lower()).replace(" ", "-") for line in lines}
+
+
+@pytest.mark.parametrize(
+    "page", sorted(p.relative_to(ROOT).as_posix() for p in (*ROOT.glob("*.md"), *ROOT.glob("docs/**/*.md")))
+)
+def test_links_lead_somewhere(page: str) -> None:
+    for path, heading in LINK.findall((ROOT / page).read_text(encoding="utf-8")):
+        target = (ROOT / page).parent / path if path else ROOT / page
+        assert target.exists(), f"{page} links to {path}"
+        assert not heading or heading in headings(target), f"{page} links to {path}#{heading}"
+
+
+def test_every_object_has_its_page_in_the_list() -> None:
+    listed = (ROOT / "docs" / "master.md").read_text(encoding="utf-8")
+    assert all(f"({Path(page).relative_to('docs').as_posix()})" in listed for page in OBJECTS)
 
 
 def test_a_block_that_shows_something_else_is_noticed(tmp_path: Path) -> None:
