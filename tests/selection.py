@@ -37,7 +37,11 @@ PROCESSES = (
 QUICK = ("golden/*", "property/*", "unit/*", "faults/*", "conformance/*")
 """Files whose tests are quick unless they have to do with processes or are in `SLOW`."""
 
-SLOW = ("unit/fmus/test_documented_examples.py", "unit/orchestration/analysis/test_stability.py")
+SLOW = (
+    "unit/fmus/test_documented_examples.py",
+    "unit/orchestration/analysis/test_stability.py",
+    "unit/orchestration/test_public_face.py",
+)
 """Files that take seconds though they start no process."""
 
 QUICK_UNITS = ("Plant", "ForceSensor")

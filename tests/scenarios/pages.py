@@ -3,7 +3,7 @@
 A fence of ``python`` is a cell of a notebook: it may print, and its last line may be an expression, whose value is
 shown. A fence of ``text`` right behind it holds what it shows; ``...`` stands for anything.
 
-    uv run python -m tests.scenarios.pages PAGE...    writes into pages what their blocks show now
+    uv run python -m tests.scenarios.pages [PAGE...]    writes into pages what their blocks show now
 """
 
 import ast
@@ -66,6 +66,14 @@ def cells(page: Path) -> list[Cell]:
     return [Cell(page, text.count("\n", 0, m.start("code")) + 1, m["code"], m["shown"]) for m in FENCE.finditer(text)]
 
 
+ROOT = Path(__file__).parents[2]
+PAGES = sorted(p.relative_to(ROOT).as_posix() for p in (*ROOT.glob("*.md"), *ROOT.glob("docs/**/*.md")))
+ELSEWHERE = ("docs/components.md", "docs/write-your-own-controller.md")
+"""Pages whose blocks run in `tests.unit.fmus.test_documented_examples` and `tests.scenarios.test_tutorial`."""
+WITH_BLOCKS = [page for page in PAGES if page not in ELSEWHERE and cells(ROOT / page)]
+"""Pages whose blocks run in their order in an empty folder."""
+
+
 def furnish(folder: Path, page: Path) -> None:
     """Write the FMUs that a page takes for granted into a folder."""
     text = page.read_text(encoding="utf-8")
@@ -96,7 +104,7 @@ def with_what_is_shown(page: Path) -> str:
 
 
 if __name__ == "__main__":
-    for page in [Path(name).resolve() for name in sys.argv[1:]]:
+    for page in [Path(name).resolve() for name in sys.argv[1:]] or [ROOT / name for name in WITH_BLOCKS]:
         with tempfile.TemporaryDirectory() as folder, chdir(folder):
             furnish(Path(folder), page)
             page.write_text(with_what_is_shown(page), encoding="utf-8")
