@@ -145,8 +145,8 @@ class Fmu:
         --------
         >>> from orchestration import Fmu, scenario
         >>> with Fmu(scenario("fig2")["plant"].path) as plant:
-        ...     print(plant.outputs()["x"].round(3), plant.outputs()["gap"].round(3))  # m
-        [1.5 0. ] -2.95
+        ...     print(plant.outputs()["dq"].round(3), plant.outputs()["gap"].round(3))  # rad/s, m
+        [2.094 0.   ] -2.95
         """
         return {name: values[0] for name, values in self._signals.grouped(self._row()[None, :]).items()}
 
