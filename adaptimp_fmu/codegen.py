@@ -58,7 +58,14 @@ def runtime_sources() -> dict[str, str]:
 
 
 def runtime_license() -> str:
-    """Return the license of the runtime and of this toolchain as a text."""
+    """Return the license of the runtime and of this toolchain as a text.
+
+    Examples
+    --------
+    >>> from adaptimp_fmu import runtime_license
+    >>> runtime_license().splitlines()[0]
+    'MIT License'
+    """
     path = importlib.resources.files("adaptimp_fmu") / "templates" / "license.txt"
     return path.read_text(encoding="utf-8")
 

@@ -25,6 +25,23 @@ class ContinuousModel(Model):
     ----------
     dt_max
         Start value of the parameter ``dt_max``, s.
+
+    Examples
+    --------
+    A ball that falls on a soft floor:
+
+    >>> import casadi as ca
+    >>> from adaptimp_fmu import POSITIVE, ContinuousModel, build
+    >>> ball = ContinuousModel("Ball", "A ball above a soft floor", dt_max=1e-3)
+    >>> m = ball.parameter("m", 0.5, unit="kg", limits=POSITIVE, description="Mass")
+    >>> F = ball.input("F", 0.0, unit="N", description="Force upwards")
+    >>> x, v = ball.state("x", 1.0), ball.state("v", 0.0)
+    >>> flying = ball.event("flying", x)  # 1 above the floor, 0 in the floor
+    >>> ball.derivative(x, v)
+    >>> ball.derivative(v, F / m - 9.81 - (1 - flying) * 1e4 * x / m)
+    >>> ball.output("x", x, unit="m", description="Height")
+    >>> build(ball).name
+    'Ball.fmu'
     """
 
     dt_max: float = 1e-4

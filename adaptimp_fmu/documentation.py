@@ -51,6 +51,14 @@ def present(model: Model, icon: Icon, *modules: str) -> None:
     ------
     DefinitionError
         If a docstring is missing.
+
+    Examples
+    --------
+    >>> from adaptimp_fmu import ContinuousModel, Icon, present
+    >>> model = ContinuousModel("Plant", "An arm")
+    >>> present(model, Icon(colour=(40, 90, 140)), "fmus.plant", "fmus.mechanics.planar_arm")
+    >>> list(model.documentation)
+    ['fmus.plant', 'fmus.mechanics.planar_arm']
     """
     texts = {name: importlib.import_module(name).__doc__ for name in modules}
     for name, text in texts.items():

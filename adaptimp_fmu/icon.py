@@ -28,6 +28,12 @@ class Stroke:
         Coordinates (x, y).
     width
         Share of the block's side.
+
+    Examples
+    --------
+    >>> from adaptimp_fmu import Icon, Stroke
+    >>> spring = Stroke([(0.1, 0.5), (0.3, 0.8), (0.5, 0.2), (0.7, 0.8), (0.9, 0.5)])
+    >>> icon = Icon(colour=(150, 60, 40), strokes=[spring, Stroke([(0.9, 0.5)], width=0.15)])
     """
 
     points: Sequence[tuple[float, float]]
@@ -36,7 +42,14 @@ class Stroke:
 
 @dataclass(frozen=True)
 class Icon:
-    """Strokes on a block of a colour (red, green, blue), each 0 to 255."""
+    """Strokes on a block of a colour (red, green, blue), each 0 to 255.
+
+    Examples
+    --------
+    >>> from adaptimp_fmu import ContinuousModel, Icon, Stroke
+    >>> model = ContinuousModel("Cart", "A cart")
+    >>> model.icon = Icon((40, 90, 140), [Stroke([(0.2, 0.3), (0.8, 0.3)]), Stroke([(0.5, 0.6)], width=0.3)])
+    """
 
     colour: tuple[int, int, int] = (70, 80, 95)
     strokes: Sequence[Stroke] = ()

@@ -25,6 +25,12 @@ class Ownership:
         The license in a few words, for example ``"BSD-3-Clause"`` or ``"Confidential"``.
     license_text
         The license's full text. The FMU keeps the text in its folder ``documentation/licenses``.
+
+    Examples
+    --------
+    >>> from adaptimp_fmu import ContinuousModel, Ownership
+    >>> model = ContinuousModel("Cart", "A cart")
+    >>> model.ownership = Ownership(author="Ada Example", version="1.0", license="BSD-3-Clause")
     """
 
     author: str = ""
@@ -56,6 +62,12 @@ class Experiment:
     ------
     DefinitionError
         If a number is not finite, a step or a tolerance is not positive, or the experiment ends before it starts.
+
+    Examples
+    --------
+    >>> from adaptimp_fmu import ContinuousModel, Experiment
+    >>> model = ContinuousModel("Cart", "A cart")
+    >>> model.experiment = Experiment(stop_time=10.0, step_size=1e-3)
     """
 
     start_time: float | None = None

@@ -24,7 +24,17 @@ PerElement = str | Sequence[str]
 
 @dataclass(frozen=True)
 class Limits:
-    """Closed range of a parameter, in its unit."""
+    """Closed range of a parameter, in its unit.
+
+    Examples
+    --------
+    `ANY`, `POSITIVE` and `NOT_NEGATIVE` are limits that are needed often.
+
+    >>> from adaptimp_fmu import NOT_NEGATIVE, ContinuousModel, Limits
+    >>> tank = ContinuousModel("Tank", "A tank with a valve")
+    >>> valve = tank.parameter("valve", 0.5, limits=Limits(0.0, 1.0), description="How far the valve is open")
+    >>> inflow = tank.parameter("inflow", 1.0, unit="m3/s", limits=NOT_NEGATIVE, description="Inflow")
+    """
 
     minimum: float = -float("inf")
     maximum: float = float("inf")
@@ -94,6 +104,17 @@ class Model:
         Author, version, copyright and license; by default the FMU claims none of them.
     experiment
         Default experiment; by default the FMU suggests none.
+
+    Examples
+    --------
+    >>> from adaptimp_fmu import ContinuousModel, Model, Role
+    >>> def names(model: Model, *roles: Role) -> list[str]:
+    ...     return [variable.name for variable in model.with_role(*roles)]
+    >>> spring = ContinuousModel("Spring", "A spring")
+    >>> x = spring.input("x", [0.0, 0.0], unit="m", description="Positions of both ends")
+    >>> spring.output("F", 100.0 * (x[1] - x[0]), unit="N", description="Force")
+    >>> names(spring, Role.INPUT), names(spring, Role.OUTPUT)
+    (['x[1]', 'x[2]'], ['F'])
     """
 
     name: str

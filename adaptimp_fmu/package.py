@@ -38,7 +38,14 @@ _REGULAR_FILE = 0o100644 << 16
 
 
 def default_cache() -> Path:
-    """Return the folder that keeps binaries between builds: ``$ADAPTIMP_CACHE`` or the user's cache folder."""
+    """Return the folder that keeps binaries between builds: ``$ADAPTIMP_CACHE`` or the user's cache folder.
+
+    Examples
+    --------
+    >>> from adaptimp_fmu import default_cache
+    >>> default_cache().is_absolute()
+    True
+    """
     folder = os.environ.get("ADAPTIMP_CACHE")
     return Path(folder) if folder else Path(platformdirs.user_cache_path("adaptimp"))
 
@@ -68,6 +75,15 @@ def build(
     Raises
     ------
     DefinitionError, ToolchainError
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> from adaptimp_fmu import ContinuousModel, build
+    >>> clock = ContinuousModel("Clock", "Time as an output")
+    >>> clock.output("t", clock.time, unit="s", description="Time")
+    >>> build(clock, Path("built")).as_posix()
+    'built/Clock.fmu'
     """
     cache = cache or default_cache()
     sources, description = definition(model)

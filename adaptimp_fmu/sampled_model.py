@@ -29,6 +29,20 @@ class SampledModel(Model):
     ----------
     sample_time
         Start value of the parameter ``sample_time``, s.
+
+    Examples
+    --------
+    A controller that sums up the error, once in a millisecond:
+
+    >>> from adaptimp_fmu import NOT_NEGATIVE, SampledModel, build
+    >>> controller = SampledModel("Integral", "Integral controller", sample_time=1e-3)
+    >>> gain = controller.parameter("gain", 2.0, unit="N/m.s", limits=NOT_NEGATIVE, description="Gain", tunable=True)
+    >>> error = controller.input("error", 0.0, unit="m", description="Wanted less measured position")
+    >>> F = controller.state("F", 0.0)
+    >>> controller.update(F, F + controller.period * gain * error)
+    >>> controller.output("F", F, unit="N", description="Force")
+    >>> build(controller).name
+    'Integral.fmu'
     """
 
     sample_time: float = 1e-4

@@ -37,6 +37,14 @@ class Platform:
         Target of the compiler; Linux with glibc 2.17, macOS 11.
     flags
         Flags of the compiler besides `FLAGS`; ``{library}`` stands for the library's file name.
+
+    Examples
+    --------
+    >>> from adaptimp_fmu import PLATFORMS
+    >>> sorted(PLATFORMS)
+    ['aarch64-darwin', 'aarch64-linux', 'darwin64', 'linux64', 'win64']
+    >>> PLATFORMS["win64"].extension
+    '.dll'
     """
 
     name: str
@@ -67,6 +75,12 @@ def host_platform() -> Platform:
     ------
     ToolchainError
         If FMUs cannot be built for it.
+
+    Examples
+    --------
+    >>> from adaptimp_fmu import PLATFORMS, host_platform
+    >>> host_platform() in PLATFORMS.values()
+    True
     """
     machine = platform.machine().lower()
     machine = {"amd64": "x86_64", "arm64": "aarch64"}.get(machine, machine)

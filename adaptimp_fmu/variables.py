@@ -14,7 +14,16 @@ _NAME = re.compile(r"[A-Za-z_]\w*(\[[1-9]\d*\])?", re.ASCII)
 
 
 class Role(enum.Enum):
-    """Role of a variable: parameter, input or output; the value is the role's name in the runtime."""
+    """Role of a variable: parameter, input or output; the value is the role's name in the runtime.
+
+    Examples
+    --------
+    >>> from adaptimp_fmu import Role, SampledModel
+    >>> model = SampledModel("Gain", "A gain")
+    >>> k = model.parameter("k", 2.0, description="Gain", tunable=True)
+    >>> [variable.name for variable in model.with_role(Role.FIXED_PARAMETER, Role.TUNABLE_PARAMETER)]
+    ['sample_time', 'k']
+    """
 
     FIXED_PARAMETER = "ROLE_FIXED_PARAMETER"
     TUNABLE_PARAMETER = "ROLE_TUNABLE_PARAMETER"
@@ -28,7 +37,17 @@ class Role(enum.Enum):
 
 
 class Type(enum.Enum):
-    """Type of a variable in FMI 2.0; the value is the element's name in modelDescription.xml."""
+    """Type of a variable in FMI 2.0; the value is the element's name in modelDescription.xml.
+
+    Examples
+    --------
+    >>> from adaptimp_fmu import SampledModel, Type
+    >>> model = SampledModel("Counter", "Counts ticks while it is enabled")
+    >>> enabled = model.input("enabled", 1, type=Type.BOOLEAN, description="Whether it counts")
+    >>> n = model.state("n", 0)
+    >>> model.update(n, n + enabled)
+    >>> model.output("n", n, type=Type.INTEGER, description="Number of ticks")
+    """
 
     REAL = "Real"
     INTEGER = "Integer"
@@ -61,6 +80,14 @@ class Variable:
     ------
     DefinitionError
         If FMI 2.0 or a reader could not use the variable.
+
+    Examples
+    --------
+    >>> from adaptimp_fmu import SampledModel
+    >>> model = SampledModel("Gain", "A gain")
+    >>> k = model.parameter("k", [2.0, 3.0], unit="N/m", description="Gain for each axis")
+    >>> [(variable.name, variable.start, variable.unit) for variable in model.variables]
+    [('sample_time', 0.0001, 's'), ('k[1]', 2.0, 'N/m'), ('k[2]', 3.0, 'N/m')]
     """
 
     name: str

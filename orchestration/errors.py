@@ -31,6 +31,16 @@ class RecordedRows(Protocol):
         """Values, float64, shape (n_rows, n_columns), in the units of the columns."""
         ...
 
+    @property
+    def status(self) -> str:
+        """``failed`` or ``interrupted``, or ``complete`` of a run that came to its end."""
+        ...
+
+    @property
+    def message(self) -> str:
+        """Why the status is not ``complete``, as a sentence."""
+        ...
+
     def __getitem__(self, name: str, /) -> "np.ndarray":
         """Values of a column, float64, shape (n_rows,)."""
         ...
@@ -40,11 +50,37 @@ class RecordedRows(Protocol):
 
 
 class OrchestrationError(Exception):
-    """Base class of all errors of the orchestration package."""
+    """Base class of all errors of the orchestration package.
+
+    Examples
+    --------
+    >>> from orchestration import OrchestrationError, scenario, simulate
+    >>> system = scenario("fig2")
+    >>> for step in (1e-4, 3e-4):
+    ...     try:
+    ...         print(step, len(simulate(system, stop_time=0.3, step=step).time), "rows")
+    ...     except OrchestrationError as error:
+    ...         print(step, type(error).__name__)
+    0.0001 3001 rows
+    0.0003 SystemDescriptionError
+    """
 
 
 class UnknownNameError(OrchestrationError, KeyError):
-    """A name that nothing bears; the message gives near names."""
+    """A name that nothing bears; the message gives near names.
+
+    Examples
+    --------
+    It is a KeyError, as that of a dictionary:
+
+    >>> from orchestration import UnknownNameError, scenario, simulate
+    >>> result = simulate(scenario("fig2"), stop_time=0.01)
+    >>> try:
+    ...     result["plant.X"]
+    ... except KeyError as error:
+    ...     print(error)
+    The result has no column plant.X; did you mean plant.x...
+    """
 
     def __str__(self) -> str:
         """The message as it is; a KeyError would quote it."""
@@ -52,15 +88,52 @@ class UnknownNameError(OrchestrationError, KeyError):
 
 
 class ArchiveError(OrchestrationError):
-    """Error of an FMU or SSP archive that is missing, invalid or unsafe to unpack."""
+    """Error of an FMU or SSP archive that is missing, invalid or unsafe to unpack.
+
+    Examples
+    --------
+    >>> from orchestration import ArchiveError, Component
+    >>> found = []
+    >>> for file in ("Missing.fmu", "AlsoMissing.fmu"):
+    ...     try:
+    ...         found.append(Component.read(file))
+    ...     except ArchiveError as error:
+    ...         print("left out:", error)
+    left out: ...Missing.fmu: there is no such FMU...
+    left out: ...AlsoMissing.fmu: there is no such FMU...
+    """
 
 
 class SystemDescriptionError(OrchestrationError):
-    """Error in the description of a coupled system, its options or its algorithm."""
+    """Error in the description of a coupled system, its options or its algorithm.
+
+    Examples
+    --------
+    Nothing has been run when it is raised, so a wrong attempt leaves the system as it was:
+
+    >>> from orchestration import SystemDescriptionError, scenario
+    >>> system = scenario("fig2")
+    >>> try:
+    ...     system = system.connect("plant.x -> plant.tau")  # metres are no torque
+    ... except SystemDescriptionError as error:
+    ...     print(error)
+    Connection plant.x[1] -> plant.tau[1]: ...
+    """
 
 
 class SignalError(OrchestrationError, ValueError):
-    """A name, a shape, a value or a time does not fit the FMU that is driven."""
+    """A name, a shape, a value or a time does not fit the FMU that is driven.
+
+    Examples
+    --------
+    >>> from orchestration import Fmu, SignalError, scenario
+    >>> with Fmu(scenario("fig2")["plant"].path) as plant:
+    ...     try:
+    ...         plant.set(tau=[1.0, 2.0, 3.0])  # N.m; the arm has two joints
+    ...     except SignalError as error:
+    ...         print(error)
+    Plant: tau ... (2,)... (3,)...
+    """
 
 
 class SimulationError(OrchestrationError):
@@ -70,6 +143,21 @@ class SimulationError(OrchestrationError):
     ----------
     result
         All complete rows; None if the run failed before the first row.
+
+    Examples
+    --------
+    The rows until the failure are there to be looked at:
+
+    >>> from orchestration import SimulationError, scenario, simulate
+    >>> stiff = scenario("fig2").set({"controller.K": 1e8})  # N/m, far too much for a step of 0.1 ms
+    >>> try:
+    ...     simulate(stiff, algorithm="jacobi")
+    ... except SimulationError as error:
+    ...     last = error.result
+    ...     print(error)
+    plant: ... at t = 0.00... s ...
+    >>> last.status, bool(last.time[-1] < 0.01), bool(abs(last["plant.dq"]).max() > 100)  # s, rad/s
+    ('failed', True, True)
     """
 
     def __init__(self, message: str, result: RecordedRows | None = None) -> None:
@@ -78,7 +166,18 @@ class SimulationError(OrchestrationError):
 
 
 class InitializationError(SimulationError):
-    """Error of a component before the first step, for example on an invalid start value."""
+    """Error of a component before the first step, for example on an invalid start value.
+
+    Examples
+    --------
+    >>> from orchestration import InitializationError, scenario, simulate
+    >>> tilted = scenario("fig2").set({"plant.wall_normal": [-1.0, 0.5]})  # a normal has length 1
+    >>> try:
+    ...     simulate(tilted)
+    ... except InitializationError as error:
+    ...     print(error.result, "wall_normal" in str(error))
+    None True
+    """
 
 
 class RunInterrupted(KeyboardInterrupt):
@@ -88,6 +187,20 @@ class RunInterrupted(KeyboardInterrupt):
     ----------
     result
         All complete rows.
+
+    Examples
+    --------
+    Ctrl-C raises it; here a function that shows progress does the same.
+
+    >>> from orchestration import Result, RunInterrupted, scenario, simulate
+    >>> def enough(done, total):
+    ...     raise KeyboardInterrupt
+    >>> try:
+    ...     simulate(scenario("fig2"), progress=enough)
+    ... except RunInterrupted as interrupt:
+    ...     interrupt.result.write("until_here.parquet")
+    >>> Result.read("until_here.parquet").status
+    'interrupted'
     """
 
     def __init__(self, result: RecordedRows) -> None:

@@ -41,6 +41,7 @@ SLOW = (
     "faults/test_cli_examples.py",
     "unit/fmus/test_documented_examples.py",
     "unit/orchestration/analysis/test_stability.py",
+    "unit/orchestration/test_public_face.py",
 )
 """Files that take seconds though they start no process."""
 

@@ -58,6 +58,17 @@ class PowerBond:
     ------
     SystemDescriptionError
         If the sign is neither 1 nor -1.
+
+    Examples
+    --------
+    >>> from orchestration import PowerBond, System, ledger, scenario, simulate
+    >>> fig2 = scenario("fig2")
+    >>> system = System.of({name: fig2[name] for name in ("trajectory", "sensor", "controller", "plant")})
+    >>> system = system.connect().connect("controller.tau_cmd -> plant.tau")  # without actuators
+    >>> result = simulate(system, stop_time=2.0, step=1e-4)
+    >>> motors = [PowerBond(f"controller.tau_cmd[{i}]", f"plant.dq[{i}]") for i in (1, 2)]  # N.m times rad/s
+    >>> [round(float(ledger(result, motor, system).received[-1]), 1) for motor in motors]  # J
+    [1.6, -1.6]
     """
 
     effort: str
@@ -76,7 +87,7 @@ class PowerBond:
         return f"{self.effort} * {self.flow}"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Ledger:
     """Energies through a power bond since the start of a run.
 
@@ -90,12 +101,32 @@ class Ledger:
         Energy given by the component that has the effort as output, J, shape (n_rows,).
     received
         Energy received by the component that has the flow as output, J, shape (n_rows,).
+
+    Examples
+    --------
+    >>> from orchestration import PowerBond, System, ledger, scenario, simulate
+    >>> fig2 = scenario("fig2")
+    >>> system = System.of({name: fig2[name] for name in ("trajectory", "sensor", "controller", "plant")})
+    >>> system = system.connect().connect("controller.tau_cmd -> plant.tau")  # without actuators
+    >>> result = simulate(system, stop_time=2.0, step=1e-4)
+    >>> shoulder = ledger(result, PowerBond("controller.tau_cmd[1]", "plant.dq[1]"), system)
+    >>> shoulder
+    <Ledger of controller.tau_cmd[1] * plant.dq[1]: given 1.52543 J, received 1.56343 J, residual +0.038 J at t = 2 s>
+    >>> float(shoulder.residual[-1].round(3))  # J, which holding the torque has added
+    0.038
     """
 
     bond: PowerBond
     time: np.ndarray
     given: np.ndarray
     received: np.ndarray
+
+    def __repr__(self) -> str:
+        """Bond, and the energies at the end of the run."""
+        if not len(self.time):
+            return f"<Ledger of {self.bond}: no rows>"
+        ends = f"given {self.given[-1]:.6g} J, received {self.received[-1]:.6g} J"
+        return f"<Ledger of {self.bond}: {ends}, residual {self.residual[-1]:+.3g} J at t = {self.time[-1]:g} s>"
 
     @property
     def residual(self) -> np.ndarray:
@@ -128,6 +159,19 @@ def ledger(result: Result, bond: PowerBond, system: System, algorithm: str | Alg
         If effort and flow are not connected to each other, or their product is not a power.
     OrchestrationError
         If the result has no column of the effort or of the flow.
+
+    Examples
+    --------
+    >>> from orchestration import PowerBond, System, ledger, scenario, simulate
+    >>> fig2 = scenario("fig2")
+    >>> system = System.of({name: fig2[name] for name in ("trajectory", "sensor", "controller", "plant")})
+    >>> system = system.connect().connect("controller.tau_cmd -> plant.tau")  # without actuators
+    >>> result = simulate(system, stop_time=2.0, step=1e-4)
+    >>> energy = ledger(result, PowerBond("controller.tau_cmd[1]", "plant.dq[1]"), system)
+    >>> fine = simulate(system.with_sample_time(1e-5), stop_time=2.0)
+    >>> finer = ledger(fine, energy.bond, system)
+    >>> round(float(energy.residual[-1] / finer.residual[-1]))  # a tenth of the step, a tenth of the residual
+    10
     """
     require_type("The bond", bond, PowerBond, "give one, as PowerBond('wall.F', 'mass.v')")
     require_type("The result", result, Result, "give the Result of a run of the system")

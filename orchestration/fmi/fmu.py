@@ -18,6 +18,7 @@ import struct
 from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, field
+from html import escape
 from os import PathLike
 from types import TracebackType
 from typing import Any, Self
@@ -28,13 +29,15 @@ from orchestration.errors import InitializationError, SignalError, SimulationErr
 from orchestration.fmi.arrays import Signals, Value
 from orchestration.fmi.codes import Status, accepted
 from orchestration.fmi.description import Variable, read_description
-from orchestration.fmi.given import a_number, a_path, positive, require_type, shown
+from orchestration.fmi.display import Variables, variables_html
+from orchestration.fmi.given import a_number, a_path, require_type
 from orchestration.fmi.instance import Instance
 from orchestration.fmi.library import needed_to_run
 from orchestration.fmi.logging import Messages
+from orchestration.fmi.start_values import by_time
+from orchestration.fmi.step_times import as_times, number_of_steps, require_step
 from orchestration.sandbox.archive import unpacked
 
-GRID_TOLERANCE = 1e-9  # by which, in steps, a first time may miss the FMU's; that of the ticks of our own FMUs
 _HEAD = struct.Struct("<16sddqq")  # of a saved state: which FMU; origin, step, steps since the origin, steps
 
 
@@ -78,6 +81,16 @@ class Fmu:
         If the FMU refuses its start values.
     SignalError
         If a start value has a wrong name, shape or type.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from orchestration import Fmu, scenario
+    >>> file = scenario("fig2")["plant"].path  # any FMU of yours
+    >>> with Fmu(file, q_start=[0.3, 1.0], dq_start=[0.0, 0.0]) as plant:
+    ...     rows = plant.drive(1e-3, {"tau": np.full((100, 2), 0.5)})  # N.m, a row for each step of 1 ms
+    ...     print(plant, rows["q"].shape, rows["q"][-1].round(4))
+    <Fmu Plant at t = 0.1 s> (100, 2) [0.2995 1.0033]
     """
 
     def __init__(
@@ -102,7 +115,7 @@ class Fmu:
             folder = opened.enter_context(unpacked(self.description.path, needed_to_run))
             self._instance = Instance.open(self.name, self.description, folder, messages=self.messages)
             opened.callback(self._instance.close)
-            others, inputs = self._start_values({**(start or {}), **values})
+            others, inputs = by_time(self.description, {**(start or {}), **values})
             self.set(others)
             self._call("fmi2SetupExperiment", 0, 0.0, self.time, 0, 0.0)
             self._call("fmi2EnterInitializationMode")
@@ -115,10 +128,15 @@ class Fmu:
         state = f"at t = {self.time:.12g} s" if self._instance.is_open else "closed"
         return f"<Fmu {self.name} {state}>"
 
+    def _repr_html_(self) -> str:
+        state = f"at t = {self.time:.12g} s" if self._instance.is_open else "closed"
+        table = variables_html(self.variables, {})
+        return f"<div><p><b>FMU {escape(self.name)}</b> {state}; {escape(self.path.name)}</p>{table}</div>"
+
     @property
     def variables(self) -> Mapping[str, Variable]:
         """All variables by name."""
-        return self.description.variables
+        return Variables(self.description.variables)
 
     @property
     def time(self) -> float:
@@ -126,7 +144,15 @@ class Fmu:
         return self._origin + self._k * self._h
 
     def outputs(self) -> dict[str, np.ndarray]:
-        """Outputs as they are now, by name, float64: of shape (), arrays of shape (k,)."""
+        """Outputs as they are now, by name, float64: of shape (), arrays of shape (k,).
+
+        Examples
+        --------
+        >>> from orchestration import Fmu, scenario
+        >>> with Fmu(scenario("fig2")["plant"].path) as plant:
+        ...     print(plant.outputs()["dq"].round(3), plant.outputs()["gap"].round(3))  # rad/s, m
+        [2.094 0.   ] -2.95
+        """
         return {name: values[0] for name, values in self._signals.grouped(self._row()[None, :]).items()}
 
     def set(self, values: Mapping[str, Value] | None = None, /, **more: Value) -> None:
@@ -140,6 +166,13 @@ class Fmu:
             If the FMU refuses.
         SignalError
             If a name, a shape or a type is wrong; then nothing is set.
+
+        Examples
+        --------
+        >>> from orchestration import Fmu, scenario
+        >>> with Fmu(scenario("fig2")["plant"].path) as plant:
+        ...     plant.set(tau=[0.5, 0.0])  # N.m
+        ...     plant.set({"tau[2]": 0.1})
         """
         given = {**(values or {}), **more}
         rows = {name: self._signals.rows(name, [value]) for name, value in given.items()}
@@ -155,8 +188,17 @@ class Fmu:
             If the FMU does not accept the step.
         SignalError
             If h is not positive.
+
+        Examples
+        --------
+        >>> from orchestration import Fmu, scenario
+        >>> with Fmu(scenario("fig2")["plant"].path) as plant:
+        ...     while plant.outputs()["x[1]"] > 1.4:  # m
+        ...         plant.step(1e-3)
+        ...     print(f"{plant.time:.3f} s")
+        0.377 s
         """
-        self._require_step(h)
+        require_step(self.name, self.time, h)
         self._do_step(float(h))
         if h != self._h:
             self._origin, self._h, self._k = self.time, float(h), 0
@@ -187,10 +229,21 @@ class Fmu:
             If the FMU refuses a call; says at which time and step.
         SignalError
             If a name, a shape, a type or a time is wrong; then nothing has been done.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from orchestration import Fmu, scenario
+        >>> times = np.linspace(0.0, 0.5, 501)  # s
+        >>> torques = np.column_stack([np.sin(times[:-1]), np.zeros(500)])  # N.m
+        >>> with Fmu(scenario("fig2")["plant"].path) as plant:
+        ...     rows = plant.drive(times, {"tau": torques})
+        >>> rows["q"].shape, rows["gap"].shape
+        ((500, 2), (500,))
         """
         rows = {name: self._signals.rows(name, value, driven=True) for name, value in (inputs or {}).items()}
-        points = self._times(times)
-        n = self._number_of_steps(points, [len(values) for values in rows.values()])
+        points = as_times(self.name, times)
+        n = number_of_steps(self.name, points, self.time, [len(values) for values in rows.values()])
         wrong = [f"{name} has {len(values)}" for name, values in rows.items() if len(values) != n]
         if wrong:
             msg = f"{self.name}: {n} steps, but {', '.join(wrong)} rows; an input has one row per step."
@@ -217,6 +270,17 @@ class Fmu:
             If the FMU saves no state.
         SimulationError
             If a call fails.
+
+        Examples
+        --------
+        >>> from orchestration import Fmu, scenario
+        >>> with Fmu(scenario("fig2")["plant"].path) as plant:
+        ...     plant.step(1e-3)
+        ...     state = plant.save()
+        ...     plant.step(1e-3)
+        ...     plant.restore(state)
+        ...     print(plant.time)
+        0.001
         """
         self._require_open()
         state = self._instance.save()
@@ -275,51 +339,9 @@ class Fmu:
     ) -> None:
         self.close()
 
-    def _start_values(self, given: Mapping[str, Value]) -> tuple[dict[str, Value], dict[str, Value]]:
-        """Start values that go in before initialization mode, and those of inputs, which go in within."""
-        inputs = self.description.of_causality("input")
-        called = {v.name: (v.name, v.name.partition("[")[0]) for v in inputs}  # an element also by its array
-        names = {name for both in called.values() for name in both}
-        others = {name: value for name, value in given.items() if name not in names}
-        driven = {name: value for name, value in given.items() if name in names}
-        declared = {v.name: v.start for v in inputs if v.start is not None and driven.keys().isdisjoint(called[v.name])}
-        return others, declared | driven
-
     def _key(self) -> bytes:
         """Return a key that marks the states of this FMU, so that a state of another FMU is noticed."""
         return hashlib.sha256(self.description.guid.encode()).digest()[:16]
-
-    def _number_of_steps(self, points: np.ndarray, lengths: Sequence[int]) -> int:
-        """Return the number of steps, from the communication points, which are checked, or else from the inputs."""
-        if points.ndim == 0:
-            self._require_step(float(points))
-            if not lengths:
-                msg = f"{self.name}: without inputs, drive needs all communication points, not the step alone."
-                raise SignalError(msg)
-            return lengths[0]
-        if points.ndim != 1 or len(points) < 2 or not np.isfinite(points).all() or not np.all(np.diff(points) > 0):
-            said = np.array2string(points, threshold=6)
-            msg = f"{self.name}: times must be n + 1 finite, increasing communication points, in s; got {said}."
-            raise SignalError(msg)
-        if abs(points[0] - self.time) > GRID_TOLERANCE * (points[1] - points[0]):
-            msg = f"{self.name}: times begin at {points[0]:.12g} s, but the FMU is at t = {self.time:.12g} s."
-            raise SignalError(msg)
-        return len(points) - 1
-
-    def _times(self, times: Any) -> np.ndarray:
-        try:
-            return np.asarray(times, dtype=float)
-        except (TypeError, ValueError) as error:
-            msg = f"{self.name}: times are {shown(times)}; give a step, or communication points, as numbers in s."
-            raise SignalError(msg) from error
-
-    def _require_step(self, h: float) -> None:
-        positive(f"{self.name}: the step at t = {self.time:.12g} s", h, SignalError)
-        if self.time + h == self.time:
-            msg = (
-                f"{self.name}: the step of {h!r} s does not advance the time t = {self.time:.12g} s; use a larger step."
-            )
-            raise SignalError(msg)
 
     def _do_step(self, h: float) -> None:
         self._call("fmi2DoStep", self.time, h, 1)

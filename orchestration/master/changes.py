@@ -9,7 +9,8 @@ import numpy as np
 from orchestration.errors import SystemDescriptionError
 from orchestration.master.time_grid import Grid
 from orchestration.system.component import Component
-from orchestration.system.system import RATIO_TOLERANCE, System
+from orchestration.system.sampling import RATIO_TOLERANCE
+from orchestration.system.system import System
 
 Changes = Mapping[float, Mapping[str, Any]]
 """Values by ``component.variable``, by the time of the change, s."""

@@ -10,6 +10,7 @@ from orchestration.errors import InitializationError
 from orchestration.fmi.codes import ONE_INSTANCE, REAL, WORST_ACCEPTED, accepted
 from orchestration.fmi.instance import Instance
 from orchestration.fmi.library import needed_to_run
+from orchestration.fmi.start_values import by_time
 from orchestration.master.algebraic_loops import solve_loops
 from orchestration.master.flatten import Assembly
 from orchestration.master.kernel.codes import CALL_NAMES, Column
@@ -106,13 +107,11 @@ def initialize(
 
 def _start(component: Component, instance: Instance, t0: float) -> None:
     """Set the start values of a component, and enter initialization mode."""
-    inputs = component.description.of_causality("input")
-    given = {v.name: v.start for v in inputs if v.start is not None} | dict(component.start)
-    driven = {v.name for v in inputs}
-    set_values(component, instance, {name: value for name, value in given.items() if name not in driven})
+    before, within = by_time(component.description, component.start)
+    set_values(component, instance, before)
     instance.set_up(t0)
     instance.call("fmi2EnterInitializationMode")
-    set_values(component, instance, {name: value for name, value in given.items() if name in driven})
+    set_values(component, instance, within)
 
 
 def set_values(component: Component, instance: Instance, values: Mapping[str, float]) -> None:

@@ -22,6 +22,17 @@ class Crossings:
         As ``component.variable``, Real.
     tolerance
         How closely the change is located, s.
+
+    Examples
+    --------
+    The arm touches its wall somewhere within a step, and a row is recorded there:
+
+    >>> from orchestration import Crossings, Options, scenario, simulate
+    >>> options = Options(crossings=Crossings(["plant.gap"], tolerance=1e-9))
+    >>> result = simulate(scenario("fig2"), stop_time=0.92, record="plant.gap", options=options)
+    >>> touch = abs(result["plant.gap"]).argmin()
+    >>> round(float(result.time[touch]), 6), bool(abs(result["plant.gap"][touch]) < 1e-8)
+    (0.917583, True)
     """
 
     outputs: Sequence[str] = ()
@@ -72,6 +83,13 @@ class Options:
     ------
     SystemDescriptionError
         If `every` or a ratio is not a positive integer, or the pace is not a positive number.
+
+    Examples
+    --------
+    >>> from orchestration import Options, scenario, simulate
+    >>> result = simulate(scenario("fig2"), stop_time=1.0, options=Options(every=100, strict=True))
+    >>> len(result.time), float(result.time[1])  # a row in 100 steps of 0.1 ms
+    (101, 0.01)
     """
 
     record: str | Collection[str] | None = None

@@ -131,3 +131,19 @@ def _numbers(values: Mapping[str, float | None]) -> dict[str, float | str | None
 def _json(value: Any) -> str:
     """Write a value as JSON."""
     return json.dumps(value, ensure_ascii=False, allow_nan=False)
+
+
+def told_afterwards(changes: Sequence[Sequence[float | str]], state: Any) -> dict[str, str]:
+    """Metadata of a run that are known at its end only.
+
+    Parameters
+    ----------
+    changes
+        Time, s, variable and value of everything that was set during the run.
+    state
+        State of the loop that counts the effort of the algorithm; None if the algorithm makes each step once.
+    """
+    told = {"changes": json.dumps(changes)} if changes else {}
+    if state is not None:
+        told |= {"steps_made": state.steps_made, "steps_rejected": state.rejected, "sweeps": state.iterations}
+    return {key: str(value) for key, value in told.items()}

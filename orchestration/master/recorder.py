@@ -65,8 +65,12 @@ class Recorder:
         self.count -= n
 
     def reset(self, times: np.ndarray, rows: np.ndarray) -> None:
-        """Replace all rows by the given rows, shape (n, n_columns), at `times`, s, shape (n,)."""
+        """Replace all rows by the given rows, shape (n, n_columns), at `times`, s, shape (n,).
+
+        Rows that `rows` returned before stay as they are, because new memory is taken.
+        """
         self._full, self.count = [], len(times)
+        self._times, self._rows = np.empty_like(self._times), np.empty_like(self._rows)
         if self._fixed:
             self._filled = len(times)
             self._times[: len(times)], self._rows[: len(times)] = times, rows

@@ -8,7 +8,10 @@ import numpy as np
 
 from orchestration.errors import SystemDescriptionError
 from orchestration.fmi.instance import Instance
+from orchestration.master.algorithm import Algorithm
+from orchestration.master.driven import DrivenInputs
 from orchestration.master.flatten import Assembly
+from orchestration.master.options import Options
 from orchestration.master.recorder import Recorder
 from orchestration.master.snapshot import Snapshot
 from orchestration.master.step_arrays import Layout
@@ -80,3 +83,9 @@ class Saving:
             for instance, state in zip(self.instances, snapshot.states, strict=True):
                 instance.free_state(state)
         self.kept.clear()
+
+
+def choices(algorithm: Algorithm, options: Options, inputs: DrivenInputs) -> list[object]:
+    """Return what a run must share with a snapshot that it restores, beside its system, columns and points."""
+    chosen: list[object] = [repr(algorithm), options.every, sorted(options.ratios.items()), repr(options.crossings)]
+    return [*chosen, inputs.digest] if inputs else chosen

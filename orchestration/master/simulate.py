@@ -44,7 +44,19 @@ __all__ = ["ALGORITHMS", "Options", "Progress", "UnconnectedInputWarning", "prep
 
 
 class UnconnectedInputWarning(UserWarning):
-    """Warning that inputs without a connection keep their start values during the run."""
+    """Warning that inputs without a connection keep their start values during the run.
+
+    Examples
+    --------
+    >>> import warnings
+    >>> from orchestration import System, UnconnectedInputWarning, scenario, simulate
+    >>> alone = System.of({"arm": scenario("fig2")["plant"]})
+    >>> with warnings.catch_warnings():
+    ...     warnings.simplefilter("ignore", UnconnectedInputWarning)  # no torque is what is wanted
+    ...     result = simulate(alone, stop_time=0.1, step=1e-3)
+    >>> alone.unconnected_inputs()
+    ['arm.tau[1]', 'arm.tau[2]']
+    """
 
 
 def simulate(
@@ -114,6 +126,15 @@ def simulate(
         If a component fails. ``error.result`` holds the rows before the failure.
     RunInterrupted
         If the user interrupts the run. ``error.result`` holds the rows before the interrupt.
+
+    Examples
+    --------
+    >>> from orchestration import scenario, simulate
+    >>> result = simulate(scenario("fig2"), stop_time=1.2, record=["plant.x", "controller.e"])
+    >>> result
+    <Result: 12001 rows, t = 0 to 1.2 s, 4 columns (plant.x[1], plant.x[2], controller.e[1], controller.e[2])>
+    >>> float(result["plant.x[1]"].min().round(3))  # m; the wall is at -1.45
+    -1.456
     """
     system = _system(system)
     if not (isinstance(progress, bool) or callable(progress)):
@@ -164,6 +185,14 @@ def stream(
         If the file cannot be written, and where `simulate` raises one of the subclasses.
     RunInterrupted
         If the user interrupts the run.
+
+    Examples
+    --------
+    >>> from orchestration import Result, scenario, stream
+    >>> stream("long.parquet", scenario("fig2"), stop_time=0.5, record="plant.*")
+    5001
+    >>> Result.read("long.parquet")["plant.x"].shape
+    (5001, 2)
     """
     file = a_path("The file for the rows", path)
     given = {"record": record, "inputs": inputs, "changes": changes, "pace": pace}
@@ -203,6 +232,15 @@ def prepare(
     ------
     SystemDescriptionError
         If the system cannot be run as asked.
+
+    Examples
+    --------
+    >>> from orchestration import prepare, scenario
+    >>> with prepare(scenario("fig2"), stop_time=0.5) as run:
+    ...     while run.time < 0.5 and abs(run.result()["controller.e"][-1]).max() < 5e-3:  # m
+    ...         run.run(until=round(run.time + 0.1, 9))
+    ...     print(run.time, len(run.result()["time"]))
+    0.5 5001
     """
     require_type("The system", system, System, "give a System, as System.read('loop.ssp')")
     options = _chosen(options, {"inputs": inputs, "changes": changes, "pace": pace})

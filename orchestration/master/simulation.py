@@ -1,22 +1,13 @@
 """A running simulation of a system, which can be saved, taken back, branched and continued.
 
-    with prepare(system, stop_time=2.0, step=1e-4) as simulation:
-        simulation.run(until=1.0)
-        snapshot = simulation.save()
-        simulation.run()                              # to the stop time
-        simulation.restore(snapshot)
-        simulation.set({"controller.K[1]": 2000.0})
-        simulation.run()                              # another second half
-        result = simulation.result()
-
 An algorithm that neither extrapolates nor corrects inputs nor controls its step uses the short loop of
 `kernel.fixed_step`. Other algorithms use the loop of `kernel.step_control`. A loop is called for about a tenth of a
 second at a time, so that interrupts are noticed and progress is shown.
 """
 
-import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
+from dataclasses import replace
 from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Self
@@ -47,10 +38,12 @@ from orchestration.master.kernel.codes import Failure
 from orchestration.master.memory import require_memory
 from orchestration.master.options import Options
 from orchestration.master.outside import Outside
+from orchestration.master.provenance import told_afterwards
 from orchestration.master.recorder import Recorder, Sink, not_finite
-from orchestration.master.saving import Saving
+from orchestration.master.saving import Saving, choices
 from orchestration.master.snapshot import Snapshot, identity
 from orchestration.master.time_grid import Grid
+from orchestration.results.columns import FAILED, INTERRUPTED
 from orchestration.results.formats import require_parquet
 from orchestration.results.result import Result
 from orchestration.system.system import System
@@ -83,6 +76,21 @@ class Simulation:
         If the system does not allow the algorithm or the options.
     InitializationError
         On entry, if a component refuses its start values.
+
+    Examples
+    --------
+    >>> from orchestration import prepare, scenario
+    >>> with prepare(scenario("fig2"), stop_time=1.2) as run:
+    ...     run.run(until=0.9)  # s; soon the arm touches the wall
+    ...     before = run.save()
+    ...     run.run()
+    ...     stiff = run.result()
+    ...     run.restore(before)
+    ...     run.set({"controller.K": 2000.0})  # N/m
+    ...     run.run()
+    ...     soft = run.result()
+    >>> round(1e3 * float(stiff["plant.x[1]"][-1] - soft["plant.x[1]"][-1]), 1)  # mm, when the wall is left
+    0.7
     """
 
     compile_seconds: float
@@ -135,7 +143,10 @@ class Simulation:
             if known is not None and self._path is None:
                 require_memory(self.system.name, self.grid.n, known, len(self._columns))
             self._recorder = Recorder(len(self._columns), known, self._sink(stack))
-            self._saving = self._make_saving()
+            known_by = choices(self.algorithm, self.options, self._outside.inputs)
+            name = identity(self.system, self._columns, self.grid.times, known_by)
+            parts = (self._instances, self._assembly, self._layout, self._recorder)
+            self._saving = Saving(self.system.name, name, *parts)
             stack.callback(self._saving.free)
             times, rows = self._recorder.room()
             times[0], rows[0, len(self._assembly.columns) :] = self.grid.times[0], 0.0
@@ -230,7 +241,7 @@ class Simulation:
                 if self._outside.pacer is not None:
                     self._outside.pacer.wait(self.time)
         except KeyboardInterrupt as interrupt:
-            raise RunInterrupted(self.result()) from interrupt
+            raise RunInterrupted(self._broken_off(INTERRUPTED, "The run was interrupted.")) from interrupt
 
     def result(self) -> Result:
         """Return the rows recorded so far; the arrays are views of the run's memory where that is possible."""
@@ -238,6 +249,9 @@ class Simulation:
         times, rows = self._recorder.rows()
         periods = self.system.sample_times
         return Result(times, self._columns, rows, self._units, self.steps_per_tick, self._described(), periods)
+
+    def _broken_off(self, status: str, message: str) -> Result:
+        return replace(self.result(), status=status, message=message)
 
     @property
     def steps_per_tick(self) -> dict[str, int]:
@@ -247,8 +261,8 @@ class Simulation:
             return {}
         return {name: n // every for name, n in self.grid.steps_per_tick.items() if n % every == 0}
 
-    def set(self, values: Mapping[str, float | bool | str]) -> None:
-        """Set tunable parameters, and inputs without a source, by ``component.variable``, from here on.
+    def set(self, values: Mapping[str, float | bool | str | Sequence[float]]) -> None:
+        """Set tunable parameters, and inputs without a source, from here on; values are as for `System.set`.
 
         Raises
         ------
@@ -258,6 +272,7 @@ class Simulation:
             If the component refuses, for example because the parameter is fixed.
         """
         self._block.require_open()
+        values = self.system.elementwise(values)
         require_undriven(self.system, values)
         require_free(values, self._outside.inputs.names)
         changed = System("_", self.system.components).set(values)
@@ -293,15 +308,8 @@ class Simulation:
         self._changed_at = -1
 
     def _described(self) -> dict[str, str]:
-        """Return the metadata, with values set during the run and the effort of the algorithm."""
-        described, state = self._metadata | self._outside.described(), self._state
-        if self._changes:
-            described["changes"] = json.dumps(self._changes)
-        if not self._plain:
-            described["steps_made"] = str(state.steps_made)
-            described["steps_rejected"] = str(state.rejected)
-            described["sweeps"] = str(state.iterations)
-        return described
+        told = told_afterwards(self._changes, None if self._plain else self._state)
+        return self._metadata | self._outside.described() | told
 
     def _sink(self, stack: ExitStack) -> Sink | None:
         if self._path is None:
@@ -367,13 +375,13 @@ class Simulation:
         if fault := not_finite(self._columns, times, rows, first=first):
             self._recorder.drop(len(times) - fault[0])
             self._recorder.flush()
-            raise SimulationError(fault[1], self.result())
+            raise SimulationError(fault[1], self._broken_off(FAILED, fault[1]))
 
     def _fail(self, failure: Failure) -> None:
         self._recorder.flush()
         where = f" at t = {self.time:.9g} s (step {self.steps_made})"
         message = failure_message(failure, where, self._layout, self._instances, self._assembly)
-        raise SimulationError(message, self.result())
+        raise SimulationError(message, self._broken_off(FAILED, message))
 
     def _terminate(self) -> None:
         self._recorder.flush()
@@ -389,12 +397,3 @@ class Simulation:
             return int(self._state.interval), self.grid.n
         span = self.grid.times[-1] - self.grid.times[0]
         return int(1000 * (self.time - self.grid.times[0]) / span), 1000
-
-    def _make_saving(self) -> Saving:
-        """Return what saves the run, with the values that it must share with a snapshot that it restores."""
-        options = self.options
-        chosen = [repr(self.algorithm), options.every, sorted(options.ratios.items()), repr(options.crossings)]
-        chosen += [self._outside.inputs.digest] if self._outside.inputs else []
-        name = identity(self.system, self._columns, self.grid.times, chosen)
-        run = (self._instances, self._assembly, self._layout, self._recorder)
-        return Saving(self.system.name, name, *run)

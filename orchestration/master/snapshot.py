@@ -53,6 +53,19 @@ class Snapshot:
         Buffers of the master and the rows so far, by name.
     states
         State of each component in the order of the system: bytes if serialized, else an fmi2FMUstate.
+
+    Examples
+    --------
+    A file takes the state to another process or another day:
+
+    >>> from orchestration import Snapshot, prepare, scenario
+    >>> with prepare(scenario("fig2")) as run:
+    ...     run.run(until=0.5)
+    ...     path = run.save().write("half.snapshot")
+    >>> with prepare(scenario("fig2")) as run:
+    ...     run.restore(Snapshot.read(path))
+    ...     print(run.time)
+    0.5
     """
 
     time: float
@@ -142,5 +155,5 @@ def identity(system: System, columns: Sequence[str], times: np.ndarray, chosen: 
         Further choices of the run, such as its algorithm; the hash takes the ``repr`` of each.
     """
     members = [(c.name, c.description.identifier, c.description.guid) for c in system.components]
-    said = (members, [repr(connection) for connection in system.connections], tuple(columns), *chosen)
+    said = (members, [str(connection) for connection in system.connections], tuple(columns), *chosen)
     return hashlib.sha256(repr(said).encode() + times.tobytes()).hexdigest()

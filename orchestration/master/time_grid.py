@@ -9,7 +9,8 @@ import numpy as np
 from orchestration.errors import SystemDescriptionError
 from orchestration.fmi.given import a_number, positive, shown
 from orchestration.master.memory import require_memory
-from orchestration.system.system import RATIO_TOLERANCE, System
+from orchestration.system.sampling import RATIO_TOLERANCE
+from orchestration.system.system import System
 
 
 @dataclass(frozen=True)

@@ -7,6 +7,7 @@ import numpy as np
 
 from orchestration.errors import OrchestrationError
 from orchestration.fmi.given import require_type
+from orchestration.fmi.names import MOST_NEAR
 from orchestration.results.columns import Columns
 
 if TYPE_CHECKING:
@@ -32,6 +33,15 @@ class ColumnDifference:
         Root of the mean square of the difference, in the unit of the column.
     first
         Time of the first row in which a bit differs, s; None if all bits agree.
+
+    Examples
+    --------
+    >>> from orchestration import compare, scenario, simulate
+    >>> system = scenario("fig2")
+    >>> comparison = compare(simulate(system, 0.5), simulate(system, 0.5, algorithm="jacobi"))
+    >>> tip = next(d for d in comparison.differences if d.name == "plant.x[2]")
+    >>> f"{tip.largest:.1e} {tip.unit} at {tip.at:g} s, first at {tip.first:g} s"
+    '2.8e-04 m at 0.1204 s, first at 0.0002 s'
     """
 
     name: str
@@ -55,6 +65,19 @@ class Comparison:
         Number of communication points that both results have.
     only_in_first, only_in_second
         Columns that the other result lacks.
+
+    Examples
+    --------
+    >>> from orchestration import compare, scenario, simulate
+    >>> system = scenario("fig2")
+    >>> reference = simulate(system, stop_time=0.1)
+    >>> compare(reference, simulate(system, stop_time=0.1)).identical
+    True
+    >>> comparison = compare(reference, simulate(system, stop_time=0.1, algorithm="jacobi"))
+    >>> comparison.identical, comparison.worst.name
+    (False, 'actuator.tau[2]')
+    >>> float(comparison.to_pandas()["largest"]["plant.x[1]"].round(6))  # m
+    0.000142
     """
 
     differences: tuple[ColumnDifference, ...]
@@ -69,9 +92,19 @@ class Comparison:
         return not alone and all(difference.first is None for difference in self.differences)
 
     @property
-    def worst(self) -> ColumnDifference | None:
-        """The column with the largest relative difference."""
-        return self.differences[0] if self.differences else None
+    def worst(self) -> ColumnDifference:
+        """The column with the largest relative difference.
+
+        Raises
+        ------
+        OrchestrationError
+            If the results have no common column.
+        """
+        if not self.differences:
+            names = f"{_some(self.only_in_first)}, and {_some(self.only_in_second)}"
+            msg = f"The results have no common column: {names}; record the same outputs in both runs."
+            raise OrchestrationError(msg)
+        return self.differences[0]
 
     def to_pandas(self) -> "pd.DataFrame":
         """One row for each column, with the attributes of `ColumnDifference`."""
@@ -84,9 +117,9 @@ class Comparison:
     def __repr__(self) -> str:
         """One line: identical, or the worst column."""
         head = f"<Comparison: {len(self.differences)} columns, {self.n_rows} rows"
-        worst = self.worst
-        if self.identical or worst is None:
+        if self.identical or not self.differences:
             return f"{head}, {'all bits agree' if self.identical else 'no common column'}>"
+        worst = self.worst
         size = f"{worst.largest:.3g} {worst.unit}".strip()
         return f"{head}; worst: {worst.name} by {size} at t = {worst.at:.6g} s ({worst.relative:.2g} of its range)>"
 
@@ -142,6 +175,10 @@ def compare(first: Columns, second: Columns) -> Comparison:
         tuple(name for name in first.names if name not in places),
         tuple(name for name in second.names if name not in first.names),
     )
+
+
+def _some(names: tuple[str, ...]) -> str:
+    return ", ".join(names[:MOST_NEAR]) + (" ..." if len(names) > MOST_NEAR else "") if names else "none"
 
 
 def _common(a: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

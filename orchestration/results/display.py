@@ -20,7 +20,7 @@ def result_html(result: "Result") -> str:
     rows = [(f"{name}{_shape(result[name])}", result.unit(name), *_extremes(result[name])) for name in names]
     span = f", t = {result.time[0]:g} to {result.time[-1]:g} s" if len(result.time) else ""
     state = "" if result.status == COMPLETE else f"<p>{escape(result.status)}: {escape(result.message)}</p>"
-    head = f"<b>Result</b>: {len(result.time)} rows{span}"
+    head = f"<p><b>Result</b>: {len(result.time)} rows{span}</p>"
     return f"<div>{head}{state}{html_table(('column', 'unit', 'min', 'max'), rows)}</div>"
 
 

@@ -34,11 +34,22 @@ class Result(Columns, Mapping[str, np.ndarray]):
 
     Examples
     --------
+    >>> from orchestration import scenario, simulate
+    >>> result = simulate(scenario("fig2"), stop_time=0.1, record=["plant.x", "plant.gap"])
+    >>> result
+    <Result: 1001 rows, t = 0 to 0.1 s, 3 columns (plant.x[1], plant.x[2], plant.gap)>
+    >>> result["plant.x"].shape, result["plant.x[2]"].shape, "plant.y" in result, list(result)
+    ((1001, 2), (1001,), False, ['plant.x[1]', 'plant.x[2]', 'plant.gap'])
+    >>> float(result["plant.gap"].max().round(3)), result.unit("plant.gap")
+    (-2.877, 'm')
+
+    A result of numbers that come from elsewhere:
+
     >>> import numpy as np
     >>> from orchestration import Result
-    >>> result = Result(np.array([0.0, 0.1]), ("arm.x[1]", "arm.x[2]"), np.array([[1.0, 2.0], [3.0, 4.0]]))
-    >>> result["arm.x[2]"].tolist(), result["arm.x"].shape, "arm.y" in result, list(result)
-    ([2.0, 4.0], (2, 2), False, ['arm.x[1]', 'arm.x[2]'])
+    >>> measured = Result(np.array([0.0, 0.1]), ("arm.x[1]", "arm.x[2]"), np.array([[1.0, 2.0], [3.0, 4.0]]))
+    >>> measured["arm.x[2]"].tolist()
+    [2.0, 4.0]
     """
 
     def __getitem__(self, name: str) -> np.ndarray:
@@ -103,6 +114,16 @@ class Result(Columns, Mapping[str, np.ndarray]):
             Of a sampled component the value of tick j, which belongs to its time j * sample_time
             (`tick_times`); of any other component the value at the start of each step. Without realignment a
             sampled column lags a continuous column by one row.
+
+        Examples
+        --------
+        The error of the tip, from columns that belong to one instant each:
+
+        >>> from orchestration import scenario, simulate
+        >>> result = simulate(scenario("fig2"), stop_time=0.5)
+        >>> error = result.at_ticks("plant.x") - result.at_ticks("controller.x_t")  # m
+        >>> bool(abs(error - result.at_ticks("controller.e")).max() < 1e-12)
+        True
         """
         column, rows = self[name], self._tick_rows(name)
         return column[:-1] if rows is None else column[rows + 1]
@@ -154,6 +175,13 @@ class Result(Columns, Mapping[str, np.ndarray]):
         DataFrame
             The index is ``time`` in s, a column bears its recorded name; ``attrs`` has ``units``, ``metadata``,
             ``status`` and ``message``.
+
+        Examples
+        --------
+        >>> from orchestration import scenario, simulate
+        >>> frame = simulate(scenario("fig2"), stop_time=0.1, record="plant.x").to_pandas()
+        >>> frame.loc[0.1].round(2).to_dict(), frame.attrs["units"]["plant.x[1]"]
+        ({'plant.x[1]': 1.43, 'plant.x[2]': 0.31}, 'm')
         """
         from orchestration.results.exchange import to_pandas
 
@@ -167,6 +195,15 @@ class Result(Columns, Mapping[str, np.ndarray]):
         Dataset
             Coordinate ``time`` in s. A variable ``component.name`` for each column, or for each array with one more
             dimension for each index. ``attrs`` of a variable has ``units``, ``attrs`` of the Dataset the metadata.
+
+        Examples
+        --------
+        >>> from orchestration import scenario, simulate
+        >>> data = simulate(scenario("fig2"), stop_time=1.2).to_xarray()
+        >>> data["plant.x"].dims, data["plant.x"].attrs["units"]
+        (('time', 'plant.x_1'), 'm')
+        >>> data["plant.F_ext"].sel(time=1.0, method="nearest").values.round(1).tolist()  # N
+        [-17.2, 0.0]
         """
         from orchestration.results.exchange import to_xarray
 
@@ -193,6 +230,15 @@ class Result(Columns, Mapping[str, np.ndarray]):
             If a name chooses nothing.
         OrchestrationError
             If the columns for one panel have several units.
+
+        Examples
+        --------
+        >>> from orchestration import scenario, simulate
+        >>> result = simulate(scenario("fig2"), stop_time=1.2)
+        >>> panels = result.plot("plant.x", "plant.F_ext")
+        >>> [panel.get_ylabel() for panel in panels]
+        ['plant.x (m)', 'plant.F_ext (N)']
+        >>> panels[0].figure.savefig("tip.png")
         """
         from orchestration.results.plotting import plot
 
@@ -205,6 +251,18 @@ class Result(Columns, Mapping[str, np.ndarray]):
         ------
         OrchestrationError
             If the suffix is neither ``.csv`` nor ``.parquet``, or the file cannot be written.
+
+        Examples
+        --------
+        >>> from orchestration import Result, scenario, simulate
+        >>> result = simulate(scenario("fig2"), stop_time=0.1, record="plant.x")
+        >>> result.write("tip.csv")
+        >>> with open("tip.csv") as file:
+        ...     print(file.readline().strip())
+        "time","plant.x[1]","plant.x[2]"
+        >>> result.write("tip.parquet")
+        >>> Result.read("tip.parquet") == result
+        True
         """
         formats.write_columns(self, Path(path))
 
@@ -236,6 +294,14 @@ class Result(Columns, Mapping[str, np.ndarray]):
         ------
         OrchestrationError
             If the suffix is neither ``.csv`` nor ``.parquet``, or the file holds no result.
+
+        Examples
+        --------
+        >>> from orchestration import Result, compare, scenario, simulate
+        >>> system = scenario("fig2")
+        >>> simulate(system, stop_time=0.1).write("yesterday.parquet")
+        >>> compare(Result.read("yesterday.parquet"), simulate(system, stop_time=0.1)).identical
+        True
         """
         columns = formats.read_columns(Path(path))
         return cls(**{field.name: getattr(columns, field.name) for field in fields(Columns)})

@@ -2,7 +2,7 @@
 
 import math
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -10,11 +10,11 @@ from typing import Any
 
 import numpy as np
 
-from orchestration.errors import SystemDescriptionError
+from orchestration.errors import SystemDescriptionError, UnknownNameError
 from orchestration.fmi.codes import BOOLEAN, INTEGER, REAL, STRING
 from orchestration.fmi.description import SAMPLE_TIME, Description, Variable, parse_value, read_description
 from orchestration.fmi.given import a_path, require_type, shown
-from orchestration.fmi.names import base_name, near, suggestion
+from orchestration.fmi.names import arrays, base_name, near, suggestion
 from orchestration.fmi.units import Linear, conversion
 from orchestration.system.display import component_html, component_line
 
@@ -34,6 +34,19 @@ class Component:
     start
         Start values by variable name, in the units of the FMU. Booleans are 0 or 1. A variable that is not
         listed keeps the start value of the FMU.
+
+    Examples
+    --------
+    >>> from orchestration import Component, System, scenario
+    >>> file = scenario("fig2")["plant"].path  # any FMU of yours
+    >>> arm = Component.read(file, "arm")
+    >>> arm
+    <Component arm: Plant, 2 inputs, 14 outputs>
+    >>> arm["m"].tolist(), arm.variable("m[1]").unit, [v.name for v in arm.description.of_causality("input")]
+    ([2.0, 1.0], 'kg', ['tau[1]', 'tau[2]'])
+    >>> heavy = System.of({"heavy": arm}).set({"heavy.m": [4.0, 2.0]})["heavy"]
+    >>> heavy
+    <Component heavy: Plant, 2 inputs, 14 outputs, m[1] = 4, m[2] = 2>
     """
 
     name: str
@@ -48,6 +61,12 @@ class Component:
         ------
         ArchiveError
             If the file is no FMI 2.0 co-simulation FMU.
+
+        Examples
+        --------
+        >>> from orchestration import Component, scenario
+        >>> Component.read(scenario("fig2")["sensor"].path)
+        <Component ForceSensor: ForceSensor, 2 inputs, 2 outputs>
         """
         file = a_path("An FMU", path)
         return cls(name or file.stem, read_description(file))
@@ -67,12 +86,54 @@ class Component:
             msg = f"{self.name} has no variable {name}; {help_}"
             raise SystemDescriptionError(msg) from None
 
+    def __getitem__(self, name: str) -> "float | str | np.ndarray":
+        """Start value that is in force, in the unit of the FMU; of an array, an array of its shape.
+
+        Raises
+        ------
+        UnknownNameError
+            If there is no such variable, or it has no start value, as most outputs. It is a KeyError.
+        """
+        names = tuple(self.description.variables)
+        positions = None if name in names else arrays(names).get(name)
+        if positions is None:
+            return self._in_force(name)
+        return np.array([self._in_force(names[i]) for i in positions.ravel()]).reshape(positions.shape)
+
+    def __contains__(self, name: object) -> bool:
+        """Whether there is a variable or an array of that name."""
+        names = tuple(self.description.variables)
+        return name in names or name in arrays(names)
+
+    def __iter__(self) -> Iterator[str]:
+        """Names of the variables, in the order of the FMU."""
+        return iter(self.description.variables)
+
+    def _ipython_key_completions_(self) -> list[str]:
+        started = tuple(name for name, v in self.description.variables.items() if v.start is not None)
+        return [*arrays(started), *started]
+
+    def _in_force(self, name: str) -> float | str:
+        variables = self.description.variables
+        value = self.start.get(name, variables[name].start if name in variables else None)
+        if value is None:
+            lacks = "start value" if name in variables else "variable"
+            known = [other for other in variables if variables[other].start is not None]
+            msg = f"{self.name} has no {lacks} {name}; {suggestion(name, known)}"
+            raise UnknownNameError(msg)
+        return value
+
     def __repr__(self) -> str:
         """Name, model, numbers of inputs and outputs, start values that differ from the FMU's."""
         return component_line(self)
 
     def _repr_html_(self) -> str:
         return component_html(self)
+
+    @property
+    def path(self) -> Path:
+        """The FMU file."""
+        return self.description.path
 
     @property
     def sample_time(self) -> float | None:
@@ -90,7 +151,7 @@ class Component:
         return self.sample_time is None and not held
 
 
-@dataclass(frozen=True, order=True)
+@dataclass(frozen=True, order=True, repr=False)
 class Connection:
     """A connection from a scalar output to a scalar input: input = factor * output + offset.
 
@@ -105,6 +166,18 @@ class Connection:
         between both units, and a `System` replaces None by the number.
     offset
         Added value, in the unit of the input.
+
+    Examples
+    --------
+    A damper at each joint turns a joint's rate into a torque against it:
+
+    >>> from orchestration import Connection, System, scenario, simulate
+    >>> dampers = [Connection("arm", f"dq[{i}]", "arm", f"tau[{i}]", factor=-20.0) for i in (1, 2)]  # N.m.s/rad
+    >>> system = System.of({"arm": scenario("fig2")["plant"]}).connect(*dampers)
+    >>> result = simulate(system, stop_time=1.0, step=1e-3)
+    >>> print(abs(result["arm.dq"][[0, -1]]).round(2))  # rad/s
+    [[2.09 0.  ]
+     [0.02 0.01]]
     """
 
     source: str
@@ -127,6 +200,10 @@ class Connection:
         if self.scale.trivial:
             return ends
         return f"{ends} (factor {self.scale.factor!r}, offset {self.scale.offset!r})"
+
+    def __repr__(self) -> str:
+        """Both ends, as in the text."""
+        return f"<Connection {self}>"
 
     @property
     def scale(self) -> Linear:

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from html import escape
 from typing import TYPE_CHECKING
 
-from orchestration.fmi.display import html_table, listed
+from orchestration.fmi.display import html_table, listed, variables_html
 from orchestration.fmi.names import base_name
 
 if TYPE_CHECKING:
@@ -17,7 +17,7 @@ MOST_IN_DRAWING = 12
 MOST_LABEL = 26  # characters
 HEAD = (
     '<defs><marker id="tip" markerWidth="8" markerHeight="8" refX="7" refY="3" orient="auto">'
-    '<path d="M0,0 L7,3 L0,6 z" fill="#55606e"/></marker></defs>'
+    '<path d="M0,0 L7,3 L0,6 z" fill="currentColor"/></marker></defs>'
 )
 
 
@@ -32,14 +32,8 @@ def component_line(component: "Component") -> str:
 
 def component_html(component: "Component") -> str:
     """The variables of a component with unit, causality, and the start value that is in force."""
-    rows = [
-        (v.name, v.causality, v.variability, v.unit, component.start.get(v.name, v.start), v.description)
-        for v in component.description.variables.values()
-        if v.causality != "local"
-    ]
-    shown = [(*row[:4], "" if row[4] is None else row[4], row[5]) for row in rows]
-    head = f"<b>{escape(component.name)}</b>: {escape(component.description.model_name)}"
-    return head + html_table(("variable", "causality", "variability", "unit", "start", "description"), shown)
+    head = f"<b>{escape(component.name)}</b>: {escape(component.description.model_name)}, {_sampling(component)}"
+    return f"<div><p>{head}</p>{variables_html(component.description.variables, component.start)}</div>"
 
 
 def system_line(system: "System") -> str:
@@ -65,7 +59,7 @@ def system_html(system: "System") -> str:
         if value != c.variable(name).start
     ]
     parts = [
-        f"<b>System {escape(system.name)}</b>",
+        f"<p><b>System {escape(system.name)}</b></p>",
         system_svg(system.components, system.connections),
         html_table(("component", "model", "sampling"), components),
         html_table(("start value", "value", "unit", "of the FMU"), start) if start else "",
@@ -97,11 +91,11 @@ def system_svg(components: "Sequence[Component]", connections: "Sequence[Connect
 
 def _box(component: "Component", x: float, y: float) -> str:
     middle = x + WIDTH / 2
-    model = component.description.model_name
+    name, model = escape(component.name[:16]), escape(component.description.model_name[:24])
     return (
         f'<rect x="{x}" y="{y}" width="{WIDTH}" height="{HEIGHT}" rx="5" fill="#e8eef7" stroke="#8796a8"/>'
-        f'<text x="{middle}" y="{y + 18}" text-anchor="middle" font-size="13">{escape(component.name[:16])}</text>'
-        f'<text x="{middle}" y="{y + 34}" text-anchor="middle" font-size="9" fill="#55606e">{escape(model[:24])}</text>'
+        f'<text x="{middle}" y="{y + 18}" text-anchor="middle" font-size="13" fill="#1d2733">{name}</text>'
+        f'<text x="{middle}" y="{y + 34}" text-anchor="middle" font-size="9" fill="#55606e">{model}</text>'
     )
 
 
@@ -122,8 +116,8 @@ def _arrow(ends: tuple[int, int], names: Sequence[str], top: float) -> str:
         path, middle, text = f"M{x1},{y} C{x1},{y - 1.3 * rise} {x2},{y - 1.3 * rise} {x2},{y}", (x1 + x2) / 2, y - rise
         text += -3 if forwards else 11
     return (
-        f'<path d="{path}" fill="none" stroke="#55606e" marker-end="url(#tip)"/>'
-        f'<text x="{middle}" y="{text}" text-anchor="middle" font-size="9" fill="#55606e">{escape(label)}</text>'
+        f'<path d="{path}" fill="none" stroke="currentColor" opacity="0.7" marker-end="url(#tip)"/>'
+        f'<text x="{middle}" y="{text}" text-anchor="middle" font-size="10" fill="currentColor">{escape(label)}</text>'
     )
 
 

@@ -4,8 +4,7 @@ A `System` is a value: its methods return changed copies. A system is checked co
 a system that exists can be run.
 """
 
-import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -26,6 +25,7 @@ from orchestration.system.display import system_html, system_line
 from orchestration.system.refused import driven_twice, not_a_path, require_names, require_order
 from orchestration.system.registry import analysis, reader, writer
 from orchestration.system.replacement import replaced
+from orchestration.system.sampling import steps_per_tick
 from orchestration.system.wiring import by_equal_names, parsed
 
 if TYPE_CHECKING:
@@ -33,8 +33,6 @@ if TYPE_CHECKING:
     from orchestration.master.algorithm import Algorithm
 
 __all__ = ["Component", "Connection", "System"]
-
-RATIO_TOLERANCE = 1e-9  # by which a quotient of two times may miss an integer
 
 
 @dataclass(frozen=True, repr=False)
@@ -52,6 +50,15 @@ class System:
         comparison of systems ignores notices.
     assumptions
         Sentences about values that were assumed, by ``component.variable``. SSP packages keep them.
+
+    Examples
+    --------
+    >>> from orchestration import System, scenario
+    >>> system = scenario("fig2").set({"controller.K": [4000.0, 2000.0]})
+    >>> list(system), system["controller"]["K"].tolist()
+    (['trajectory', 'sensor', 'controller', 'actuator', 'plant'], [4000.0, 2000.0])
+    >>> System.read(system.write("mine.ssp")).connections == system.connections
+    True
     """
 
     name: str
@@ -102,9 +109,10 @@ class System:
 
         Examples
         --------
-        >>> from orchestration import System
-        >>> system = System.of({"plant": "Plant.fmu", "actuator": "Actuator.fmu"})  # doctest: +SKIP
-        >>> system = system.connect("actuator.tau -> plant.tau")  # doctest: +SKIP
+        >>> from orchestration import System, scenario
+        >>> plant = scenario("fig2")["plant"].path  # any FMU of yours
+        >>> System.of({"left": plant, "right": plant}, "two arms")
+        <System two arms: 2 components (left: Plant, right: Plant), 0 connections>
         """
         example = 'give FMUs by name, as {"plant": "Plant.fmu"}'
         require_type("What System.of takes", fmus, Mapping, example)
@@ -166,6 +174,14 @@ class System:
         ------
         SystemDescriptionError
             If a name is unknown, types or physical dimensions differ, or an input has a source already.
+
+        Examples
+        --------
+        >>> from orchestration import System, scenario
+        >>> fig2 = scenario("fig2")
+        >>> system = System.of({"actuator": fig2["actuator"], "plant": fig2["plant"]})
+        >>> print(*system.connect("actuator.tau -> plant.tau").connections)
+        actuator.tau[1] -> plant.tau[1] actuator.tau[2] -> plant.tau[2]
         """
         added = [c for line in connections for c in parsed(line, self.components)]
         if not connections:
@@ -179,6 +195,10 @@ class System:
     def __contains__(self, name: object) -> bool:
         """Whether there is a component of that name."""
         return any(component.name == name for component in self.components)
+
+    def __iter__(self) -> Iterator[str]:
+        """Names of the components, in the order of stepping."""
+        return (component.name for component in self.components)
 
     def __repr__(self) -> str:
         """Name, components with their models, and number of connections."""
@@ -219,10 +239,17 @@ class System:
         ------
         SystemDescriptionError
             If a name is unknown, the variable cannot be set, or the value does not have the variable's type.
+
+        Examples
+        --------
+        >>> from orchestration import scenario
+        >>> system = scenario("fig2").set({"controller.K": 2000.0, "plant.m": [2.5, 1.2]})  # N/m, kg
+        >>> system["controller"]["K"].tolist(), system["plant"]["m"].tolist()
+        ([2000.0, 2000.0], [2.5, 1.2])
         """
         require_type("What set takes", values, Mapping, 'give values by name, as {"plant.K_f": 1e5}')
         changed: dict[str, dict[str, float]] = {}
-        for path, value in self._elementwise(values).items():
+        for path, value in self.elementwise(values).items():
             component, variable = self.resolve(path)
             require_settable(component, variable)
             changed.setdefault(component.name, {})[variable.name] = number(path, variable, value)
@@ -232,8 +259,8 @@ class System:
         kept = {path: text for path, text in self.assumptions.items() if given.get(path) in (None, before.get(path))}
         return replace(self, components=components, assumptions=kept)
 
-    def _elementwise(self, values: Mapping[str, Any]) -> dict[str, Any]:
-        """The same values with those of arrays for each element."""
+    def elementwise(self, values: Mapping[str, Any]) -> dict[str, Any]:
+        """The same values by ``component.variable``, those of arrays for each element."""
         found: dict[str, Any] = {}
         for path, value in values.items():
             elements = self.elements(path)
@@ -267,6 +294,14 @@ class System:
         SystemDescriptionError
             If the new FMU lacks an output that is connected, a mapped name is unknown, or a unit cannot
             be converted.
+
+        Examples
+        --------
+        >>> from orchestration import scenario
+        >>> adaptive = scenario("fig5")["controller"].path  # any controller of yours
+        >>> system = scenario("fig2").replace("controller", adaptive)
+        >>> system["controller"].description.model_name, len(system.notices)
+        ('CraigAdaptiveImpedance', 2)
         """
         return replaced(self, name, a_path("An FMU", fmu), mapping or {})
 
@@ -354,22 +389,4 @@ class System:
         SystemDescriptionError
             If a period is not an integer multiple of the step.
         """
-        ratios = {}
-        for component in self.components:
-            period = component.sample_time
-            if period is None:
-                continue
-            if not (math.isfinite(period) and period > 0):
-                msg = f"{component.name}: sample time {period:g} s is not positive; use {step:g} s, the step."
-                raise SystemDescriptionError(msg)
-            ratio = period / step
-            nearest = round(ratio)
-            if nearest < 1 or abs(ratio - nearest) > RATIO_TOLERANCE * ratio:
-                below = period / max(1, -(-period // step))
-                msg = (
-                    f"{component.name}: sample time {period:g} s is not a multiple of the step {step:g} s;"
-                    f" use a step of {below:.6g} s, or a sample time of {max(1, nearest) * step:.6g} s."
-                )
-                raise SystemDescriptionError(msg)
-            ratios[component.name] = nearest
-        return ratios
+        return steps_per_tick(self.components, step)

@@ -138,6 +138,7 @@ def test_failed_step_has_time_step_and_the_rows_before(small: dict[str, Path]) -
     assert part.time.tobytes() == whole.time.tobytes()
     assert part.rows.tobytes() == whole.rows.tobytes()
     assert part.steps_per_tick == whole.steps_per_tick
+    assert (part.status, part.message) == ("failed", str(caught.value))
 
 
 @pytest.mark.parametrize("algorithm", ["gauss-seidel", "jacobi"])

@@ -140,6 +140,7 @@ def test_an_interrupt_leaves_the_rows_before(small: dict[str, Path], algorithm, 
     assert 1 < len(kept.time) < len(whole.time)
     assert kept.time.tobytes() == whole.time[: len(kept.time)].tobytes()
     assert kept.rows.tobytes() == whole.rows[: len(kept.time)].tobytes()
+    assert (kept.status, kept.message) == ("interrupted", "The run was interrupted.")
 
 
 def test_an_interrupted_stream_leaves_a_partial_file(small: dict[str, Path], tmp_path: Path) -> None:

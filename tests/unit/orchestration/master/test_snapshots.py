@@ -1,5 +1,6 @@
 """A run that is saved, restored, branched or continued elsewhere gives the bits of a run without a break."""
 
+import json
 import os
 import subprocess
 import sys
@@ -70,7 +71,6 @@ def test_stopping_in_the_middle_and_going_back_change_nothing(noisy: System, alg
         assert simulation.time == MIDDLE
         snapshot, before = simulation.save(), simulation.result()
         assert_same(before, replace(whole, time=whole.time[: len(before.time)], rows=whole.rows[: len(before.time)]))
-        before = replace(before, time=before.time.copy(), rows=before.rows.copy())
         for _ in range(2):
             simulation.run()
             assert_same(simulation.result(), whole)
@@ -127,7 +127,6 @@ def test_a_branch_is_a_fresh_run_with_that_change(noisy: System, algorithm: Algo
         snapshot = simulation.save()
         simulation.run()
         unchanged = simulation.result()
-        unchanged = replace(unchanged, time=unchanged.time.copy(), rows=unchanged.rows.copy())
         simulation.restore(snapshot)
         simulation.set(change)
         simulation.run()
@@ -139,6 +138,22 @@ def test_a_branch_is_a_fresh_run_with_that_change(noisy: System, algorithm: Algo
         simulation.restore(snapshot)  # parameters go back too
         simulation.run()
         assert_same(simulation.result(), unchanged)
+
+
+@pytest.mark.parametrize("value", [2000.0, [2000.0, 3000.0]])
+def test_an_array_is_set_as_its_elements_are(noisy: System, value: float | list[float]) -> None:
+    first, second = value if isinstance(value, list) else (value, value)
+    elements: dict[str, float | list[float]] = {"controller.K[1]": first, "controller.K[2]": second}
+    whole: dict[str, float | list[float]] = {"controller.K": value}
+    found = []
+    for change in (whole, elements):
+        with prepare(noisy, STEPS * SAMPLE_TIME, SAMPLE_TIME) as simulation:
+            simulation.run(MIDDLE)
+            simulation.set(change)
+            simulation.run()
+            found.append(simulation.result())
+    assert found[0] == found[1]
+    assert [entry[1] for entry in json.loads(found[0].metadata["changes"])] == list(elements)
 
 
 def test_another_process_continues(noisy: System, tmp_path: Path) -> None:

@@ -211,7 +211,6 @@ def test_compare_finds_where_and_by_how_much(arm: Result) -> None:
     other.rows[1, 6] += 8.0
     found = compare(arm, other)
     assert not found.identical
-    assert found.worst is not None
     assert (found.worst.name, found.worst.largest, found.worst.at, found.worst.relative) == ("b.y", 8.0, 0.5, 0.5)
     assert found.worst.first == 0.5
     assert found.worst.rms == pytest.approx(8.0 / 3**0.5)
@@ -228,11 +227,19 @@ def test_compare_uses_common_communication_points(arm: Result) -> None:
         compare(arm, Result(np.array([7.0, 8.0]), ("b.y",), np.zeros((2, 1))))
 
 
+def test_compare_without_a_common_column_has_no_worst_one(arm: Result) -> None:
+    other = Result(arm.time, ("c.z",), np.zeros((3, 1)))
+    found = compare(arm, other)
+    assert repr(found) == "<Comparison: 0 columns, 3 rows, no common column>"
+    assert not found.identical
+    with pytest.raises(OrchestrationError, match=r"no common column: a\.x\[1\], .* \.\.\., and c\.z; record the same"):
+        _ = found.worst
+
+
 def test_compare_counts_nan_as_the_largest_difference(arm: Result) -> None:
     other = replace(arm, rows=arm.rows.copy())
     other.rows[2, 0] = np.nan
     worst = compare(arm, other).worst
-    assert worst is not None
     assert (worst.name, worst.at) == ("a.x[1]", 1.0)
     assert np.isnan(worst.largest)
 
