@@ -6,15 +6,13 @@ hash of the definition and the runtime.
 
 import hashlib
 import io
-import os
 import tempfile
 import uuid
 import zipfile
 from collections.abc import Iterable
 from pathlib import Path
 
-import platformdirs
-
+from adaptimp_fmu.cache_folder import cache_folder, writable_cache
 from adaptimp_fmu.codegen import (
     EQUATIONS_SOURCE,
     GUID_PLACEHOLDER,
@@ -34,9 +32,11 @@ _REGULAR_FILE = 0o100644 << 16
 
 
 def default_cache() -> Path:
-    """Return the folder that keeps binaries between builds: ``$ADAPTIMP_CACHE`` or the user's cache folder."""
-    folder = os.environ.get("ADAPTIMP_CACHE")
-    return Path(folder) if folder else Path(platformdirs.user_cache_path("adaptimp"))
+    """Return the folder that keeps binaries between builds: ``$ADAPTIMP_CACHE`` or the user's cache folder.
+
+    Where nothing can be written to the folder, `build` uses a temporary one, and warns once.
+    """
+    return cache_folder()
 
 
 def build(
@@ -65,7 +65,6 @@ def build(
     ------
     DefinitionError, ToolchainError
     """
-    cache = cache or default_cache()
     sources, description = definition(model)
     entries = {"modelDescription.xml": description, "model.png": png(model.icon)}
     for platform in sorted(platforms or [host_platform()], key=lambda p: p.name):
@@ -77,7 +76,7 @@ def build(
     entries |= {f"documentation/{name}": content for name, content in documentation(model).items()}
     content = _archive(entries)
     if folder is None:
-        folder = cache / "fmus" / hashlib.sha256(content).hexdigest()[:32]
+        folder = _cached(cache, ("fmus", hashlib.sha256(content).hexdigest()[:32]), f"{model.name}.fmu")
     path = folder / f"{model.name}.fmu"
     if not path.exists() or path.read_bytes() != content:
         _store(path, content)
@@ -105,18 +104,27 @@ def _license_notice() -> str:
     return scope + runtime_license()
 
 
-def _binary(sources: dict[str, str], platform: Platform, cache: Path, name: str) -> bytes:
+def _cached(cache: Path | None, parts: tuple[str, ...], file: str) -> Path:
+    """Folder of a file in the cache, which is there already or can be written to."""
+    if cache is not None:
+        return cache.joinpath(*parts)
+    present = default_cache().joinpath(*parts)
+    return present if (present / file).exists() else writable_cache(*parts)
+
+
+def _binary(sources: dict[str, str], platform: Platform, cache: Path | None, name: str) -> bytes:
     """Compile, or take from the cache."""
     key = hashlib.sha256(f"{identity()} {platform}".encode())
-    for file, text in sorted(sources.items()):
-        key.update(f"\0{file}\0{text}".encode())
-    cached = cache / "binaries" / key.hexdigest()[:32] / platform.name / f"{name}{platform.extension}"
+    for source, text in sorted(sources.items()):
+        key.update(f"\0{source}\0{text}".encode())
+    file = f"{name}{platform.extension}"
+    cached = _cached(cache, ("binaries", key.hexdigest()[:32], platform.name), file) / file
     if not cached.exists():
         with tempfile.TemporaryDirectory(prefix="adaptimp-") as scratch:
             folder = Path(scratch)
-            for file, text in sources.items():
-                (folder / file).write_text(text, encoding="utf-8", newline="\n")
-            output = folder / f"{name}{platform.extension}"
+            for source, text in sources.items():
+                (folder / source).write_text(text, encoding="utf-8", newline="\n")
+            output = folder / file
             compile_library(folder / MAIN_SOURCE, output, platform)
             _store(cached, output.read_bytes())
     return cached.read_bytes()

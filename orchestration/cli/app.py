@@ -4,6 +4,7 @@ Exit codes: 0 success, 1 a run failed, 2 the request cannot be carried out as it
 """
 
 import sys
+import warnings
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -222,7 +223,9 @@ def main() -> None:
     from orchestration.errors import InitializationError, OrchestrationError, SimulationError
 
     try:
-        app()
+        with warnings.catch_warnings():
+            warnings.showwarning = _say
+            app()
     except InitializationError as error:  # start values are part of the request
         _stop(error, 2)
     except SimulationError as error:
@@ -231,6 +234,11 @@ def main() -> None:
         _stop(error, 2)
     except OSError as error:  # a full disk, a cache that cannot be written
         _stop(error, 1)
+
+
+def _say(message: Warning | str, *_: object) -> None:
+    """Print a warning as a sentence, without the place in the code that it came from."""
+    typer.echo(f"Warning: {message}", err=True)
 
 
 def _stop(error: Exception, code: int) -> None:

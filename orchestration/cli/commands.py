@@ -12,6 +12,7 @@ from rich.text import Text
 
 from orchestration.errors import OrchestrationError, SystemDescriptionError
 from orchestration.fmi.names import suggestion
+from orchestration.sandbox.cache_folder import let_matplotlib_write
 
 PROGRESS_AFTER = 1.0  # s
 IMAGES = ("png", "svg")
@@ -42,6 +43,7 @@ def build_fmus(files: Sequence[Path], out: Path, platforms: Sequence[str]) -> No
 
 def reproduce_paper(out: Path, image: str, *, fresh: bool) -> None:
     """Reproduce the figures and claims of the paper, and print the table of claims."""
+    let_matplotlib_write()
     from orchestration.paper.report import reproduce
 
     if image not in IMAGES:
