@@ -7,7 +7,6 @@ hash of the definition and the runtime.
 import hashlib
 import io
 import logging
-import os
 import tempfile
 import uuid
 import zipfile
@@ -15,8 +14,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from time import perf_counter
 
-import platformdirs
-
+from adaptimp_fmu.cache_folder import cache_folder, writable_cache
 from adaptimp_fmu.codegen import (
     EQUATIONS_SOURCE,
     GUID_PLACEHOLDER,
@@ -40,14 +38,15 @@ _REGULAR_FILE = 0o100644 << 16
 def default_cache() -> Path:
     """Return the folder that keeps binaries between builds: ``$ADAPTIMP_CACHE`` or the user's cache folder.
 
+    Where nothing can be written to the folder, `build` uses a temporary one, and warns once.
+
     Examples
     --------
     >>> from adaptimp_fmu import default_cache
     >>> default_cache().is_absolute()
     True
     """
-    folder = os.environ.get("ADAPTIMP_CACHE")
-    return Path(folder) if folder else Path(platformdirs.user_cache_path("adaptimp"))
+    return cache_folder()
 
 
 def build(
@@ -85,7 +84,6 @@ def build(
     >>> build(clock, Path("built")).as_posix()
     'built/Clock.fmu'
     """
-    cache = cache or default_cache()
     sources, description = definition(model)
     entries = {"modelDescription.xml": description, "model.png": png(model.icon)}
     for platform in sorted(platforms or [host_platform()], key=lambda p: p.name):
@@ -97,7 +95,7 @@ def build(
     entries |= {f"documentation/{name}": content for name, content in documentation(model).items()}
     content = _archive(entries)
     if folder is None:
-        folder = cache / "fmus" / hashlib.sha256(content).hexdigest()[:32]
+        folder = _cached(cache, ("fmus", hashlib.sha256(content).hexdigest()[:32]), f"{model.name}.fmu")
     path = folder / f"{model.name}.fmu"
     if not path.exists() or path.read_bytes() != content:
         _store(path, content)
@@ -125,12 +123,21 @@ def _license_notice() -> str:
     return scope + runtime_license()
 
 
-def _binary(sources: dict[str, str], platform: Platform, cache: Path, name: str) -> bytes:
+def _cached(cache: Path | None, parts: tuple[str, ...], file: str) -> Path:
+    """Folder of a file in the cache, which is there already or can be written to."""
+    if cache is not None:
+        return cache.joinpath(*parts)
+    present = default_cache().joinpath(*parts)
+    return present if (present / file).exists() else writable_cache(*parts)
+
+
+def _binary(sources: dict[str, str], platform: Platform, cache: Path | None, name: str) -> bytes:
     """Compile, or take from the cache."""
     key = hashlib.sha256(f"{identity()} {platform}".encode())
-    for file, text in sorted(sources.items()):
-        key.update(f"\0{file}\0{text}".encode())
-    cached = cache / "binaries" / key.hexdigest()[:32] / platform.name / f"{name}{platform.extension}"
+    for source, text in sorted(sources.items()):
+        key.update(f"\0{source}\0{text}".encode())
+    file = f"{name}{platform.extension}"
+    cached = _cached(cache, ("binaries", key.hexdigest()[:32], platform.name), file) / file
     if cached.exists():
         _LOG.info("%s for %s: the binary is in the cache, %s", name, platform.name, cached)
         return cached.read_bytes()
@@ -138,9 +145,9 @@ def _binary(sources: dict[str, str], platform: Platform, cache: Path, name: str)
     started = perf_counter()
     with tempfile.TemporaryDirectory(prefix="adaptimp-") as scratch:
         folder = Path(scratch)
-        for file, text in sources.items():
-            (folder / file).write_text(text, encoding="utf-8", newline="\n")
-        output = folder / f"{name}{platform.extension}"
+        for source, text in sources.items():
+            (folder / source).write_text(text, encoding="utf-8", newline="\n")
+        output = folder / file
         compile_library(folder / MAIN_SOURCE, output, platform)
         _store(cached, output.read_bytes())
     _LOG.info("compiled %s for %s in %.3g s", name, platform.name, perf_counter() - started)

@@ -2,12 +2,16 @@
 
 import importlib.metadata
 import importlib.resources
+import os
 import platform
 import subprocess
 import sys
+import tempfile
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
+from adaptimp_fmu.cache_folder import writable_cache
 from adaptimp_fmu.errors import ToolchainError
 
 FLAGS = (
@@ -22,6 +26,7 @@ FLAGS = (
     "-g0",
     "-s",
 )
+_COMPILER_CACHE = "ZIG_GLOBAL_CACHE_DIR"
 WARNINGS = ("-Wall", "-Wextra", "-Wpedantic", "-Wvla", "-Werror")
 
 
@@ -109,6 +114,23 @@ def identity() -> str:
     return " ".join((*versions, *FLAGS))
 
 
+def _compiler_cache() -> dict[str, str]:
+    """Environment with a cache folder for the compiler, if it cannot write to its own.
+
+    The compiler ends, or never ends, without a folder that it can write to: zig 0.13 with HOME=/proc/none.
+    """
+    if _COMPILER_CACHE in os.environ or sys.platform == "win32":
+        return {}
+    home = os.environ.get("XDG_CACHE_HOME") or (os.environ.get("HOME") and f"{os.environ['HOME']}/.cache")
+    if home:
+        with suppress(OSError):
+            own = Path(home) / "zig"
+            own.mkdir(parents=True, exist_ok=True)
+            tempfile.TemporaryFile(dir=own).close()
+            return {}
+    return {_COMPILER_CACHE: str(writable_cache("zig"))}
+
+
 def compile_library(source: Path, output: Path, target: Platform) -> None:
     """Compile one C file into a shared library.
 
@@ -124,7 +146,8 @@ def compile_library(source: Path, output: Path, target: Platform) -> None:
         *(flag.format(library=output.name) for flag in target.flags),
         *("-I", str(fmi_headers()), source.name, "-o", str(output.resolve()), "-lm"),
     ]
-    run = subprocess.run(command, cwd=source.parent, capture_output=True, text=True, check=False)
+    environment = {**os.environ, **_compiler_cache()}
+    run = subprocess.run(command, cwd=source.parent, env=environment, capture_output=True, text=True, check=False)
     if run.returncode != 0 or not output.exists():
         msg = f"{source.name} does not compile for {target.name}:\n{run.stderr.strip()}"
         raise ToolchainError(msg)

@@ -36,9 +36,7 @@ static int is_settable(const Instance *instance, const ModelVariable *variable, 
         return 0;
     }
     if (!(value >= variable->min && value <= variable->max)) {
-        char text[NUMBER_LENGTH];
-        fail(instance, "%s: %s = %s must be %s.", function, variable->name, shortest(text, value),
-             variable->range);
+        fail(instance, "%s: %s = %.17g must be %s.", function, variable->name, value, variable->range);
         return 0;
     }
 #ifdef MODEL_DIVISOR

@@ -1,7 +1,6 @@
 /* Messages to the host's logger. The runtime formats them, so that the logger gets finished text. */
 #include <stdarg.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "instance.h"
@@ -38,17 +37,6 @@ static void send_message(const fmi2CallbackFunctions *callbacks, const char *nam
     vsnprintf(text, sizeof text, format, arguments);
     escape_percent(text, escaped, sizeof escaped);
     callbacks->logger(callbacks->componentEnvironment, name ? name : "", status, category, escaped);
-}
-
-#define NUMBER_LENGTH 32
-
-/* Writes a number with as few digits as tell it from all others. */
-static const char *shortest(char text[NUMBER_LENGTH], double value) {
-    for (int digits = 15; digits <= 17; ++digits) {
-        snprintf(text, NUMBER_LENGTH, "%.*g", digits, value);
-        if (strtod(text, NULL) == value) break;
-    }
-    return text;
 }
 
 #if defined(__GNUC__)

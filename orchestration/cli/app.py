@@ -5,6 +5,7 @@ The exit codes are those of `orchestration.cli.codes`.
 
 import sys
 import traceback
+import warnings
 from pathlib import Path
 from typing import Annotated
 
@@ -381,7 +382,9 @@ def main() -> None:
     output.reset()
     never_fail_on_characters()
     try:
-        app()
+        with warnings.catch_warnings():
+            warnings.showwarning = _say
+            app()
     except (OrchestrationError, OSError) as error:
         if output.debug:
             traceback.print_exception(error)
@@ -391,3 +394,8 @@ def main() -> None:
         traceback.print_exc()
         output.error("Error: this is a fault of adaptimp; please report it with the lines above.")
         sys.exit(ExitCode.FAULT)
+
+
+def _say(message: Warning | str, *_: object) -> None:
+    """Print a warning as a sentence, without the place in the code that it came from."""
+    output.remark(f"Warning: {message}")

@@ -11,6 +11,7 @@ from orchestration.cli.places import require_folder, written
 from orchestration.errors import SystemDescriptionError
 from orchestration.fmi.names import suggestion
 from orchestration.master.progress import RUNNING
+from orchestration.sandbox.cache_folder import let_matplotlib_write
 
 IMAGES = ("png", "svg")
 
@@ -49,6 +50,7 @@ def _stamp(path: Path) -> tuple[int, int] | None:
 
 def reproduce_paper(out: Path, image: str, *, fresh: bool) -> None:
     """Reproduce the figures and claims of the paper, and print the table of claims."""
+    let_matplotlib_write()
     from orchestration.paper.report import reproduce
 
     if image not in IMAGES:

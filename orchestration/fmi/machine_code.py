@@ -17,9 +17,8 @@ import time
 from collections.abc import Iterable
 from contextlib import suppress
 from pathlib import Path
-from tempfile import TemporaryFile
 
-import platformdirs
+from orchestration.sandbox.cache_folder import cache_folder, writable_cache
 
 COMPILERS = ("numba", "llvmlite")
 UNUSED_DAYS = 30  # after which a folder is removed
@@ -29,6 +28,7 @@ _DAY = 86400.0  # s
 def code_folder(sources: Iterable[Path]) -> Path | None:
     """Return a folder for the machine code of source files, in ``$ADAPTIMP_CACHE`` or the user's cache folder.
 
+    Where nothing can be written there, the folder is in a temporary cache; see `orchestration.sandbox.cache_folder`.
     When a folder is made, folders that have not been used for `UNUSED_DAYS` are removed.
 
     Parameters
@@ -41,15 +41,11 @@ def code_folder(sources: Iterable[Path]) -> Path | None:
     Path or None
         None if nothing can be written, or a source cannot be read. Then no machine code is kept.
     """
-    home = Path(os.environ.get("ADAPTIMP_CACHE") or platformdirs.user_cache_path("adaptimp"))
-    if not home.expanduser().is_absolute() and "ADAPTIMP_CACHE" not in os.environ:
-        return None  # there is no home
     try:
-        folder = home.absolute() / "kernel" / _digest(sources)
-        is_new = not folder.exists()
-        folder.mkdir(parents=True, exist_ok=True)
+        name = _digest(sources)
+        is_new = not (cache_folder() / "kernel" / name).exists()
+        folder = writable_cache("kernel", name)
         os.utime(folder)  # it is in use
-        TemporaryFile(dir=folder).close()
     except OSError:
         return None
     if is_new:

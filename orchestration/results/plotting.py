@@ -8,6 +8,7 @@ import numpy as np
 from orchestration.errors import OrchestrationError, UnknownNameError
 from orchestration.fmi.given import shown
 from orchestration.fmi.names import chosen, suggestion
+from orchestration.sandbox.cache_folder import let_matplotlib_write
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -47,6 +48,7 @@ def plot(result: "Result", names: Sequence[str], ax: "Axes | None") -> np.ndarra
 
 def _new_panels(number: int) -> np.ndarray:
     """Panels one above the other in a new figure of pyplot, which notebooks and plt.show() display."""
+    let_matplotlib_write()
     import matplotlib.pyplot as plt
 
     size = (WIDTH, 0.6 + HEIGHT * number)

@@ -1,7 +1,6 @@
 """Access to the XML files of an SSP package: names of the standard, safe reading, validation by the XSD schemas."""
 
 import importlib.resources
-import os
 import re
 import tempfile
 import zipfile
@@ -12,12 +11,12 @@ from pathlib import Path, PurePosixPath
 from typing import IO
 from urllib.parse import unquote
 
-import platformdirs
 from lxml import etree
 
 from orchestration.errors import ArchiveError, SystemDescriptionError
 from orchestration.fmi.units import BASE_UNITS, Linear, Unit, UnitDefinition
 from orchestration.sandbox.archive import file_hash, unpack
+from orchestration.sandbox.cache_folder import cache_folder, writable_cache
 from orchestration.sandbox.missing import require_file
 
 _BASE = "http://ssp-standard.org/SSP1/SystemStructure"
@@ -70,10 +69,10 @@ class Package:
             If the package is missing, invalid or unsafe.
         """
         require_file(path, "package")
-        cache_folder = os.environ.get("ADAPTIMP_CACHE") or platformdirs.user_cache_path("adaptimp")
-        folder = Path(cache_folder) / "ssp" / file_hash(path)[:32]
+        folder = cache_folder() / "ssp" / file_hash(path)[:32]
         if not folder.is_dir():
-            folder.parent.mkdir(parents=True, exist_ok=True)
+            folder = writable_cache("ssp") / folder.name
+        if not folder.is_dir():
             with tempfile.TemporaryDirectory(dir=folder.parent) as scratch:
                 fresh = Path(scratch) / "package"
                 fresh.mkdir()

@@ -67,7 +67,7 @@ def test_11_parameter_out_of_range_is_named_with_both_values(binary: Binary, cre
             bounded += 1
         for value, said in wrong.items():
             status = instance.set({name: value})
-            assert_refused(instance, status, before, f"{name} =", repr(value).removesuffix(".0"), said)
+            assert_refused(instance, status, before, f"{name} =", f"{value:.17g}", said)
     assert bounded, "every unit has a parameter with a least value"
 
 

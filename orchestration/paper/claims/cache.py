@@ -14,8 +14,8 @@ from dataclasses import asdict
 from pathlib import Path
 from tempfile import NamedTemporaryFile
 
-from adaptimp_fmu import default_cache
 from orchestration.paper.claims.claim import Claim
+from orchestration.sandbox.cache_folder import cache_folder, writable_cache
 
 PACKAGES = ("adaptimp_fmu", "fmus", "orchestration")
 LIBRARIES = ("casadi", "numba", "numpy", "fmpy")
@@ -38,12 +38,13 @@ def claims_of(
     tuple
         The claims, and whether an earlier run has measured them.
     """
-    file = default_cache() / "claims" / f"{_key(digests)}.json"
+    file = cache_folder() / "claims" / f"{_key(digests)}.json"
     if file.exists() and not fresh:
         records = json.loads(file.read_text(encoding="utf-8"))
         return [Claim(**record) for record in records], True
     claims = measure()
-    file.parent.mkdir(parents=True, exist_ok=True)
+    if not file.exists():
+        file = writable_cache("claims") / file.name
     with NamedTemporaryFile("w", dir=file.parent, suffix=".part", delete=False, encoding="utf-8") as draft:
         json.dump([asdict(claim) for claim in claims], draft)
     Path(draft.name).replace(file)  # whole or not at all, also when two runs end at once

@@ -79,9 +79,11 @@ def test_a_cache_that_cannot_be_written_does_not_break_a_run(
 ) -> None:
     (tmp_path / "other").mkdir()
     (tmp_path / "other" / "kernel").write_text("not a folder", encoding="utf-8")
-    done = run(ADAPTIMP_CACHE=str(tmp_path / "other"))
+    (tmp_path / "temporary").mkdir()
+    done = run(ADAPTIMP_CACHE=str(tmp_path / "other"), TMPDIR=str(tmp_path / "temporary"))
     assert done.returncode == 0, done.stderr
     assert not list((tmp_path / "tree").rglob("*.nb?"))
+    assert list((tmp_path / "temporary").rglob("*.nbc"))
 
 
 def test_a_damaged_cache_is_compiled_again(run: Callable[..., subprocess.CompletedProcess], tmp_path: Path) -> None:
