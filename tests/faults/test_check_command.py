@@ -12,11 +12,10 @@ from tests.unit.orchestration.checked import edited, swap
 Captured = pytest.CaptureFixture[str]
 
 
-def test_a_good_unit(fmu_folder: Path, capsys: Captured) -> None:
-    assert run_check(fmu_folder / "Plant.fmu", None, False) == 0
-    out, err = capsys.readouterr()
-    assert out.splitlines()[-1] == "Plant.fmu, plant: no findings"
-    assert err == ""
+def test_a_good_unit(fmu_folder: Path, adaptimp: Command) -> None:
+    outcome = adaptimp("check", fmu_folder / "Plant.fmu")
+    assert (outcome.code, outcome.err) == (0, "")
+    assert outcome.out.splitlines()[-1] == "Plant.fmu, plant: no findings"
 
 
 @pytest.mark.parametrize("identifier", ["CraigAdaptiveImpedance", "HoganImpedance3R"])
