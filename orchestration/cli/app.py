@@ -383,7 +383,7 @@ def main() -> None:
     never_fail_on_characters()
     try:
         with warnings.catch_warnings():
-            warnings.showwarning = _say
+            warnings.showwarning = output.warn
             app()
     except (OrchestrationError, OSError) as error:
         if output.debug:
@@ -394,8 +394,3 @@ def main() -> None:
         traceback.print_exc()
         output.error("Error: this is a fault of adaptimp; please report it with the lines above.")
         sys.exit(ExitCode.FAULT)
-
-
-def _say(message: Warning | str, *_: object) -> None:
-    """Print a warning as a sentence, without the place in the code that it came from."""
-    output.remark(f"Warning: {message}")

@@ -67,6 +67,10 @@ class Output:
         if not self.quiet:
             self.error(text)
 
+    def warn(self, message: Warning | str, *_: object) -> None:
+        """Say a warning as a sentence, without the place in the code that it came from."""
+        self.remark(f"Warning: {message}")
+
     def error(self, text: str) -> None:
         """Say on standard error why the command ends, --quiet or not."""
         _write(text, sys.stderr)

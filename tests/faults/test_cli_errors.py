@@ -54,7 +54,7 @@ BAD_OPTIONS = {
     "fig2 --algorithm euler": r"There is no algorithm 'euler'; there are gauss-seidel, jacobi",
     "fig2 --order plant,sensor": r"order plant, sensor must name each of trajectory, sensor, controller, act",
     "fig2 --record plant.energy": r"plant has no variable energy; there are ",
-    "fig2 --record plant.tau[1]": r"plant\.tau\[1\] is a Real of causality input; only outputs",
+    "fig2 --record plant.tau*": r"record: no output fits 'plant\.tau\*'",
     "fig2 --out fig2.xlsx": r"fig2\.xlsx: results are written as \.csv or \.parquet",
     "fig2 --exchange both": r"no exchange 'both'; there are sequential, parallel",
     "fig2 --input-order 3": r"order 3 of the inputs is not 0, 1 or 2",
