@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import matplotlib.pyplot as plt
+import numpy as np
 import pytest
 from IPython.core.completer import provisionalcompleter
 from IPython.core.interactiveshell import InteractiveShell
@@ -90,11 +91,12 @@ def test_every_cell_shows_something_readable(outputs: list[Shown]) -> None:
 
 
 def test_the_cells_do_what_they_say(outputs: list[Shown]) -> None:
-    system, result, panels, tip, comparison = (output.object for output in outputs[:5])
+    system, result, panels, tip, driven, comparison = (output.object for output in outputs)
     assert not system.unconnected_inputs()
     assert result["plant.F_ext"].min() < -100  # N; the arm meets the wall
     assert [panel.get_ylabel() for panel in panels] == ["plant.x (m)", "plant.F_ext (N)"]
     assert tip.attrs == {"units": "m"}
+    np.testing.assert_array_equal(driven["plant.x"], result["plant.x"][: len(driven.time)])
     assert "controller.s[1]" in comparison.only_in_second  # the sliding variable of the other controller
 
 
