@@ -79,7 +79,7 @@ class UnknownNameError(OrchestrationError, KeyError):
     ...     result["plant.X"]
     ... except KeyError as error:
     ...     print(error)
-    The result has no column plant.X; did you mean plant.x...
+    The result has no column plant.X; names are case-sensitive: did you mean plant.x?
     """
 
     def __str__(self) -> str:

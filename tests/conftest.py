@@ -2,8 +2,10 @@
 
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
+from xdist.scheduler import LoadFileScheduling
 
 from adaptimp_fmu import build
 from fmus.catalog import MODELS
@@ -11,6 +13,22 @@ from tests import selection
 from tests.closing_line import pytest_terminal_summary  # noqa: F401, pytest finds it by its name
 from tests.driver import Driver
 from tests.sharing import made_once
+
+TOGETHER = ("tests/conformance/platforms/", "tests/reference/")
+"""Folders whose tests one worker runs, because the others would wait for what the first of these tests makes."""
+
+
+class ByFile(LoadFileScheduling):
+    """Gives all tests of a file to one worker, and those of the folders `TOGETHER` as if they were one file."""
+
+    def _split_scope(self, nodeid: str) -> str:
+        """Return the name of what a test is given to a worker with."""
+        return next((folder for folder in TOGETHER if nodeid.startswith(folder)), super()._split_scope(nodeid))
+
+
+def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> ByFile:
+    """Let xdist use `ByFile`."""
+    return ByFile(config, log)
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

@@ -11,7 +11,14 @@ from orchestration.cli.signals import signal_table
 from orchestration.cli.systems import FMU, PACKAGE, named_fmu, named_system
 from orchestration.cli.tables import definitions, table
 from orchestration.errors import UnknownNameError
-from orchestration.fmi.codes import DIFFERENTIATES, INTERPOLATES, SAVES_STATE, SERIALIZES_STATE
+from orchestration.fmi.codes import (
+    DIFFERENTIATES,
+    INTERPOLATES,
+    ONE_INSTANCE,
+    SAVES_STATE,
+    SERIALIZES_STATE,
+    VARIES_STEP,
+)
 from orchestration.fmi.names import arrays, base_name, suggestion
 from orchestration.results.formats import READERS
 
@@ -22,6 +29,7 @@ ABILITIES = {
     SERIALIZES_STATE: "serialize its state",
     INTERPOLATES: "interpolate its inputs",
     DIFFERENTIATES: "give directional derivatives",
+    VARIES_STEP: "take steps of any length",
 }
 LONGEST = 200
 """Characters of a text of metadata that is shown; JSON has all."""
@@ -63,7 +71,8 @@ def _fmu_text(facts: Mapping[str, Any], width: int) -> Iterator[str]:
         "file": facts["file"],
         "made by": facts["tool"],
         "runs on": ", ".join(facts["platforms"]) + here,
-        "can": ", ".join(ABILITIES[name] for name in facts["capabilities"]),
+        "can": ", ".join(text for name, text in ABILITIES.items() if name in facts["capabilities"]),
+        "cannot": "be instantiated twice in a process" if ONE_INSTANCE in facts["capabilities"] else "",
         "default experiment": _times(experiment),
     }
     yield f"{facts['name']}: FMI 2.0 FMU for co-simulation"

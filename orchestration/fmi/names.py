@@ -137,6 +137,8 @@ def _index_help(name: str, known: list[str], prefix: str) -> str:
     if base == name:
         return ""
     array = {candidate.lower(): candidate for candidate in whole}.get(base.lower())
+    if array is not None and array != base and (meant := array + name[len(base) :]) in known:
+        return f"names are case-sensitive: did you mean {prefix}{meant}?"
     if array is not None:
         first, last = (f"{prefix}{known[whole[array].ravel()[end]]}" for end in (0, -1))
         return f"the elements of {prefix}{array} are {first} to {last}."

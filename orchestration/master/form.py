@@ -12,7 +12,18 @@ _LONGEST = 140  # characters of the first sentence
 
 
 class FormalityWarning(UserWarning):
-    """Warning that an FMU breaks rules of FMI that no step needs, so it is run all the same."""
+    """Warning that an FMU breaks rules of FMI that no step needs, so it is run all the same.
+
+    Examples
+    --------
+    To run FMUs of other tools without a word about their form:
+
+    >>> import warnings
+    >>> from orchestration import FormalityWarning, scenario, simulate
+    >>> with warnings.catch_warnings():
+    ...     warnings.simplefilter("ignore", FormalityWarning)
+    ...     result = simulate(scenario("fig2"), stop_time=0.01)
+    """
 
 
 def report_descriptions(system: System, *, strict: bool) -> None:

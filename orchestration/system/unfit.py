@@ -34,9 +34,17 @@ def require_outputs(system: "System", new: Component) -> None:
     if not missing:
         return
     output = base_name(missing[0])
+    outputs = [v.name for v in new.description.of_causality("output")]
+    if parts := [name for name in outputs if base_name(name) == output]:
+        n = sum(base_name(name) == output for name in readers)
+        msg = (
+            f"{new.description.path.name} cannot be {new.name}: it has no output {missing[0]}, which"
+            f" {readers[missing[0]]} reads, but {_some(parts)}; declare {output} as an array of {n} elements."
+        )
+        raise SystemDescriptionError(msg)
     kin = [c.name for c in system.components if c.name != new.name and _alike(c.description, new.description)]
     looks = f" looks like {kin[0]}, not like {new.name}:" if kin else f" cannot be {new.name}:"
-    has = _some(dict.fromkeys(base_name(v.name) for v in new.description.of_causality("output")))
+    has = _some(dict.fromkeys(map(base_name, outputs)))
     fitting = _beside(new.description, missing)
     advice = f"use one such as {_some(fitting)}" if fitting else f"map the name of an output of the FMU to {output}"
     msg = (

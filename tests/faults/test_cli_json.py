@@ -91,8 +91,8 @@ def test_a_failed_run_has_its_numbers_until_then(adaptimp: Command, tmp_path: Pa
     ("options", "said"),
     [
         (("fig9",), "There is no scenario fig9"),
-        (("fig2", "--step", "nan"), "The step nan s is not positive."),
-        (("fig2", "--set", "plant.K_f=-1"), "K_f = -1 is outside"),
+        (("fig2", "--step", "nan"), "The step is nan; give a finite number, in s."),
+        (("fig2", "--set", "plant.K_f=-1"), "K_f = -1 must be at least 0 N/m"),
         (("fig2", "-o", "x.txt"), "results are written as .csv or .parquet"),
     ],
 )

@@ -121,7 +121,7 @@ def test_info_of_a_result(adaptimp: Command, suffix: str) -> None:
     [
         ("fig22", r"fig22 is neither an \.fmu, .* did you mean fig2"),
         ("Hogan", r"did you mean HoganImpedance"),
-        ("x.csv", r"x\.csv: the result cannot be read"),
+        ("x.csv", r"x\.csv: there is no such file of a result"),
         ("x.fmu", r"x\.fmu: there is no such FMU"),
         ("x.ssp", r"x\.ssp: there is no such package"),
     ],
@@ -172,7 +172,10 @@ def test_a_run_may_start_later(adaptimp: Command, tmp_path: Path) -> None:
     time = Result.read(tmp_path / "x.csv").time
     assert (len(time), time[0], time[-1]) == (21, 0.5, 0.502)
     refused = adaptimp("run", "fig2", "--start", "3")
-    assert (refused.code, refused.sentence) == (2, "The run from 3 s to 2 s does not have a positive, finite length.")
+    assert (refused.code, refused.sentence) == (
+        2,
+        "The stop time 2 s is not after the start time 3 s; give a later stop time.",
+    )
 
 
 @pytest.mark.parametrize("place", ["before", "after"])

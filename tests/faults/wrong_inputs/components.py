@@ -88,7 +88,12 @@ TABLE = (
     Wrong("an index of a scalar", _set("plant.K_f[1]", 1.0), "plant|K_f[1]", "K_f", "not an array", E),
     Wrong("three values of two", _set("controller.K", [1.0, 2.0, 3.0]), "controller.K", "3|2", "one for all", E),
     Wrong(
-        "a value of an output", _set("plant.q", 0.0), "plant.q[1]", "output|parameters and inputs", "plant.q_start", E
+        "a value of an output",
+        _set("plant.q", 0.0),
+        "plant.q[1]",
+        "output|parameters, inputs and initial states",
+        "plant.q_start",
+        E,
     ),
     Wrong("a value with its unit", _set(K, "4000 N/m"), f"{K} = '4000 N/m'", "N/m", "plain number", E),
     Wrong("a value with another unit", _set(K, "4 kN/m"), f"{K} = '4 kN/m'", "in N/m", "plain number", E),

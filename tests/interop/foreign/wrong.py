@@ -93,7 +93,10 @@ PUSHES_BACK = both(
 WRONG: dict[str, Wrong] = {
     "a torque has another name": Wrong(
         (ROLE, ERROR, r"The output tau_cmd\[2\] in N.m of the controller is missing"),
-        (SystemDescriptionError, r"Mapping tau_cmd=Torque: CartesianImpedance has no variable Torque\[2\]; it has Jo"),
+        (
+            SystemDescriptionError,
+            r"Mapping tau_cmd=Torque: CartesianImpedance has no variable Torque\[2\]; the elements of Torque are",
+        ),
         description=swap('name="Torque[2]"', 'name="TorqueOfElbow"'),
     ),
     "torques are declared in N": Wrong(

@@ -103,5 +103,7 @@ def test_a_model_is_built_without_a_home(tmp_path: Path) -> None:
     command = [sys.executable, "-c", "from orchestration.cli import main; main()", "build", "mine.py", "--out", "built"]
     done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
-    assert re.fullmatch(r"Warning: Nothing can be written to the cache \S+: .*\n", done.stderr)
+    said = [line for line in done.stderr.splitlines() if not line.endswith(" ...")]  # what takes long is said, too
+    assert len(said) == 1
+    assert re.fullmatch(r"Warning: Nothing can be written to the cache \S+: .*", said[0])
     assert (tmp_path / "built" / "Gain.fmu").is_file()
