@@ -67,7 +67,7 @@ def test_a_controller_without_the_right_torque_is_refused(
     has = "torque" if output == "torque" else "tau_cmd" if size is None else "tau_cmd[1]"
     with pytest.raises(
         SystemDescriptionError,
-        match=rf"{name}\.fmu cannot be controller: it has no output {re.escape(missing)}, .* reads, but {re.escape(has)};",
+        match=rf"{name}\.fmu cannot be controller: it has no output {re.escape(missing)}, .*, but {re.escape(has)};",
     ):
         system("fig5").replace("controller", fmu)
 

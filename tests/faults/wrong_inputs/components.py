@@ -91,7 +91,7 @@ TABLE = (
         "a value of an output",
         _set("plant.q", 0.0),
         "plant.q[1]",
-        "output|parameters, inputs and initial states",
+        "output|inputs and initial states",
         "plant.q_start",
         E,
     ),

@@ -95,7 +95,7 @@ WRONG: dict[str, Wrong] = {
         (ROLE, ERROR, r"The output tau_cmd\[2\] in N.m of the controller is missing"),
         (
             SystemDescriptionError,
-            r"Mapping tau_cmd=Torque: CartesianImpedance has no variable Torque\[2\]; the elements of Torque are",
+            r"Mapping tau_cmd=Torque: CartesianImpedance has no variable Torque\[2\]; the elements",
         ),
         description=swap('name="Torque[2]"', 'name="TorqueOfElbow"'),
     ),

@@ -218,7 +218,7 @@ def test_fig2_settles_as_its_target_impedance(fig2: System) -> None:
 
 def test_invalid_arguments_are_refused() -> None:
     for step in (0.0, -1.0, np.nan):
-        with pytest.raises(SystemDescriptionError, match="must be positive|give a finite number"):
+        with pytest.raises(SystemDescriptionError, match=r"must be positive|give a finite number"):
             stability(at_wall(1e-2), step)
     with pytest.raises(SystemDescriptionError, match="There is no algorithm"):
         stability(at_wall(1e-2), algorithm="magic")

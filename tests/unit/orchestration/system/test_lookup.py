@@ -35,7 +35,7 @@ def test_names_of_components_are_variables_and_arrays(fig2: System) -> None:
 
 @pytest.mark.parametrize(
     ("name", "words"),
-    [("K_F", "no variable K_F; names are case-sensitive: did you mean K_f"), ("x[1]", "no start value")],
+    [("K_F", "are case-sensitive: did you mean K_f"), ("x[1]", "no start value")],
 )
 def test_what_is_not_there_is_a_key_error_with_near_names(fig2: System, name: str, words: str) -> None:
     with pytest.raises(KeyError) as caught:
