@@ -10,6 +10,7 @@ from xdist.scheduler import LoadFileScheduling
 from adaptimp_fmu import build
 from fmus.catalog import MODELS
 from tests import selection
+from tests.bytecode import pytest_configure, pytest_unconfigure  # noqa: F401, pytest finds them by their names
 from tests.closing_line import pytest_terminal_summary  # noqa: F401, pytest finds it by its name
 from tests.driver import Driver
 from tests.sharing import made_once
