@@ -1,8 +1,8 @@
 """Lets the processes that tests start share the bytecode of the modules they import.
 
-A process that has to compile the packages to bytecode first needs three times as long to run a figure. Where bytecode is
-not written, as with PYTHONDONTWRITEBYTECODE, that holds for each of several hundred processes. So a run of the tests has
-a folder for it, beside no source file.
+A process that has to compile the packages to bytecode first needs three times as long to run a figure. Where Python
+writes no bytecode, as with PYTHONDONTWRITEBYTECODE, that holds for each of several hundred processes. So a run of the
+tests has a folder for it, beside no source file.
 """
 
 import os
