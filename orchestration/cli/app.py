@@ -229,7 +229,10 @@ def run(
         ),
     ] = True,
     strict: Annotated[
-        bool, typer.Option("--strict", help="Unconnected inputs are an error.", rich_help_panel=CARE)
+        bool,
+        typer.Option(
+            "--strict", help="Unconnected inputs, and FMUs that break rules of form, are errors.", rich_help_panel=CARE
+        ),
     ] = False,
     assumptions: Annotated[
         bool,

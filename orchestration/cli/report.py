@@ -35,7 +35,7 @@ class RunReport:
     stepping_seconds, compile_seconds
         Duration of all steps together, and of the compilation, or loading, of the master's loop before.
     status, message, exit_code
-        ``complete``, ``failed``, ``interrupted`` or ``refused``; why; the exit code of the program.
+        ``complete``, ``ended``, ``failed``, ``interrupted`` or ``refused``; why; the exit code of the program.
     notices, warnings
         Sentences that the user should know.
     file, replaced

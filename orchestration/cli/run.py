@@ -27,6 +27,7 @@ from orchestration.master.options import Crossings
 from orchestration.master.progress import RUNNING, ProgressLine
 from orchestration.master.simulate import Options, prepare
 from orchestration.master.simulation import Simulation
+from orchestration.results.columns import ENDED
 from orchestration.results.result import Result
 
 LONG_COMPILATION = 1.0  # s, from which on it is said
@@ -128,6 +129,9 @@ def _run(
                 line.begin("judging the stability of the algorithm")
                 _judge(simulation, report)
             result = _stepped(simulation, report, line)
+            if result.status == ENDED:
+                report.status, report.message = result.status, result.message
+                output.remark(f"Notice: {result.message}")
     except SimulationError as error:
         destination.partial(error.result, report, "before the failure")
         raise

@@ -151,6 +151,10 @@ class Instance:
         self.worst = max(self.worst, status)
         return status
 
+    def ask(self, function: str, kind: int, answer: Any) -> int | None:
+        """Ask for a status of a kind, an fmi2StatusKind; returns the fmi2Status, None if there is no such function."""
+        return None if self.library.lacks([function]) else self._call(function, self._handle, kind, answer)
+
     def failure(self, function: str, status: int, where: str = "") -> str:
         """Return a sentence that names a call, its status and the instance's last message."""
         return f"{self.name}: {function} returned {status_name(status)}{where}; {self.messages.last()}."

@@ -4,6 +4,7 @@ import math
 from collections.abc import Sequence
 
 from orchestration.fmi.instance import Instance
+from orchestration.master.discard import how_far
 from orchestration.master.flatten import Assembly
 from orchestration.master.kernel.codes import CALL_NAMES, Column, Failure, Reason
 from orchestration.master.step_arrays import Layout
@@ -29,9 +30,8 @@ def failure_message(
             f"{layout.watched[subject]}{where}: its error asks for steps below the smallest, {smallest:g} s;"
             " loosen its tolerance, allow smaller steps, or look for a jump (crossings locate them)."
         )
-    return instances[subject].failure(CALL_NAMES[Column(call)], status, where) + _given(
-        instances[subject].name, assembly
-    )
+    said = instances[subject].failure(CALL_NAMES[Column(call)], status, where)
+    return said + how_far(failure, instances) + _given(instances[subject].name, assembly)
 
 
 def _given(component: str, assembly: Assembly) -> str:

@@ -60,7 +60,7 @@ class Options:
     start_time
         Time of row 0, s.
     strict
-        Whether an unconnected input is an error instead of a warning.
+        Whether an unconnected input, and an FMU that breaks a rule of form, is an error instead of a warning.
     allow_stale_inputs
         Whether a sampling period need not be a multiple of the step. A tick within a step then uses the
         inputs of the beginning of the step.

@@ -29,6 +29,7 @@ from orchestration.master.capabilities import check_capabilities, check_crossing
 from orchestration.master.changes import require_free
 from orchestration.master.chunks import Chunks
 from orchestration.master.compilation import compile_loop
+from orchestration.master.discard import end_of_simulation
 from orchestration.master.failure_text import failure_message
 from orchestration.master.flat_run import flat_run
 from orchestration.master.form import report_libraries
@@ -43,7 +44,7 @@ from orchestration.master.recorder import Recorder, Sink, not_finite
 from orchestration.master.saving import Saving, choices
 from orchestration.master.snapshot import Snapshot, identity
 from orchestration.master.time_grid import Grid
-from orchestration.results.columns import FAILED, INTERRUPTED
+from orchestration.results.columns import ENDED, FAILED, INTERRUPTED
 from orchestration.results.formats import require_parquet
 from orchestration.results.result import Result
 from orchestration.system.system import System
@@ -116,6 +117,7 @@ class Simulation:
         self._varies = algorithm.control is not None or bool(options.crossings.outputs)  # the number of rows
         self._plain = algorithm.plain and not options.crossings.outputs and not options.slow
         self._changes: list[list[float | str]] = []  # time, variable, value
+        self._ended = ""  # a sentence, once a component has ended the simulation
         self._changed_at = -1  # point at which scheduled changes were made last
         self._stream: ParquetSink | None = None
         self._stack = ExitStack()
@@ -230,14 +232,15 @@ class Simulation:
         try:
             if self._outside.pacer is not None:
                 self._outside.pacer.begin(self.time)
-            while self._state.interval < last:
+            while self._state.interval < last and not self._ended:
                 self._apply_changes()
                 reach = self._outside.reach(self.grid, int(self._state.interval), last)
                 self._chunks.begin()
                 self._run_plain(reach) if self._plain else self._run_general(reach)
                 self._chunks.end()
                 if self.options.progress is not None:
-                    self.options.progress(*self._progress())
+                    so_far, controlled = int(self._state.interval), self.algorithm.control is not None
+                    self.options.progress(*self.grid.progress(so_far, self.time, controlled=controlled))
                 if self._outside.pacer is not None:
                     self._outside.pacer.wait(self.time)
         except KeyboardInterrupt as interrupt:
@@ -248,7 +251,8 @@ class Simulation:
         self._block.require_begun()
         times, rows = self._recorder.rows()
         periods = self.system.sample_times
-        return Result(times, self._columns, rows, self._units, self.steps_per_tick, self._described(), periods)
+        found = Result(times, self._columns, rows, self._units, self.steps_per_tick, self._described(), periods)
+        return replace(found, status=ENDED, message=self._ended) if self._ended else found
 
     def _broken_off(self, status: str, message: str) -> Result:
         return replace(self.result(), status=status, message=message)
@@ -256,10 +260,7 @@ class Simulation:
     @property
     def steps_per_tick(self) -> dict[str, int]:
         """Rows per sampling period, by component; empty if rows do not fall on the ticks."""
-        every = self.options.every
-        if self._varies:
-            return {}
-        return {name: n // every for name, n in self.grid.steps_per_tick.items() if n % every == 0}
+        return {} if self._varies else self.grid.rows_per_tick(self.options.every)
 
     def set(self, values: Mapping[str, float | bool | str | Sequence[float]]) -> None:
         """Set tunable parameters, and inputs without a source, from here on; values are as for `System.set`.
@@ -304,7 +305,7 @@ class Simulation:
         """
         self._block.require_open()
         require_type("The snapshot", snapshot, Snapshot, "give one of save(), or of Snapshot.read(path)")
-        self._changes = self._saving.restore(snapshot)
+        self._changes, self._ended = self._saving.restore(snapshot), ""
         self._changed_at = -1
 
     def _described(self) -> dict[str, str]:
@@ -380,6 +381,9 @@ class Simulation:
     def _fail(self, failure: Failure) -> None:
         self._recorder.flush()
         where = f" at t = {self.time:.9g} s (step {self.steps_made})"
+        self._ended = end_of_simulation(failure, where, self._instances)
+        if self._ended:
+            return
         message = failure_message(failure, where, self._layout, self._instances, self._assembly)
         raise SimulationError(message, self._broken_off(FAILED, message))
 
@@ -387,13 +391,9 @@ class Simulation:
         self._recorder.flush()
         if self._stream is not None:
             self._stream.metadata |= self._described()
+            if self._ended:
+                self._stream.status, self._stream.message = ENDED, self._ended
         for instance in self._instances:
             status = instance.status("fmi2Terminate")
             if status > WORST_ACCEPTED:
                 raise SimulationError(instance.failure("fmi2Terminate", status), self.result())
-
-    def _progress(self) -> tuple[int, int]:
-        if self.algorithm.control is None:
-            return int(self._state.interval), self.grid.n
-        span = self.grid.times[-1] - self.grid.times[0]
-        return int(1000 * (self.time - self.grid.times[0]) / span), 1000

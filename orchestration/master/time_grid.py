@@ -46,6 +46,16 @@ class Grid:
         """Whether the intervals differ in length by more than rounding."""
         return bool(np.ptp(self.lengths) > RATIO_TOLERANCE * self.step)
 
+    def rows_per_tick(self, every: int) -> dict[str, int]:
+        """Return the rows per sampling period, of components for which they are whole; every n-th step is recorded."""
+        return {name: n // every for name, n in self.steps_per_tick.items() if n % every == 0}
+
+    def progress(self, interval: int, time: float, *, controlled: bool) -> tuple[int, int]:
+        """Return how far a run is, as steps made and all steps; as thousandths of its duration if it is controlled."""
+        if not controlled:
+            return interval, self.n
+        return int(1000 * (time - self.times[0]) / (self.times[-1] - self.times[0])), 1000
+
     def ahead(self, until: float, now: float) -> int:
         """Return the index of the point at the time `until`, s, which must not lie before `now`, s.
 

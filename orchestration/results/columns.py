@@ -14,7 +14,7 @@ TIME = "time"
 LATENESS = "lateness"
 """Name of the column of a run that keeps step with a clock: by how many seconds each row was made after it was due."""
 
-COMPLETE, FAILED, INTERRUPTED = "complete", "failed", "interrupted"
+COMPLETE, ENDED, FAILED, INTERRUPTED = "complete", "ended", "failed", "interrupted"
 """What became of the run that recorded the numbers."""
 
 
@@ -40,7 +40,8 @@ class Columns:
     sample_times
         Sampling periods, s, by the name of a sampled component.
     status
-        ``complete``, or ``failed`` or ``interrupted`` where the rows are those before.
+        ``complete``; ``ended`` if a component ended the simulation before the stop time; ``failed`` or
+        ``interrupted`` where the rows are those before.
     message
         Why the status is not ``complete``, as a sentence.
     """
