@@ -1,5 +1,7 @@
 """Fixtures: the FMUs of small models, fig2, and a cache of its own for every test that reads packages."""
 
+import signal
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
@@ -58,3 +60,11 @@ def small_groups(monkeypatch: pytest.MonkeyPatch) -> int:
     """Row groups of 64 rows of the sample."""
     monkeypatch.setattr(arrow_table, "ROW_GROUP_BYTES", 64 * 8 * (len(NAMES) + 1))
     return 64
+
+
+@pytest.fixture
+def heeded() -> Iterator[None]:
+    """Heed SIGINT as in the foreground, because a shell starts background processes with SIGINT ignored."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)

@@ -37,6 +37,7 @@ def test_the_loop_is_called_with_no_step_first(fig2: System, monkeypatch: pytest
         assert simulation.time == 0.01
 
 
+@pytest.mark.usefixtures("heeded")
 def test_an_interrupt_waits_for_the_end() -> None:
     """The compiler's callbacks would swallow it."""
     done = []
@@ -51,6 +52,7 @@ def test_an_interrupt_waits_for_the_end() -> None:
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
 
 
+@pytest.mark.usefixtures("heeded")
 def test_a_second_interrupt_waits_no_longer() -> None:
     done = []
 

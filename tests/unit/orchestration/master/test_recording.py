@@ -2,7 +2,6 @@
 
 import json
 import signal
-from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -110,14 +109,6 @@ def test_a_failure_leaves_the_rows_before(small: dict[str, Path], tmp_path: Path
     partial = Result.read(tmp_path / "run.partial.parquet")
     assert partial.time.tobytes() == kept.time.tobytes()
     assert partial.rows.tobytes() == kept.rows.tobytes()
-
-
-@pytest.fixture
-def heeded() -> Iterator[None]:
-    """Heed SIGINT as in the foreground, because a shell starts background processes with SIGINT ignored."""
-    before = signal.signal(signal.SIGINT, signal.default_int_handler)
-    yield
-    signal.signal(signal.SIGINT, before)
 
 
 @every_algorithm
