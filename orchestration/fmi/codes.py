@@ -4,6 +4,7 @@ from enum import IntEnum
 
 REAL, INTEGER, BOOLEAN, STRING = "Real", "Integer", "Boolean", "String"
 """Types of variables; an Enumeration is treated as an Integer."""
+ENUMERATION = "Enumeration"
 
 SAVES_STATE, SERIALIZES_STATE = "canGetAndSetFMUstate", "canSerializeFMUstate"
 INTERPOLATES, DIFFERENTIATES = "canInterpolateInputs", "providesDirectionalDerivative"

@@ -5,7 +5,7 @@ to `orchestration.check`.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from pathlib import Path
 
@@ -49,6 +49,8 @@ class Variable:
         Name in the FMU, if the variable has another name in the system; see `Description.renamed`.
     initial
         How the FMU begins with the variable: exact, approx or calculated; None for an input.
+    items
+        Numbers by name of an Enumeration's items; empty for other types.
     """
 
     name: str
@@ -63,6 +65,7 @@ class Variable:
     relative: bool = False
     declared: str = ""
     initial: str | None = None
+    items: Mapping[str, int] = field(default_factory=dict)
 
     @property
     def fmu_name(self) -> str:
@@ -215,7 +218,8 @@ def _require_consistent(document: Document) -> None:
         if variable.derivative is not None and not 1 <= variable.derivative <= n:
             msg = f"{variable.name}: derivative {variable.derivative} is not the index of a variable; there are {n}."
             raise DocumentError(msg)
-        if variable.name == SAMPLE_TIME and variable.causality == "parameter" and variable.number is None:
+        is_period = (variable.name, variable.causality, variable.unit) == (SAMPLE_TIME, "parameter", "s")
+        if is_period and variable.number is None:
             msg = f"the parameter {SAMPLE_TIME} has no start value, so the sampling period is unknown."
             raise DocumentError(msg)
     for listing in (OUTPUTS, DERIVATIVES, INITIAL_UNKNOWNS):
@@ -250,6 +254,7 @@ def _variable(declared: Declared, *, direct: bool) -> Variable:
         direct=direct,
         relative=declared.relative,
         initial=declared.initial,
+        items=declared.items,
     )
 
 

@@ -27,7 +27,7 @@ class Variables(dict[str, "Variable"]):
         return variables_html(self, {})
 
 
-def variables_html(variables: "Mapping[str, Variable]", start: Mapping[str, float]) -> str:
+def variables_html(variables: "Mapping[str, Variable]", start: Mapping[str, float | str]) -> str:
     """A table of inputs, outputs and parameters; elements of an array share a row if at most their starts differ.
 
     Parameters
@@ -65,7 +65,7 @@ def _said(variable: "Variable") -> tuple[str, str, str, str]:
     return variable.causality, variable.variability, variable.unit, variable.description
 
 
-def _values(values: Sequence[float | None]) -> str:
+def _values(values: Sequence[float | str | None]) -> str:
     """One value for all elements, or the first values."""
     texts = ["" if v is None else f"{v + 0.0:.6g}" if isinstance(v, float) else str(v) for v in values]
     return texts[0] if len(set(texts)) == 1 else listed(texts)

@@ -6,13 +6,13 @@ judge it. Attributes have their types only if the XML is valid against FMI's sch
 
 import zipfile
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cache, cached_property
 from pathlib import Path
 from typing import Any
 
 from orchestration.errors import ArchiveError
-from orchestration.fmi.codes import BOOLEAN, INTEGER, REAL, STRING
+from orchestration.fmi.codes import BOOLEAN, ENUMERATION, INTEGER, REAL, STRING
 from orchestration.fmi.fmpy_files import fmpy_file
 from orchestration.fmi.units import BASE_UNITS, Unit
 from orchestration.sandbox.archive import UNREADABLE
@@ -51,6 +51,8 @@ class Declared:
         Whether the variable, or else its declared type, is declared as a difference of values.
     derivative
         Index of the state whose derivative the variable is.
+    items
+        Numbers by name of an Enumeration's items; empty for other types.
     """
 
     index: int
@@ -69,6 +71,7 @@ class Declared:
     derivative: int | None
     relative: bool
     description: str
+    items: Mapping[str, int] = field(default_factory=dict)
 
     @property
     def number(self) -> float | None:
@@ -133,6 +136,12 @@ class Document:
         return {row.get("name"): row[0] for row in self.root.findall("TypeDefinitions/SimpleType")}
 
     @cached_property
+    def _items(self) -> dict[str, Mapping[str, int]]:
+        """Numbers of items by their names, of each declared Enumeration."""
+        listings = {name: row.findall("Item") for name, row in self.types.items() if row.tag == ENUMERATION}
+        return {name: {i.get("name"): _integer(i.get("value")) for i in items} for name, items in listings.items()}
+
+    @cached_property
     def units(self) -> Mapping[str, Unit | None]:
         """Units by name; None for one without a BaseUnit."""
         return {row.get("name"): _unit(row) for row in self.root.findall("UnitDefinitions/Unit")}
@@ -166,7 +175,7 @@ class Document:
             index=index,
             name=self._name(row.get("name")),
             reference=_integer(row.get("valueReference")),
-            type=INTEGER if typed.tag == "Enumeration" else typed.tag,
+            type=INTEGER if typed.tag == ENUMERATION else typed.tag,
             causality=causality,
             variability=variability,
             initial=row.get("initial", default_initial(causality, variability)),
@@ -179,10 +188,11 @@ class Document:
             derivative=None if derivative is None else _integer(derivative),
             relative=typed.get("relativeQuantity", simple.get("relativeQuantity", "false")).strip() in _TRUE,
             description=row.get("description", ""),
+            items=self._items.get(typed.get("declaredType", ""), {}) if typed.tag == ENUMERATION else {},
         )
 
 
-_TYPES = (REAL, INTEGER, BOOLEAN, STRING, "Enumeration")
+_TYPES = (REAL, INTEGER, BOOLEAN, STRING, ENUMERATION)
 
 
 def read_bytes(path: Path, most: int = LARGEST) -> bytes:

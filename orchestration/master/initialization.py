@@ -114,7 +114,7 @@ def _start(component: Component, instance: Instance, t0: float) -> None:
     set_values(component, instance, within)
 
 
-def set_values(component: Component, instance: Instance, values: Mapping[str, float]) -> None:
+def set_values(component: Component, instance: Instance, values: Mapping[str, float | str]) -> None:
     """Set variables of an instance, one call for each variable.
 
     Parameters
@@ -124,7 +124,7 @@ def set_values(component: Component, instance: Instance, values: Mapping[str, fl
     instance
         Instance of the component.
     values
-        Numbers by variable name, in the physical units that the FMU declares.
+        Numbers, and texts of Strings, by variable name, in the physical units that the FMU declares.
 
     Raises
     ------
@@ -133,8 +133,8 @@ def set_values(component: Component, instance: Instance, values: Mapping[str, fl
     """
     for name, value in values.items():
         variable = component.variable(name)
-        number = int(value) if variable.type != REAL else value
-        status = instance.set(variable.type, [variable.reference], [number])
+        given = value.encode() if isinstance(value, str) else value if variable.type == REAL else int(value)
+        status = instance.set(variable.type, [variable.reference], [given])
         if not accepted(status):
             raise InitializationError(instance.failure(f"fmi2Set{variable.type}", status))
 

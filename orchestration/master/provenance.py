@@ -94,7 +94,7 @@ def _fmu(component: Component) -> dict[str, str]:
     }
 
 
-def _seeds(system: System) -> dict[str, float | None]:
+def _seeds(system: System) -> dict[str, float | str | None]:
     """Return the seeds in force, by ``component.seed``: values of the system, else start values of the FMU."""
     return {
         f"{component.name}.{SEED}": component.start.get(SEED, component.description.variables[SEED].start)
@@ -120,12 +120,15 @@ def _version(package: str) -> str:
         return "not installed"  # the package is imported from a source folder
 
 
-def _numbers(values: Mapping[str, float | None]) -> dict[str, float | str | None]:
-    """Sort values by name, and write those that are not finite as text, because JSON lacks them."""
-    return {
-        name: value if value is None else float(value) if math.isfinite(value) else str(float(value))
-        for name, value in sorted(values.items())
-    }
+def _numbers(values: Mapping[str, float | str | None]) -> dict[str, float | str | None]:
+    """Sort values by name, and write numbers that are not finite as text, because JSON lacks them."""
+    return {name: _number(value) for name, value in sorted(values.items())}
+
+
+def _number(value: float | str | None) -> float | str | None:
+    if value is None or isinstance(value, str):
+        return value
+    return float(value) if math.isfinite(value) else str(float(value))
 
 
 def _json(value: Any) -> str:

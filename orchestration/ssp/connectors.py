@@ -232,7 +232,7 @@ class Wiring:
 
     def _end(self, system: Element, name: str | None, connector: str) -> tuple[Place, bool | None]:
         """Connector at an end of a connection, and whether the connector gives a value; None if both are possible."""
-        element = system if name is None else system.children.get(name)
+        element = system.children.get(name) if name else system
         if element is None:
             help_ = suggestion(str(name), system.children)
             msg = f"{self.where}: system {system.xml.get('name')} has no component {name}; {help_}"

@@ -12,7 +12,7 @@ from math import isnan, nan
 
 from orchestration.errors import SystemDescriptionError
 from orchestration.fmi.codes import REAL
-from orchestration.fmi.names import suggestion
+from orchestration.fmi.names import near, suggestion
 from orchestration.fmi.units import AS_IS, Linear, UnitDefinition, conversion, defined
 from orchestration.ssp.connectors import Arrival, Element, Wiring
 from orchestration.ssp.schema import (
@@ -108,35 +108,31 @@ class _Bindings:
                 raise SystemDescriptionError(msg)
             self.start.setdefault(arrival.component.name, {})[name] = value
         if not found:
-            where = ".".join(element.path) or "the system"
+            where, known = ".".join(element.path) or "the system", element.component
+            close = near(parameter.name, known.description.variables) if known is not None else []
+            meant = f"; did you mean {' or '.join(close)}?" if close else "."
             self.notices.append(
-                f"The parameter {parameter.name} of {where} is ignored, because no variable has that name."
+                f"The parameter {parameter.name} of {where} is ignored, because no variable has that name{meant}"
             )
 
     def _targets(self, element: Element, name: str) -> Iterator[tuple[Arrival, UnitDefinition | None]]:
         """Variables that a parameter sets, each with the unit in which the parameter must be given.
 
         A name in a component is a variable. A name in a system is a connector, or an element and a name in that
-        element, such as ``motor.K``.
-
-        Raises
-        ------
-        SystemDescriptionError
-            If the element is a component without such a variable.
+        element, such as ``motor.K``. A name that means nothing is ignored (SSP 1.0, section 5.3.2).
         """
         if element.component is not None:
-            element.component.variable(name)
+            if name not in element.component.description.variables:
+                return
             unit = self.wiring.unit(element.component, element.path, name)
             yield Arrival(element.component, name, AS_IS), unit
         elif name in element.connectors:
             for arrival in self.wiring.arrivals(element.path, name):
                 yield arrival, element.connectors[name][1]
         else:
-            head, dot, rest = name.partition(".")
-            if dot and head in element.children:
-                child = element.children[head]
-                if child.component is None or rest in child.component.description.variables:
-                    yield from self._targets(child, rest)
+            for head, child in element.children.items():  # a name of an element may have dots, too
+                if name.startswith(f"{head}."):
+                    yield from self._targets(child, name.removeprefix(f"{head}."))
 
     def _converted(
         self, parameter: _Parameter, unit: UnitDefinition | None, arrival: Arrival, *, relative: bool
@@ -169,6 +165,10 @@ class _Bindings:
         entries = list(root.iterfind(f"{{{SSM}}}MappingEntry"))
         for entry in entries:
             parameter = by_name.get(entry.attrib["source"])
+            if parameter is None and not entry.attrib["source"]:
+                target = entry.get("target")
+                self.notices.append(f"{where}: the entry for {target} is ignored, because its source is empty.")
+                continue
             if parameter is None:
                 source = entry.attrib["source"]
                 msg = f"{where} has no parameter {source} to map; {suggestion(source, by_name)}"

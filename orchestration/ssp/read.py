@@ -94,9 +94,9 @@ class _Reading:
         element = Element(path, xml, None, self.connectors(xml))
         for child in xml.iterfind(ssd("Elements/*")):
             name = child.get("name")
-            if not name or "." in name or name in element.children:
+            if not name or name in element.children:
                 msg = (
-                    f"{self.package.path}: the element name {name!r} is empty, has a dot, or is used twice"
+                    f"{self.package.path}: the element name {name!r} is empty, or is used twice"
                     f" in system {xml.get('name')}."
                 )
                 raise SystemDescriptionError(msg)
@@ -112,7 +112,7 @@ class _Reading:
 
     def component(self, xml: Xml, path: tuple[str, ...]) -> Element:
         """Read a component, and give it the name that it has in the flat system."""
-        dotted, flat = ".".join(path), SEPARATOR.join(path)
+        dotted, flat = ".".join(path), SEPARATOR.join(path).replace(".", SEPARATOR)
         kind = xml.get("type") or FMU_TYPE
         if kind != FMU_TYPE or xml.get("implementation") == "ModelExchange":
             what = f"of type {kind}" if kind != FMU_TYPE else "to be run as model exchange"
@@ -122,6 +122,8 @@ class _Reading:
             msg = f"{self.package.path}: {self.paths[flat]} and {dotted} would both be called {flat}; rename one."
             raise SystemDescriptionError(msg)
         self.paths[flat] = dotted
+        if any("." in name for name in path):
+            self.notices.append(f"The component {dotted} is called {flat}, because a name in a system has no dot.")
         component = Component(flat, read_description(self.package.file(xml.get("source"))))
         self.found.append((component, xml))
         return Element(path, xml, component, self.connectors(xml))

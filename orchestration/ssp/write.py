@@ -4,12 +4,12 @@ import re
 import zipfile
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import TypeVar
+from typing import Any, TypeVar
 
 from lxml import etree
 
 from orchestration.errors import SystemDescriptionError
-from orchestration.fmi.codes import BOOLEAN, INTEGER, REAL
+from orchestration.fmi.codes import BOOLEAN, ENUMERATION, INTEGER, REAL, STRING
 from orchestration.fmi.description import Variable
 from orchestration.fmi.units import Unit, UnitDefinition
 from orchestration.ssp.schema import (
@@ -238,7 +238,8 @@ def _parameter_set(component: Component, assumptions: Mapping[str, str]) -> byte
     )
     listing = etree.SubElement(root, f"{{{SSV}}}Parameters")
     units = _Units()
-    write: dict[str, Callable[[float], str]] = {
+    write: dict[str, Callable[[Any], str]] = {
+        STRING: str,
         REAL: _real,
         INTEGER: lambda value: str(int(value)),
         BOOLEAN: lambda value: "true" if value else "false",
@@ -249,8 +250,12 @@ def _parameter_set(component: Component, assumptions: Mapping[str, str]) -> byte
             assumed = assumptions.get(f"{component.name}.{variable.name}")
             if assumed:
                 parameter.set("description", assumed)
-            text = write[variable.type](component.start[variable.name])
-            typed = etree.SubElement(parameter, f"{{{SSV}}}{variable.type}", value=text)
+            value = component.start[variable.name]
+            items = {number: name for name, number in variable.items.items()}
+            kind, text = variable.type, write[variable.type](value)
+            if items and value in items:
+                kind, text = ENUMERATION, items[int(value)]
+            typed = etree.SubElement(parameter, f"{{{SSV}}}{kind}", value=text)
             _set_unit(typed, component, variable, units)
     units.write(root, SSV)
     return serialized(root, VALUES, component.name)

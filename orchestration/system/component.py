@@ -18,6 +18,8 @@ from orchestration.fmi.names import arrays, base_name, near, suggestion
 from orchestration.fmi.units import Linear, conversion
 from orchestration.system.display import component_html, component_line
 
+MOST_ITEMS = 4
+"""How many items of an Enumeration a message shows."""
 _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
 
 
@@ -32,8 +34,8 @@ class Component:
     description
         Content of the FMU's modelDescription.xml.
     start
-        Start values by variable name, in the units of the FMU. Booleans are 0 or 1. A variable that is not
-        listed keeps the start value of the FMU.
+        Start values by variable name, in the units of the FMU. Booleans are 0 or 1, items of an Enumeration their
+        numbers, Strings texts. A variable that is not listed keeps the start value of the FMU.
 
     Examples
     --------
@@ -51,7 +53,7 @@ class Component:
 
     name: str
     description: Description
-    start: Mapping[str, float] = field(default_factory=dict)
+    start: Mapping[str, float | str] = field(default_factory=dict)
 
     @classmethod
     def read(cls, path: str | Path, name: str = "") -> "Component":
@@ -137,11 +139,19 @@ class Component:
 
     @property
     def sample_time(self) -> float | None:
-        """Sampling period, s; None for a component without a parameter ``sample_time``."""
+        """Sampling period, s; None for a component that is not sampled.
+
+        A component is sampled if all of its outputs are discrete and it has a Real parameter ``sample_time`` in s. A
+        parameter of that name with another type or unit, or beside continuous outputs, means something else.
+        """
         variable = self.description.variables.get(SAMPLE_TIME)
-        if variable is None or variable.causality != "parameter":
+        outputs = self.description.of_causality("output")
+        if variable is None or (variable.causality, variable.type, variable.unit) != ("parameter", REAL, "s"):
             return None
-        return self.start.get(SAMPLE_TIME, variable.start)
+        if not all(output.variability == "discrete" for output in outputs):
+            return None
+        period = self.start.get(SAMPLE_TIME, variable.start)
+        return None if period is None else float(period)
 
     @property
     def continuous(self) -> bool:
@@ -273,7 +283,7 @@ def require_settable(component: Component, variable: Variable) -> None:
     Raises
     ------
     SystemDescriptionError
-        If the FMU computes the start value, or the variable is a String.
+        If the FMU computes the start value.
     """
     path = f"{component.name}.{variable.name}"
     if not variable.can_start:
@@ -282,9 +292,6 @@ def require_settable(component: Component, variable: Variable) -> None:
         meant = f"did you mean {' or '.join(close)}?" if close else "leave it out."
         which = "only parameters, inputs and initial states"
         msg = f"{path} has causality {variable.causality}; {which} can be set; {meant}"
-        raise SystemDescriptionError(msg)
-    if variable.type == STRING:
-        msg = f"{path} is a String; only Reals, Integers and Booleans can be set."
         raise SystemDescriptionError(msg)
 
 
@@ -307,8 +314,8 @@ def spread(path: str, value: Any, elements: Sequence[str]) -> list[Any]:
     return flat
 
 
-def number(path: str, variable: Variable, value: float | bool | str) -> float:
-    """Convert a start value to a number; Booleans become 0 or 1.
+def start_value(path: str, variable: Variable, value: float | bool | str) -> float | str:
+    """Convert a start value to the type of its variable; Booleans become 0 or 1, names of items their numbers.
 
     Parameters
     ----------
@@ -324,9 +331,13 @@ def number(path: str, variable: Variable, value: float | bool | str) -> float:
     SystemDescriptionError
         If the value does not have the type of the variable.
     """
+    if variable.type == STRING and isinstance(value, str):
+        return value
+    if isinstance(value, str) and value.strip() in variable.items:
+        return float(variable.items[value.strip()])
     found = math.nan
     with suppress(ValueError, KeyError, TypeError):
-        found = parse_value(value, variable.type)
+        found = math.nan if variable.type == STRING else parse_value(value, variable.type)
     if math.isnan(found):
         msg = f"{path} = {shown(value)}: {_needed(variable, value)}."
         raise SystemDescriptionError(msg)
@@ -337,6 +348,11 @@ def _needed(variable: Variable, value: Any) -> str:
     """What a variable needs instead of a value that does not fit."""
     if variable.type == BOOLEAN:
         return "true or false is needed, since the variable is a Boolean"
+    if variable.type == STRING:
+        return "a text is needed, since the variable is a String"
+    if variable.items:
+        named = ", ".join(f"{name} ({number})" for name, number in list(variable.items.items())[:MOST_ITEMS])
+        return f"an item of the Enumeration is needed, such as {named}"
     if variable.type == INTEGER:
         return f"an integer of 32 bits is needed, a whole number of at most {2**31 - 1}"
     in_unit = f" in {variable.unit}" if variable.unit else ""

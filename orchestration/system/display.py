@@ -25,7 +25,10 @@ def component_line(component: "Component") -> str:
     """A component in one line: its name, its FMU, its numbers of inputs and outputs, start values that differ."""
     description = component.description
     counts = ", ".join(f"{len(description.of_causality(kind))} {kind}s" for kind in ("input", "output"))
-    start = [f"{name} = {value:g}" for name, value in component.start.items()]
+    start = [
+        f"{name} = {value!r}" if isinstance(value, str) else f"{name} = {value:g}"
+        for name, value in component.start.items()
+    ]
     given = f", {listed(start)}" if start else ""
     return f"<Component {component.name}: {description.model_name}, {counts}{given}>"
 

@@ -103,7 +103,7 @@ def _scalars(name: str, known: Sequence[str]) -> list[str]:
     return list(dict.fromkeys(n for n in known if n.startswith(f"{name}[")))
 
 
-def _start(old: Component, new: Component, mapping: Mapping[str, str]) -> tuple[dict[str, float], list[str]]:
+def _start(old: Component, new: Component, mapping: Mapping[str, str]) -> tuple[dict[str, float | str], list[str]]:
     """Start values in the units of the new FMU, and notices of dropped and of unconverted values."""
     start, notices, lost, model = {}, [], [], new.description.model_name
     for name, value in old.start.items():
@@ -112,6 +112,9 @@ def _start(old: Component, new: Component, mapping: Mapping[str, str]) -> tuple[
             lost.append(name)
             continue
         before = old.variable(name)
+        if isinstance(value, str):
+            start[name] = value
+            continue
         scale = unit_scale(old, before, new, variable)
         if scale is None:
             units = f"units {before.unit} and {variable.unit} differ"

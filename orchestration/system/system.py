@@ -17,9 +17,9 @@ from orchestration.system.component import (
     Component,
     Connection,
     checked_connection,
-    number,
     require_settable,
     spread,
+    start_value,
 )
 from orchestration.system.display import system_html, system_line
 from orchestration.system.refused import driven_twice, not_a_path, require_names, require_order
@@ -77,7 +77,7 @@ class System:
             for name, value in component.start.items():
                 variable = component.variable(name)
                 require_settable(component, variable)
-                number(f"{component.name}.{name}", variable, value)
+                start_value(f"{component.name}.{name}", variable, value)
         for path in self.assumptions:
             self.resolve(path)
         connections = tuple(
@@ -248,11 +248,11 @@ class System:
         ([2000.0, 2000.0], [2.5, 1.2])
         """
         require_type("What set takes", values, Mapping, 'give values by name, as {"plant.K_f": 1e5}')
-        changed: dict[str, dict[str, float]] = {}
+        changed: dict[str, dict[str, float | str]] = {}
         for path, value in self.elementwise(values).items():
             component, variable = self.resolve(path)
             require_settable(component, variable)
-            changed.setdefault(component.name, {})[variable.name] = number(path, variable, value)
+            changed.setdefault(component.name, {})[variable.name] = start_value(path, variable, value)
         components = tuple(replace(c, start={**c.start, **changed.get(c.name, {})}) for c in self.components)
         before = {f"{c.name}.{name}": value for c in self.components for name, value in c.start.items()}
         given = {f"{c}.{name}": value for c, of_component in changed.items() for name, value in of_component.items()}

@@ -51,5 +51,5 @@ def _perturbed(plan: Plan) -> Iterator[Plan]:
         for variable in component.description.of_causality("parameter"):
             value = component.start.get(variable.name, variable.start)
             if variable.name.startswith(FACTORS) and value:
-                changed = {f"{component.name}.{variable.name}": value * (1 + RELATIVE)}
+                changed = {f"{component.name}.{variable.name}": float(value) * (1 + RELATIVE)}
                 yield replace(plan, system=plan.system.set(changed))

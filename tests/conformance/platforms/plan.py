@@ -63,7 +63,7 @@ class Plan:
             name.partition(".")[2]: name for name in self.given if name.partition(".")[0] == component.name
         }
         outputs = component.description.of_causality("output")
-        starts = [_item(component.variable(name), value) for name, value in component.start.items()]
+        starts = [_item(component.variable(name), float(value)) for name, value in component.start.items()]
         inputs = [_item(component.variable(name), signals[source]) for name, source in sources.items()]
         shown = [_item(v, signals[f"{component.name}.{v.name}"]) for v in outputs]
         return [len(starts), len(inputs), len(shown), *itertools.chain(*starts, *inputs, *shown)]

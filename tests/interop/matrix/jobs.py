@@ -87,12 +87,13 @@ def _job(system: System, kind: str, n_steps: int, folder: Path) -> Job:
         driven = {c.input: first[f"{c.source}.{c.output}"] for c in system.connections if c.target == component.name}
         inputs = component.description.of_causality("input")
         alone = {v.name: v.start for v in inputs if v.start is not None}
+        start = {name: float(value) for name, value in component.start.items()}
         parts.append(
             Part(
                 component.name,
                 str(component.description.path),
-                dict(component.start),
-                {**alone, **component.start, **driven},
+                start,
+                {**alone, **start, **driven},
                 {name: v.type for name, v in variables.items()},
                 {name: v.reference for name, v in variables.items()},
                 {name: v.causality for name, v in variables.items()},
