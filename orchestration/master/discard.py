@@ -36,8 +36,14 @@ def end_of_simulation(failure: Failure, where: str, instances: Sequence[Instance
     return f"{instances[subject].name} ends the simulation{where}."
 
 
-def how_far(failure: Failure, instances: Sequence[Instance]) -> str:
-    """Return a sentence, after a blank, on what can be done about a discarded step; empty after another failure."""
+def how_far(failure: Failure, instances: Sequence[Instance], *, smallest: float | None) -> str:
+    """Return a sentence, after a blank, on what can be done about a discarded step; empty after another failure.
+
+    Parameters
+    ----------
+    smallest
+        Smallest step, s, of a run that controls its step; None for steps of given length.
+    """
     subject, call, status = failure
     if (call, status) != (Column.DO_STEP, Status.DISCARD):
         return ""
@@ -45,4 +51,7 @@ def how_far(failure: Failure, instances: Sequence[Instance]) -> str:
     answer = instances[subject].ask("fmi2GetRealStatus", StatusKind.LAST_SUCCESSFUL_TIME, ctypes.byref(time))
     known = answer is not None and accepted(answer)
     reached = f"It has come to t = {time.value:.9g} s" if known else "It does not say how far it has come"
+    if smallest is not None:
+        needed = f"steps below the smallest, {smallest:g} s, would be needed"
+        return f" {reached}; {needed}; allow smaller steps, or stop the run there."
     return f" {reached}; use smaller steps, or algorithm adaptive, which shortens a step that is discarded."

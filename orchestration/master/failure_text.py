@@ -31,7 +31,9 @@ def failure_message(
             " loosen its tolerance, allow smaller steps, or look for a jump (crossings locate them)."
         )
     said = instances[subject].failure(CALL_NAMES[Column(call)], status, where)
-    return said + how_far(failure, instances) + _given(instances[subject].name, assembly)
+    method = layout.coupling.method
+    further = how_far(failure, instances, smallest=float(method.smallest_step) if method.controlled else None)
+    return said + further + _given(instances[subject].name, assembly)
 
 
 def _given(component: str, assembly: Assembly) -> str:

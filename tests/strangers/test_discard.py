@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 
 from orchestration import Result, SimulationError, System, prepare, simulate, stream
+from orchestration.master.kernel.step_control import SMALLEST_FACTOR
+from orchestration.master.step_arrays import SMALLEST_SHARE
 from tests.faults.cli import Command, runner
 from tests.strangers.conftest import Stranger
 from tests.strangers.fmus import Y
@@ -37,6 +39,14 @@ def test_the_end_is_an_end(ending: System) -> None:
 @pytest.mark.parametrize("algorithm", ["jacobi", "iterative", "newton"])
 def test_it_is_an_end_for_other_algorithms(ending: System, algorithm: str) -> None:
     assert simulate(ending, 1.0, 0.1, algorithm).status == "ended"
+
+
+def test_step_control_goes_to_the_end_but_for_its_smallest_step(ending: System) -> None:
+    result = simulate(ending, 1.0, 0.1, "adaptive")
+    assert result.status == "ended"
+    largest_refused = SMALLEST_SHARE * 0.1 / SMALLEST_FACTOR  # the next one would be smaller than the smallest
+    assert 0.5 - largest_refused <= result.time[-1] <= 0.5 + 1e-9
+    np.testing.assert_allclose(result["m.y"], result.time)
 
 
 def test_a_run_that_has_ended_stays_so_until_it_is_taken_back(stranger: Stranger) -> None:
@@ -84,6 +94,12 @@ def test_another_discard_says_how_far_it_came(stranger: Stranger, kind: str, rea
         simulate(System.of({"m": path}), 1.0, 0.1)
     assert failed.value.result is not None
     assert len(failed.value.result.time) == 1
+
+
+def test_a_stop_that_is_no_end_is_a_failure_under_step_control_too(stranger: Stranger) -> None:
+    path = stranger("stops", [Y], outputs=ALONE, flags=ANY_STEP)
+    with pytest.raises(SimulationError, match=r"returned fmi2Discard .*; steps below the smallest, 1e-07 s, would be"):
+        simulate(System.of({"m": path}), 1.0, 0.1, "adaptive")
 
 
 def test_a_stop_that_is_no_end_is_a_failure(stranger: Stranger) -> None:

@@ -127,11 +127,12 @@ def attempt(c: Coupling, t: float, h: float) -> tuple[float, Failure]:
         failure = advance(c, t, trial)
         if trial == h and not found and c.method.controlled == 1:
             error, worst = estimate(c, h)
+            refused = (worst, 0, Reason.TOO_SMALL.value)
             if failure[2] == Status.DISCARD:
-                failure, error = FINE, DISCARDED
+                refused, failure, error = failure, FINE, DISCARDED
             if failure[2] <= WORST_ACCEPTED and not adapt(c, h, error):
                 too_small = c.state.next_step < c.method.smallest_step
-                return 0.0, (worst, 0, Reason.TOO_SMALL.value if too_small else 0)
+                return 0.0, refused if too_small else (worst, 0, 0)
         if failure[2] > WORST_ACCEPTED or found or c.crossings.shape[0] == 0:
             return trial, failure
         crossed = has_crossed(c)
