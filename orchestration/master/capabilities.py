@@ -94,16 +94,20 @@ def check_tolerances(system: System, algorithm: Algorithm) -> None:
             raise SystemDescriptionError(msg)
 
 
-def require_undriven(system: System, names: Iterable[str]) -> None:
-    """Refuse to set inputs with a source during a run, because the source sets them again in each step.
+def require_settable_in_run(system: System, names: Iterable[str]) -> None:
+    """Refuse to set during a run what the FMU computes, and inputs that a source sets again in each step.
 
     Raises
     ------
     SystemDescriptionError
-        Naming the source.
+        Naming the causality, or the source.
     """
-    sources = {f"{c.target}.{c.input}": f"{c.source}.{c.output}" for c in system.connections}
+    sources = system.sources
     for name in names:
+        causality = system.resolve(name)[1].causality
+        if causality not in ("parameter", "input"):
+            msg = f"{name} has causality {causality}; only parameters and inputs can be set during a run."
+            raise SystemDescriptionError(msg)
         if name in sources:
             msg = f"{name} cannot be set, since its source {sources[name]} sets it in each step; disconnect it."
             raise SystemDescriptionError(msg)

@@ -8,7 +8,6 @@ import numpy as np
 
 from orchestration.errors import SystemDescriptionError
 from orchestration.master.time_grid import Grid
-from orchestration.system.component import Component
 from orchestration.system.sampling import RATIO_TOLERANCE
 from orchestration.system.system import System
 
@@ -87,7 +86,7 @@ def _point(grid: Grid, time: float) -> int:
 
 def _require_changeable(system: System, path: str) -> None:
     """Refuse a variable whose value cannot change during a run, or would be overwritten at once."""
-    component, variable = system.resolve(path)
+    variable = system.resolve(path)[1]
     tunable = variable.causality == "parameter" and variable.variability == "tunable"
     if not tunable and variable.causality != "input":
         kind = (
@@ -97,7 +96,7 @@ def _require_changeable(system: System, path: str) -> None:
         )
         msg = f"changes: {path} is {kind}; only tunable parameters and inputs without a source can change in a run."
         raise SystemDescriptionError(msg)
-    if source := _source(system, component, variable.name):
+    if source := system.sources.get(path):
         msg = f"changes: {path} takes its value from {source}, which would overwrite the change."
         raise SystemDescriptionError(msg)
 
@@ -114,9 +113,3 @@ def require_free(values: Collection[str], driven: Collection[str]) -> None:
         if path in values:
             msg = f"{path} takes its value from a time series, which would overwrite the change."
             raise SystemDescriptionError(msg)
-
-
-def _source(system: System, component: Component, name: str) -> str | None:
-    """Return the output that an input is connected to."""
-    found = (c for c in system.connections if (c.target, c.input) == (component.name, name))
-    return next((f"{c.source}.{c.output}" for c in found), None)

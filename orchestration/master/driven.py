@@ -207,10 +207,9 @@ def _bound(system: System, path: str, given: TimeSeries, values: np.ndarray) -> 
     if variable.type == STRING:
         msg = f"inputs: {path} is a String; only Reals, Integers and Booleans take time series."
         raise SystemDescriptionError(msg)
-    for c in system.connections:
-        if (c.target, c.input) == (component.name, variable.name):
-            msg = f"inputs: {path} has a source already, {c.source}.{c.output}; leave out the connection or the series."
-            raise SystemDescriptionError(msg)
+    if path in system.sources:
+        msg = f"inputs: {path} has a source already, {system.sources[path]}; leave out the connection or the series."
+        raise SystemDescriptionError(msg)
     scale = _scale(system, component, variable, given)
     values = scale(values)
     if variable.type == REAL:

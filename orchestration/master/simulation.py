@@ -25,7 +25,7 @@ from orchestration.fmi.given import a_number, require_type
 from orchestration.fmi.instance import Instance
 from orchestration.master.algorithm import Algorithm
 from orchestration.master.block import Block
-from orchestration.master.capabilities import check_capabilities, check_crossings, check_steps, require_undriven
+from orchestration.master.capabilities import check_capabilities, check_crossings, check_steps, require_settable_in_run
 from orchestration.master.changes import require_free
 from orchestration.master.chunks import Chunks
 from orchestration.master.compilation import compile_loop
@@ -274,7 +274,7 @@ class Simulation:
         """
         self._block.require_open()
         values = self.system.elementwise(values)
-        require_undriven(self.system, values)
+        require_settable_in_run(self.system, values)
         require_free(values, self._outside.inputs.names)
         changed = System("_", self.system.components).set(values)
         for component, before, instance in zip(

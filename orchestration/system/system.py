@@ -363,14 +363,19 @@ class System:
         periods = {component.name: component.sample_time for component in self.components}
         return {name: float(period) for name, period in periods.items() if period is not None}
 
+    @property
+    def sources(self) -> dict[str, str]:
+        """The output that each connected input takes its value from, by the input; both as ``component.variable``."""
+        return {f"{c.target}.{c.input}": f"{c.source}.{c.output}" for c in self.connections}
+
     def unconnected_inputs(self) -> list[str]:
         """Return the inputs without a source, which keep their start value, as ``component.input``."""
-        driven = {(c.target, c.input) for c in self.connections}
+        driven = self.sources
         return [
             f"{component.name}.{variable.name}"
             for component in self.components
             for variable in component.description.of_causality("input")
-            if (component.name, variable.name) not in driven
+            if f"{component.name}.{variable.name}" not in driven
         ]
 
     def resolve(self, path: str) -> tuple[Component, Variable]:

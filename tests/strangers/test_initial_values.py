@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from orchestration import Connection, Fmu, System, SystemDescriptionError, simulate
+from orchestration import Connection, Fmu, System, SystemDescriptionError, prepare, simulate
 from tests.strangers.conftest import Stranger
 from tests.strangers.fmus import U, Y
 
@@ -57,6 +57,14 @@ def test_a_package_keeps_the_start_values_of_states(stranger: Stranger, tmp_path
     path = stranger("state", [X, V], outputs='<Unknown index="1" dependencies=""/>')
     package = System.of({"m": path}).set({"m.x": 4.0, "m.v": -1.0}).write(tmp_path / "s.ssp")
     assert simulate(package, 1.0, 0.25)["m.x"][-1] == 3.0
+
+
+def test_a_state_cannot_be_set_during_a_run(stranger: Stranger) -> None:
+    path = stranger("state", [X, V], outputs='<Unknown index="1" dependencies=""/>')
+    with prepare(System.of({"m": path}), 1.0, 0.25) as run:
+        run.run(until=0.5)
+        with pytest.raises(SystemDescriptionError, match=r"m\.x has causality output; .* can be set during a run"):
+            run.set({"m.x": 4.0})
 
 
 def test_what_the_fmu_computes_cannot_be_set(forgetful: Path) -> None:
