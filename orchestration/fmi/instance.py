@@ -18,6 +18,7 @@ from orchestration.fmi.codes import (
     status_name,
 )
 from orchestration.fmi.description import Description
+from orchestration.fmi.display import listed
 from orchestration.fmi.library import Library, library_path, needed_functions
 from orchestration.fmi.logging import Messages, callbacks, listen
 from orchestration.fmi.signatures import CO_SIMULATION
@@ -26,6 +27,8 @@ from orchestration.fmi.units import Linear
 if TYPE_CHECKING:
     from orchestration.fmi.input_scaling import ScaledInputs
 
+MOST_FUNCTIONS = 6
+"""How many missing functions a message names."""
 C_TYPES = {REAL: ctypes.c_double, INTEGER: ctypes.c_int, BOOLEAN: ctypes.c_int, STRING: ctypes.c_char_p}
 
 
@@ -109,7 +112,7 @@ class Instance:
     def formalities(self) -> list[str]:
         """Sentences on rules of form that the library breaks, and that no step needs."""
         missing = self.library.lacks()
-        return [f"Its library does not export {_listed(missing)}."] if missing else []
+        return [f"Its library does not export {listed(missing, MOST_FUNCTIONS)}."] if missing else []
 
     @property
     def component(self) -> int:
@@ -259,15 +262,10 @@ def _loaded(name: str, description: Description, folder: Path) -> Library:
         raise ArchiveError(msg) from error
     if missing := library.lacks(needed_functions(description)):
         library.close()
-        msg = f"{name}: {description.path.name} cannot be loaded: its library does not export {_listed(missing)}."
+        functions = listed(missing, MOST_FUNCTIONS)
+        msg = f"{name}: {description.path.name} cannot be loaded: its library does not export {functions}."
         raise ArchiveError(msg)
     return library
-
-
-def _listed(names: Sequence[str], most: int = 6) -> str:
-    """Join the first names, and count the others."""
-    more = f", and {len(names) - most} more" if len(names) > most else ""
-    return ", ".join(names[:most]) + more
 
 
 def c_references(numbers: Iterable[int]) -> Any:

@@ -5,13 +5,13 @@ from typing import TYPE_CHECKING
 
 from orchestration.errors import OrchestrationError, SystemDescriptionError
 from orchestration.fmi.description import Description, read_description
+from orchestration.fmi.display import listed
 from orchestration.fmi.names import base_name
 from orchestration.system.component import Component
 
 if TYPE_CHECKING:
     from orchestration.system.system import System
 
-MOST_SHOWN = 4
 MOST_READ = 40
 """How many FMUs of a folder are looked at, in the order of their names."""
 
@@ -39,14 +39,14 @@ def require_outputs(system: "System", new: Component) -> None:
         n = sum(base_name(name) == output for name in readers)
         msg = (
             f"{new.description.path.name} cannot be {new.name}: it has no output {missing[0]}, which"
-            f" {readers[missing[0]]} reads, but {_some(parts)}; declare {output} as an array of {n} elements."
+            f" {readers[missing[0]]} reads, but {listed(parts)}; declare {output} as an array of {n} elements."
         )
         raise SystemDescriptionError(msg)
     kin = [c.name for c in system.components if c.name != new.name and _alike(c.description, new.description)]
     looks = f" looks like {kin[0]}, not like {new.name}:" if kin else f" cannot be {new.name}:"
-    has = _some(dict.fromkeys(map(base_name, outputs)))
+    has = listed(list(dict.fromkeys(map(base_name, outputs))))
     fitting = _beside(new.description, missing)
-    advice = f"use one such as {_some(fitting)}" if fitting else f"map the name of an output of the FMU to {output}"
+    advice = f"use one such as {listed(fitting)}" if fitting else f"map the name of an output of the FMU to {output}"
     msg = (
         f"{new.description.path.name}{looks} it has no output {output}, which {readers[missing[0]]} reads,"
         f" but {has}; {advice}."
@@ -71,10 +71,3 @@ def _beside(description: Description, outputs: Iterable[str]) -> list[str]:
         if {*outputs} <= {variable.name for variable in other.of_causality("output")}:
             found.append(path.name)
     return found
-
-
-def _some(names: Iterable[str]) -> str:
-    """The first of some names."""
-    names = list(names)
-    more = len(names) - MOST_SHOWN
-    return ", ".join(names[:MOST_SHOWN]) + (f" and {more} more" if more > 0 else "")
