@@ -65,7 +65,7 @@ def system_html(system: "System") -> str:
         f"<p><b>System {escape(system.name)}</b></p>",
         system_svg(system.components, system.connections),
         html_table(("component", "model", "sampling"), components),
-        html_table(("start value", "value", "unit", "of the FMU"), start) if start else "",
+        html_table(("start value", "value", "unit", "FMU's own"), start) if start else "",
         html_table(("connections", "signals"), _grouped(system.connections)),
     ]
     return f"<div>{''.join(parts)}</div>"
