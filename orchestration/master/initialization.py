@@ -11,6 +11,7 @@ from orchestration.fmi.codes import ONE_INSTANCE, REAL, WORST_ACCEPTED, accepted
 from orchestration.fmi.instance import Instance
 from orchestration.fmi.library import needed_to_run
 from orchestration.fmi.start_values import by_time
+from orchestration.fmi.units import Linear
 from orchestration.master.algebraic_loops import solve_loops
 from orchestration.master.flatten import Assembly
 from orchestration.master.kernel.codes import CALL_NAMES, Column
@@ -39,7 +40,7 @@ def opened(system: System) -> Iterator[list[Instance]]:
     """
     with ExitStack() as stack:
         folders: dict[tuple[Path, str], Path] = {}
-        instances = []
+        instances, scales = [], _scales(system)
         for component in system.components:
             path, alone = component.description.path, component.description.can(ONE_INSTANCE)
             key = (path, component.name if alone else "")
@@ -49,15 +50,19 @@ def opened(system: System) -> Iterator[list[Instance]]:
             folder = folders[key]
             instance = Instance.open(component.name, component.description, folder)
             stack.callback(instance.close)
-            scales = {
-                component.variable(c.input).reference: c.scale
-                for c in system.connections
-                if c.target == component.name and not c.scale.trivial
-            }
-            if scales:
-                instance.scale_inputs(scales)
+            if component.name in scales:
+                instance.scale_inputs(scales[component.name])
             instances.append(instance)
         yield instances
+
+
+def _scales(system: System) -> dict[str, dict[int, Linear]]:
+    """Conversions of inputs by their value references, of each component that has any."""
+    found: dict[str, dict[int, Linear]] = {}
+    for c in system.connections:
+        if not c.scale.trivial:
+            found.setdefault(c.target, {})[system.component(c.target).variable(c.input).reference] = c.scale
+    return found
 
 
 def initialize(
