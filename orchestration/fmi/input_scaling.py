@@ -19,7 +19,7 @@ from typing import Any, cast
 import numpy as np
 from numba import types
 from numba.core.ccallback import CFunc
-from numba.extending import register_jitable
+from numba.core.registry import CPUDispatcher
 
 from orchestration.fmi.codes import Status
 from orchestration.fmi.machine_code import code_folder
@@ -121,7 +121,7 @@ def _folder() -> Path | None:
 _compiled: dict[str, Any] = {}  # keeps the code that addresses point to
 
 
-@register_jitable
+@CPUDispatcher  # not njit, which does nothing where compilation is off for loops
 def _place(unit, reference):
     """Return the place of an input among the scaled inputs, whose references go up; -1 if it is not among them."""
     listed, low, high = load_integer(unit + 8 * _REFERENCES), 0, load_integer(unit + 8 * _N)

@@ -37,25 +37,33 @@ class Size:
         return self.components * (2 * self.width + self.parameters)
 
 
-def wide_fmu(folder: Path, width: int, parameters: int = 0) -> Path:
-    """Write the FMU with a number of inputs and outputs, and a number of parameters, into a folder."""
+def wide_fmu(folder: Path, width: int, parameters: int = 0, *, direct: bool = False) -> Path:
+    """Write the FMU with a number of inputs and outputs, and a number of parameters, into a folder.
+
+    Parameters
+    ----------
+    direct
+        Whether outputs depend on inputs at the same instant.
+    """
     host = host_platform()
-    path = folder / f"Wide{width}x{parameters}.fmu"
+    path = folder / f"Wide{width}x{parameters}{'direct' if direct else ''}.fmu"
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
-        archive.writestr("modelDescription.xml", description(width, parameters))
+        archive.writestr("modelDescription.xml", description(width, parameters, direct=direct))
         archive.writestr(f"binaries/{host.name}/Wide{host.extension}", _library())
     return path
 
 
-def description(width: int, parameters: int) -> str:
-    """The modelDescription.xml; outputs depend on no input, so a ring is not an algebraic loop."""
+def description(width: int, parameters: int, *, direct: bool) -> str:
+    """The modelDescription.xml; a ring is an algebraic loop if outputs depend on inputs at the same instant."""
     rows = [_variable(f"u[{i + 1}]", i, "input", "continuous", ' start="0"') for i in range(width)]
     rows += [_variable(f"y[{i + 1}]", width + i, "output", "continuous", "") for i in range(width)]
     rows += [_variable(f"p[{i + 1}]", 2 * width + i, "parameter", "fixed", ' start="1"') for i in range(parameters)]
-    unknowns = "".join(f'<Unknown index="{width + i + 1}" dependencies=""/>' for i in range(width))
+    unknowns = "".join(
+        f'<Unknown index="{width + i + 1}" dependencies="{i + 1 if direct else ""}"/>' for i in range(width)
+    )
     return (
         '<?xml version="1.0" encoding="UTF-8"?>'
-        f'<fmiModelDescription fmiVersion="2.0" modelName="Wide" guid="wide-{width}-{parameters}">'
+        f'<fmiModelDescription fmiVersion="2.0" modelName="Wide" guid="{"direct" if direct else "wide"}-{width}-{parameters}">'
         f'<CoSimulation modelIdentifier="Wide" {_FLAGS}/><ModelVariables>{"".join(rows)}</ModelVariables>'
         f"<ModelStructure><Outputs>{unknowns}</Outputs><InitialUnknowns>{unknowns}</InitialUnknowns></ModelStructure>"
         "</fmiModelDescription>"
