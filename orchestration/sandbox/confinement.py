@@ -12,12 +12,14 @@ What a system does not offer is left out: the caller decides what to say about i
 | privileges | no capabilities of root, and none by starting a program | Linux |
 | folders | files are made, changed and removed below chosen folders only (Landlock) | Linux 5.13 |
 | calls | no sockets, programs, signals to others, mounts (seccomp) | Linux on x86-64 and ARM |
+| told | the parent learns which of these calls were tried | Linux 5.7 |
 """
 
 import ctypes
 import os
 import signal
 import site
+import socket
 import struct
 import sys
 from collections.abc import Mapping, Sequence
@@ -27,7 +29,7 @@ from pathlib import Path
 from typing import Any
 
 from orchestration.sandbox.landlock import write_only_below
-from orchestration.sandbox.system_calls import deny_reaching_out
+from orchestration.sandbox.system_calls import deny_and_tell, deny_reaching_out
 
 MOST_WRITTEN = 64 * 1024**2  # bytes that a file may grow to: a binary that prints for ever fills no disk
 MOST_FILES = 256  # open at a time; an interpreter with the packages of this project has about 20
@@ -110,7 +112,7 @@ def limit(limits: Limits, parent: int | None = None) -> list[str]:
     return found
 
 
-def seal(folders: Sequence[Path]) -> list[str]:
+def seal(folders: Sequence[Path], teller: socket.socket | None = None) -> list[str]:
     """Bound what this process reaches, for ever; returns the measures that are in force.
 
     No thread but the caller's may run: Landlock bounds the thread that asks for it, and what that thread starts.
@@ -119,6 +121,9 @@ def seal(folders: Sequence[Path]) -> list[str]:
     ----------
     folders
         Existing folders below which files may be made, changed and removed.
+    teller
+        Socket of a pair, to whose other end `orchestration.sandbox.denials.Denials` listens: it is told of every
+        system call that is denied, where the kernel offers that.
     """
     libc = _libc()
     if libc is None or libc.prctl(_SET_NO_NEW_PRIVILEGES, 1, 0, 0, 0) != 0:
@@ -126,7 +131,11 @@ def seal(folders: Sequence[Path]) -> list[str]:
     found = ["privileges"] if _drop_capabilities(libc) else []
     if _threads() == 1 and write_only_below(folders, libc):
         found.append("folders")
-    if deny_reaching_out(libc):
+    if (listener := None if teller is None else deny_and_tell(libc)) is not None and teller is not None:
+        socket.send_fds(teller, [b"."], [listener])
+        os.close(listener)
+        found += ["calls", "told"]
+    elif deny_reaching_out(libc):
         found.append("calls")
     return found
 

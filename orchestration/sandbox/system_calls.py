@@ -2,7 +2,8 @@
 
 Denied are sockets, programs, other processes and their memory, mounts, modules, clocks, owners, permissions and
 times of files. What a library needs to compute is allowed: threads, memory, files, signals within the process.
-A denied call fails with EPERM, as for a user without the right, so that the caller can go on.
+A denied call fails with EPERM, as for a user without the right, so that the caller can go on. Where the kernel can
+tell another process of denied calls (Linux 5.7), that process gives the answer; see `orchestration.sandbox.denials`.
 
 The filter is a program for the kernel (classic BPF, see seccomp(2)): each instruction has a code, the numbers of
 instructions to skip if a comparison holds and if not, and a constant.
@@ -35,6 +36,7 @@ DENIED: dict[str, tuple[int | None, int | None]] = {
     "pidfd_getfd": (438, 438),
     "pidfd_send_signal": (424, 424),
     "kcmp": (312, 272),
+    "seccomp": (317, 277),
     "setsid": (112, 157),
     "setpgid": (109, 154),
     "setpriority": (141, 140),
@@ -123,17 +125,19 @@ JUDGED: dict[str, tuple[int, int]] = {
     "clone3": (435, 435),
     "fcntl": (72, 25),
     "ioctl": (16, 29),
+    "prctl": (157, 167),
 }
 _MACHINES = {"x86_64": (0, 0xC000003E), "aarch64": (1, 0xC00000B7)}  # column in the tables, AUDIT_ARCH
 _X32 = 0x40000000  # calls of x86-64 with addresses of 32 bits have numbers from here on
 _CLONE_THREAD = 0x10000
 _SIGNAL_OWNERS = (8, 10, 15)  # F_SETOWN, F_SETSIG, F_SETOWN_EX: signals to other processes
 _TYPE_AHEAD = (0x5412,)  # TIOCSTI: types on a terminal
+_LOOSENING = (1, 22)  # PR_SET_PDEATHSIG: outlives its parent; PR_SET_SECCOMP: a filter above this one
 _LOAD, _EQUAL, _AT_LEAST, _ANY_BIT, _RETURN = 0x20, 0x15, 0x35, 0x45, 0x06
 _NUMBER, _ARCHITECTURE, _ARGUMENTS = 0, 4, 16  # places in what the kernel gives a filter
-_ALLOW, _ERROR, _KILL = 0x7FFF0000, 0x00050000, 0x80000000
-_SET_MODE_FILTER, _ALL_THREADS = 1, 1
-_SECCOMP = {"x86_64": 317, "aarch64": 277}
+_ALLOW, _ERROR, _KILL, _TELL = 0x7FFF0000, 0x00050000, 0x80000000, 0x7FC00000
+_SET_MODE_FILTER = 1
+_ALL_THREADS, _NEW_LISTENER, _ALL_THREADS_OR_ERROR = 1, 8, 16
 
 Instruction = tuple[int, int, int, int]
 
@@ -148,18 +152,45 @@ def deny_reaching_out(libc: ctypes.CDLL) -> bool:
     libc
         The C library, loaded with ``use_errno``.
     """
+    return _install(libc, (_ERROR | errno.EPERM), _ALL_THREADS) == 0
+
+
+def deny_and_tell(libc: ctypes.CDLL) -> int | None:
+    """Install the filter, and let another process answer denied calls, which wait for the answer.
+
+    Returns
+    -------
+    int or None
+        Descriptor from which `orchestration.sandbox.denials` reads the calls; None if the kernel does not offer that,
+        and then no filter is installed.
+    """
+    listener = _install(libc, _TELL, _NEW_LISTENER | _ALL_THREADS | _ALL_THREADS_OR_ERROR)
+    return None if listener < 0 else listener
+
+
+def known_calls() -> dict[int, str]:
+    """Return the names of the calls that the filter may deny on this machine, by number."""
+    column, _ = _MACHINES.get(platform.machine(), (0, 0))
+    numbers = {name: row[column] for name, row in {**DENIED, **JUDGED}.items()}
+    return {number: name for name, number in numbers.items() if number is not None}
+
+
+def _install(libc: ctypes.CDLL, refusal: int, flags: int) -> int:
+    """Install the filter with an answer to denied calls; returns what the kernel returned, -1 if it was not asked."""
     machine = platform.machine()
     if not sys.platform.startswith("linux") or machine not in _MACHINES or sys.maxsize < 2**32:
-        return False
-    instructions = list(_program(machine, os.getpid()))
+        return -1
+    instructions = list(_program(machine, os.getpid(), refusal))
     code = b"".join(struct.pack("=HBBI", *instruction) for instruction in instructions)
     buffer = ctypes.create_string_buffer(code, len(code))
     program = struct.pack("@HP", len(instructions), ctypes.addressof(buffer))
-    return libc.syscall(_SECCOMP[machine], _SET_MODE_FILTER, _ALL_THREADS, program) == 0
+    column, _ = _MACHINES[machine]
+    return libc.syscall(DENIED["seccomp"][column], _SET_MODE_FILTER, flags, program)
 
 
-def _program(machine: str, process: int) -> Iterator[Instruction]:
-    """Yield the instructions of the filter for a machine and a process by its id."""
+def _program(machine: str, process: int, refusal: int) -> Iterator[Instruction]:
+    """Yield the instructions of the filter for a machine, a process by its id, and the answer to denied calls."""
+    refuse = _RETURN, 0, 0, refusal
     column, architecture = _MACHINES[machine]
     yield _LOAD, 0, 0, _ARCHITECTURE
     yield _EQUAL, 1, 0, architecture
@@ -167,46 +198,34 @@ def _program(machine: str, process: int) -> Iterator[Instruction]:
     yield _LOAD, 0, 0, _NUMBER
     if machine == "x86_64":
         yield _AT_LEAST, 0, 1, _X32
-        yield _refusal(errno.ENOSYS)
+        yield _RETURN, 0, 0, _ERROR | errno.ENOSYS
     for numbers in DENIED.values():
         if (number := numbers[column]) is not None:
             yield _EQUAL, 0, 1, number
-            yield _refusal(errno.EPERM)
+            yield refuse
     number = {name: numbers[column] for name, numbers in JUDGED.items()}
     yield _EQUAL, 0, 1, number["clone3"]  # its flags are behind an address; C libraries then take clone
-    yield _refusal(errno.ENOSYS)
-    for name in ("kill", "tgkill"):
-        yield from _only_with(number[name], 0, (process,))
-    yield from _only_with(number["prlimit64"], 0, (0, process))
+    yield _RETURN, 0, 0, _ERROR | errno.ENOSYS
     yield _EQUAL, 0, 4, number["clone"]
     yield _LOAD, 0, 0, _ARGUMENTS
     yield _ANY_BIT, 0, 1, _CLONE_THREAD
     yield _RETURN, 0, 0, _ALLOW
-    yield _refusal(errno.EPERM)
-    for name, forbidden in (("fcntl", _SIGNAL_OWNERS), ("ioctl", _TYPE_AHEAD)):
-        yield from _never_with(number[name], 1, forbidden)
-    yield _RETURN, 0, 0, _ALLOW
+    yield refuse
+    allow = _RETURN, 0, 0, _ALLOW
+    for name, values in (("kill", (process,)), ("tgkill", (process,)), ("prlimit64", (0, process))):
+        yield from _judged(number[name], 0, values, allow, refuse)
+    for name, place, values in (("fcntl", 1, _SIGNAL_OWNERS), ("ioctl", 1, _TYPE_AHEAD), ("prctl", 0, _LOOSENING)):
+        yield from _judged(number[name], place, values, refuse, allow)
+    yield allow
 
 
-def _refusal(error: int) -> Instruction:
-    return _RETURN, 0, 0, _ERROR | error
-
-
-def _only_with(number: int, argument: int, values: tuple[int, ...]) -> Iterator[Instruction]:
-    """Yield instructions that refuse a call unless the lower half of an argument is one of some values."""
+def _judged(
+    number: int, argument: int, values: tuple[int, ...], answer: Instruction, otherwise: Instruction
+) -> Iterator[Instruction]:
+    """Yield instructions that answer a call if the lower half of an argument is one of some values, and if not."""
     yield _EQUAL, 0, 2 * len(values) + 2, number
     yield _LOAD, 0, 0, _ARGUMENTS + 8 * argument
     for value in values:
         yield _EQUAL, 0, 1, value
-        yield _RETURN, 0, 0, _ALLOW
-    yield _refusal(errno.EPERM)
-
-
-def _never_with(number: int, argument: int, values: tuple[int, ...]) -> Iterator[Instruction]:
-    """Yield instructions that refuse a call if the lower half of an argument is one of some values."""
-    yield _EQUAL, 0, 2 * len(values) + 2, number
-    yield _LOAD, 0, 0, _ARGUMENTS + 8 * argument
-    for value in values:
-        yield _EQUAL, 0, 1, value
-        yield _refusal(errno.EPERM)
-    yield _RETURN, 0, 0, _ALLOW
+        yield answer
+    yield otherwise
