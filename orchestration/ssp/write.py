@@ -9,6 +9,7 @@ from typing import Any, TypeVar
 
 from lxml import etree
 
+from adaptimp_files.whole_file import whole_file
 from orchestration.errors import SystemDescriptionError
 from orchestration.fmi.codes import BOOLEAN, ENUMERATION, INTEGER, REAL, STRING
 from orchestration.fmi.description import Variable
@@ -67,16 +68,13 @@ def write_ssp(system: System, path: Path) -> Path:
         raise SystemDescriptionError(msg) from error
     for source, name in fmus.items():
         entries[f"resources/{name}"] = source.read_bytes()
-    path.parent.mkdir(parents=True, exist_ok=True)
-    draft = path.with_name(path.name + ".part")
-    with zipfile.ZipFile(draft, "w") as archive:
+    with whole_file(path) as file, zipfile.ZipFile(file, "w") as archive:
         for name, content in entries.items():
             info = zipfile.ZipInfo(name, _EPOCH)
             info.external_attr = 0o100644 << 16
             stored = name.endswith(".fmu")  # an FMU is already compressed
             info.compress_type = zipfile.ZIP_STORED if stored else zipfile.ZIP_DEFLATED
             archive.writestr(info, content)
-    draft.replace(path)
     return path
 
 
