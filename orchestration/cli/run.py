@@ -46,7 +46,7 @@ class RunRequest:
     ratios: Sequence[str] = ()
     order: Sequence[str] | None = None
     step: float | None = None
-    start: float = 0.0
+    start: float | None = None
     stop: float | None = None
     out: Path | None = None
     record: Sequence[str] | None = None
