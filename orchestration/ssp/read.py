@@ -28,6 +28,7 @@ from orchestration.ssp.schema import (
     required,
     ssd,
 )
+from orchestration.ssp.variants import variants_in
 from orchestration.system.component import Component, Connection
 from orchestration.system.system import System
 
@@ -83,6 +84,17 @@ def read_ssp(path: Path, variant: str | None = None) -> System:
     }
     system = System(root.attrib["name"], components, connections, **options).set(values)
     return replace(system, assumptions=assumptions)
+
+
+def variants_of(path: Path) -> list[str]:
+    """Return the names of the .ssd files in a package or folder, without the suffix, the default one first.
+
+    Raises
+    ------
+    ArchiveError
+        If the package is missing, unsafe or invalid.
+    """
+    return variants_in(Package.folder_of(path)[0])
 
 
 @dataclass

@@ -75,8 +75,13 @@ class Package:
         SystemDescriptionError
             If there is no such variant.
         """
-        folder, main = unpacked_place(path) if is_unpacked(path) else (cls._unpacked(path), DEFAULT)
+        folder, main = cls.folder_of(path)
         return cls(path, folder, chosen(path, folder, main, variant))
+
+    @classmethod
+    def folder_of(cls, path: Path) -> tuple[Path, str]:
+        """Return the folder with the files of a package, folder or .ssd file, and the name of the .ssd file there."""
+        return unpacked_place(path) if is_unpacked(path) else (cls._unpacked(path), DEFAULT)
 
     @staticmethod
     def _unpacked(path: Path) -> Path:

@@ -1,4 +1,4 @@
-"""Tests of packages in the style of other tools: their annotations, their faults of form, SSP 2.0, other FMI versions."""
+"""Tests of packages in the style of other tools: annotations, faults of form, SSP 2.0, other versions of FMI."""
 
 import re
 import zipfile
