@@ -58,7 +58,7 @@ class Options:
     every
         Every n-th step is recorded. Row 0 is always recorded.
     start_time
-        Time of row 0, s.
+        Time of row 0, s. Default: the start time of the system.
     strict
         Whether an unconnected input, and an FMU that breaks a rule of form, is an error instead of a warning.
     allow_stale_inputs
@@ -94,7 +94,7 @@ class Options:
 
     record: str | Collection[str] | None = None
     every: int = 1
-    start_time: float = 0.0
+    start_time: float | None = None
     strict: bool = False
     allow_stale_inputs: bool = False
     ratios: Mapping[str, int] = field(default_factory=dict)
@@ -124,7 +124,8 @@ class Options:
 
     def _require_types(self) -> None:
         """Refuse values of another type."""
-        a_number("start_time", self.start_time)
+        if self.start_time is not None:
+            a_number("start_time", self.start_time)
         for name in ("strict", "allow_stale_inputs"):
             require_type(name, getattr(self, name), bool, "give True or False")
         require_type("ratios", self.ratios, Mapping, 'give one for each component, as {"plant": 2}')
