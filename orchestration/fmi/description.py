@@ -40,6 +40,8 @@ class Variable:
 
     Attributes
     ----------
+    start
+        Start value that the FMU declares: a number, or the text of a String; None if it declares none.
     direct
         Whether an output depends on an input at the same instant. An output whose dependencies are not
         declared depends on all inputs (FMI 2.0.4, section 2.2.8).
@@ -59,7 +61,7 @@ class Variable:
     causality: str
     variability: str
     unit: str
-    start: float | None
+    start: float | str | None
     description: str = ""
     direct: bool = False
     relative: bool = False
@@ -110,6 +112,10 @@ class Description:
     def of_causality(self, causality: str) -> list[Variable]:
         """Variables of a causality, in their order, without strings."""
         return [v for v in self.variables.values() if v.causality == causality and v.type != STRING]
+
+    def texts(self, causality: str) -> list[Variable]:
+        """Strings of a causality, in their order."""
+        return [v for v in self.variables.values() if v.causality == causality and v.type == STRING]
 
     def unit(self, variable: Variable) -> UnitDefinition | None:
         """The unit of a variable; None if it declares none."""
@@ -249,7 +255,7 @@ def _variable(declared: Declared, *, direct: bool) -> Variable:
         causality=declared.causality,
         variability="discrete" if unfit else declared.variability,
         unit=declared.unit,
-        start=declared.number,
+        start=declared.start if declared.type == STRING else declared.number,
         description=declared.description,
         direct=direct,
         relative=declared.relative,

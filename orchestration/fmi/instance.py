@@ -52,6 +52,8 @@ class Instance:
     ----------
     worst
         Worst status that `status` returned.
+    failed_in
+        Function that failed within a call that stands for several functions; the next sentence names it.
     scaled
         Stand-in for the FMU if inputs are converted; see `orchestration.fmi.input_scaling`.
 
@@ -77,6 +79,7 @@ class Instance:
         self.messages = Messages() if messages is None else messages
         self.scaled: ScaledInputs | None = None
         self.worst = int(Status.OK)
+        self.failed_in = ""
         self._announce, self._unloads = announce, False
         self._callbacks = callbacks(self.messages)
         guid, resources = (text.encode() for text in identity)
@@ -120,6 +123,11 @@ class Instance:
         return self.scaled.component if self.scaled else self._handle or 0
 
     @property
+    def handle(self) -> int:
+        """Address of the instance for the library's own functions, which convert no inputs."""
+        return self._handle or 0
+
+    @property
     def is_open(self) -> bool:
         """Whether the instance has not been freed yet."""
         return self._handle is not None
@@ -160,6 +168,7 @@ class Instance:
 
     def failure(self, function: str, status: int, where: str = "") -> str:
         """Return a sentence that names a call, its status and the instance's last message."""
+        function, self.failed_in = self.failed_in or function, ""
         return f"{self.name}: {function} returned {status_name(status)}{where}; {self.messages.last()}."
 
     def set(self, kind: str, references: Sequence[int], values: Sequence[Any]) -> int:

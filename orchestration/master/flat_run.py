@@ -55,7 +55,8 @@ def flat_run(
         If a component refuses its start values, or an algebraic loop has no solution.
     """
     start = float(grid.times[0])
-    assembly = assemble(system, instances, options.record, options.crossings.outputs, outside.inputs.names)
+    fetched, driven, beside = options.crossings.outputs, outside.inputs.names, len(outside.units)
+    assembly = assemble(system, instances, options.record, fetched, driven, beside=beside)
     table = outside.inputs.table(assembly.driven)
     initialize(system, instances, assembly, start, None if table is None else (table, float(grid.lengths[0])))
     addresses = None if table is None else (series.address(), table.ctypes.data)

@@ -86,6 +86,10 @@ class Recorder:
         parts = [*self._full, present]
         return np.concatenate([t for t, _ in parts]), np.concatenate([r for _, r in parts])
 
+    def parts(self) -> list[np.ndarray]:
+        """Return the rows in memory, shape (n, n_columns) each, without a copy."""
+        return [*(rows for _, rows in self._full), self._rows[: self._filled]]
+
     def flush(self) -> None:
         """Hand the rows in memory to the sink."""
         if self._sink is not None and self._filled:

@@ -12,13 +12,14 @@ from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 from types import TracebackType
-from typing import IO, TYPE_CHECKING, NamedTuple, Self
+from typing import IO, TYPE_CHECKING, Any, NamedTuple, Self
 
 import numpy as np
 
 from orchestration.errors import OrchestrationError
 from orchestration.results.arrow_table import arrow_schema, arrow_table, columns_of, rows_per_group
-from orchestration.results.columns import COMPLETE, FAILED, INTERRUPTED, Columns
+from orchestration.results.columns import COMPLETE, FAILED, INTERRUPTED, TIME, Columns
+from orchestration.results.texts import joined_texts
 from orchestration.results.whole_file import draft_path, partial_path, remove_draft, write_errors
 
 if TYPE_CHECKING:
@@ -52,9 +53,10 @@ def write_parquet(columns: Columns, path: Path) -> None:
         If the file cannot be written.
     """
     ticks = {"steps_per_tick": columns.steps_per_tick, "sample_times": columns.sample_times}
-    with ParquetSink(path, columns.names, columns.units, columns.metadata, **ticks) as sink:
+    texts = tuple(columns.texts)
+    with ParquetSink(path, columns.names, columns.units, columns.metadata, texts=texts, **ticks) as sink:
         sink.status, sink.message = columns.status, columns.message
-        sink.append(columns.time, columns.rows)
+        sink.append(columns.time, columns.rows, columns.texts)
 
 
 def read_parquet(path: Path) -> Columns:
@@ -123,6 +125,8 @@ class ParquetSink:
         Number of steps per sampling period, by the name of a sampled component.
     sample_times
         Sampling periods, s, by the name of a sampled component.
+    texts
+        Columns of texts as ``component.variable``.
 
     Attributes
     ----------
@@ -151,9 +155,10 @@ class ParquetSink:
         *,
         steps_per_tick: Mapping[str, int] | None = None,
         sample_times: Mapping[str, float] | None = None,
+        texts: Sequence[str] = (),
     ) -> None:
         self.path = path
-        self.names = tuple(names)
+        self.names, self.texts = tuple(names), tuple(texts)
         self.metadata = dict(metadata or {})
         self.status, self.message = COMPLETE, ""
         self.count = 0
@@ -161,8 +166,9 @@ class ParquetSink:
         ticks = {STEPS_PER_TICK: dict(steps_per_tick or {}), SAMPLE_TIMES: dict(sample_times or {})}
         self._own = {UNITS: dict(units or {}), **ticks}
         self._file_metadata()
-        self._schema = arrow_schema(self.names, self._own[UNITS])
+        self._schema = arrow_schema(self.names, self._own[UNITS], self.texts)
         self._buffer = np.empty((0, 0))  # later (n_columns + 1, rows of a group): time, s, and all columns
+        self._texts: list[Mapping[str, np.ndarray]] = []  # of the rows in the buffer
         self._filled = 0
         self._draft: _Draft | None = None
 
@@ -182,13 +188,13 @@ class ParquetSink:
                 raise IsADirectoryError(None, "Is a directory")
             file = draft_path(self.path).open("wb")
         # The schema goes into the file at the end, when its metadata is complete.
-        writer = pyarrow.parquet.ParquetWriter(file, self._schema, store_schema=False, **_ENCODING)
+        writer = pyarrow.parquet.ParquetWriter(file, self._schema, store_schema=False, **self._encoding())
         self._draft = _Draft(writer, file)
 
-        self._buffer = np.empty((len(self.names) + 1, rows_per_group(len(self.names))))
+        self._buffer = np.empty((len(self.names) + 1, rows_per_group(len(self.names), len(self.texts))))
         return self
 
-    def append(self, time: np.ndarray, rows: np.ndarray) -> None:
+    def append(self, time: np.ndarray, rows: np.ndarray, texts: Mapping[str, np.ndarray] | None = None) -> None:
         """Append rows. The number of rows per call does not change the file.
 
         Parameters
@@ -197,6 +203,8 @@ class ParquetSink:
             Communication points, s, shape (n,).
         rows
             Values, shape (n, n_columns), in the units of the columns.
+        texts
+            Columns of texts by name, shape (n,).
 
         Raises
         ------
@@ -205,6 +213,11 @@ class ParquetSink:
         """
         if self._draft is None:
             msg = f"{self.path}: rows can be appended only within the sink's `with` block, and not after a failure."
+            raise OrchestrationError(msg)
+        texts = texts or {}
+        if tuple(texts) != self.texts or any(column.shape != time.shape for column in texts.values()):
+            msg = f"{self.path}: texts of {', '.join(texts) or 'no column'} were given; columns of {time.size} for"
+            msg = f"{msg} {', '.join(self.texts) or 'no column'} are needed."
             raise OrchestrationError(msg)
         if time.ndim != 1 or rows.shape != (time.size, len(self.names)):
             msg = (
@@ -220,6 +233,7 @@ class ParquetSink:
             place = self._buffer[:, self._filled : self._filled + taken]
             place[0] = time[done : done + taken]
             place[1:] = rows[done : done + taken].T
+            self._texts.append({name: column[done : done + taken] for name, column in texts.items()})
             self._filled += taken
             self.count += taken
             done += taken
@@ -274,11 +288,13 @@ class ParquetSink:
     def _flush(self) -> None:
         """Write the buffer as a group of rows; remove the draft if that fails."""
         filled, self._filled = self._filled, 0  # emptied first, so that an interrupt cannot cause a second write
+        texts, self._texts = list(joined_texts(self._texts, self.texts).values()), []
         if filled == 0 or self._draft is None:
             return
         try:
             with write_errors(self.path):
-                self._draft.writer.write_table(arrow_table(self._schema, [column[:filled] for column in self._buffer]))
+                numbers = [column[:filled] for column in self._buffer]
+                self._draft.writer.write_table(arrow_table(self._schema, numbers, texts))
         except Exception:
             self._abandon()
             raise
@@ -292,6 +308,13 @@ class ParquetSink:
         with suppress(OSError):
             file.close()
         remove_draft(self.path)
+
+    def _encoding(self) -> dict[str, Any]:
+        """Encoding of the columns; texts repeat themselves, so they are kept in dictionaries."""
+        if not self.texts:
+            return _ENCODING
+        texts, numbers = list(self.texts), [TIME, *self.names]
+        return {**_ENCODING, "use_dictionary": texts, "use_byte_stream_split": numbers}
 
     def _file_metadata(self) -> dict[str, str]:
         """Metadata of the file with prefixed keys, in alphabetical order; an error names a key that is not allowed."""

@@ -68,7 +68,7 @@ def by_equal_names(components: Sequence[Component], taken: Iterable[Connection] 
     driven = {(connection.target, connection.input) for connection in taken}
     found = []
     for target in components:
-        for variable in target.description.of_causality("input"):
+        for variable in (*target.description.of_causality("input"), *target.description.texts("input")):
             if (target.name, variable.name) in driven:
                 continue
             sources = sources_of(components, target, variable.name)

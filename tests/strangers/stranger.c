@@ -32,11 +32,12 @@ static void say(const Model *m, fmi2Status status, const char *text, double valu
 static void compute(Model *m) {
     if (is(m, "feedthrough") && !m->initialized) m->real[1] = 10 * m->real[0];
     if (is(m, "forgets") && !m->initialized) m->real[1] = m->real[0];
-    if (is(m, "text")) {
+    if (is(m, "text") || is(m, "text and choice")) {
         snprintf(m->text[1], LENGTH, "%.60s!", m->text[0]);
         m->real[1] = (double)strlen(m->text[0]);
     }
-    if (is(m, "choice")) m->integer[1] = m->integer[0], m->integer[2] = 10 * m->integer[3];
+    if (is(m, "speaks")) snprintf(m->text[1], LENGTH, "t = %g s", m->time);
+    if (is(m, "choice") || is(m, "text and choice")) m->integer[1] = m->integer[0], m->integer[2] = 10 * m->integer[3];
 }
 
 FMI2_Export const char *fmi2GetTypesPlatform(void) { return fmi2TypesPlatform; }
@@ -108,7 +109,10 @@ ACCESS(Integer, integer)
 ACCESS(Boolean, boolean)
 FMI2_Export fmi2Status fmi2GetString(fmi2Component c, const fmi2ValueReference vr[], size_t n, fmi2String value[]) {
     compute(c);
-    for (size_t k = 0; k < n; k++) value[k] = ((Model *)c)->text[vr[k]];
+    for (size_t k = 0; k < n; k++) {
+        if (vr[k] >= N) return fmi2Error;
+        value[k] = ((Model *)c)->text[vr[k]];
+    }
     return fmi2OK;
 }
 FMI2_Export fmi2Status fmi2SetString(fmi2Component c, const fmi2ValueReference vr[], size_t n,
