@@ -19,11 +19,14 @@ from orchestration.cli.options import (
     OUTSIDE,
     ROWS,
     TIME,
+    AllowNan,
     Controller,
     Json,
     Mapping,
     SampleTime,
     Settings,
+    StaleInputs,
+    Strict,
     SystemName,
 )
 from orchestration.cli.output import never_fail_on_characters, output
@@ -228,12 +231,7 @@ def run(
             "--verdict/--no-verdict", help="Warn before the run if the algorithm is unstable.", rich_help_panel=CARE
         ),
     ] = True,
-    strict: Annotated[
-        bool,
-        typer.Option(
-            "--strict", help="Unconnected inputs, and FMUs that break rules of form, are errors.", rich_help_panel=CARE
-        ),
-    ] = False,
+    strict: Strict = False,
     assumptions: Annotated[
         bool,
         typer.Option(
@@ -242,14 +240,8 @@ def run(
             rich_help_panel=CARE,
         ),
     ] = False,
-    allow_stale_inputs: Annotated[
-        bool,
-        typer.Option(
-            "--allow-stale-inputs",
-            help="Let a step hold several ticks, on the inputs of its start.",
-            rich_help_panel=CARE,
-        ),
-    ] = False,
+    allow_stale_inputs: StaleInputs = False,
+    allow_nan: AllowNan = False,
     json: Json = False,
 ) -> None:
     """Run a system, and print or write what it did."""
@@ -276,6 +268,7 @@ def run(
             strict=strict,
             assumptions=assumptions,
             allow_stale_inputs=allow_stale_inputs,
+            allow_nan=allow_nan,
             json=json,
             outside=OutsideRequest(tuple(input_ or ()), tuple(at or ()), pace),
         )

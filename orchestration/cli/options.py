@@ -57,3 +57,23 @@ Json = Annotated[
         "--json", help="Print one JSON object, and nothing else on standard output.", rich_help_panel=MESSAGES
     ),
 ]
+Strict = Annotated[
+    bool,
+    typer.Option(
+        "--strict", help="Unconnected inputs, and FMUs that break rules of form, are errors.", rich_help_panel=CARE
+    ),
+]
+StaleInputs = Annotated[
+    bool,
+    typer.Option(
+        "--allow-stale-inputs",
+        help="Let a step hold several ticks, on the inputs of its start.",
+        rich_help_panel=CARE,
+    ),
+]
+AllowNan = Annotated[
+    bool,
+    typer.Option(
+        "--allow-nan", help="Go on when a recorded value is NaN or infinite, and keep it.", rich_help_panel=CARE
+    ),
+]

@@ -52,6 +52,7 @@ class RunRequest:
     strict: bool = False
     assumptions: bool = False
     allow_stale_inputs: bool = False
+    allow_nan: bool = False
     json: bool = False
     outside: OutsideRequest = field(default_factory=OutsideRequest)
 
@@ -111,6 +112,7 @@ def _options(request: RunRequest, line: ProgressLine) -> Options:
         start_time=request.start,
         strict=request.strict,
         allow_stale_inputs=request.allow_stale_inputs,
+        allow_nan=request.allow_nan,
         ratios=numbers("--ratio", request.ratios, int),
         crossings=Crossings(request.crossings),
         progress=line.steps,

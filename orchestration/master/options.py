@@ -64,6 +64,9 @@ class Options:
     allow_stale_inputs
         Whether a sampling period need not be a multiple of the step. A tick within a step then uses the
         inputs of the beginning of the step.
+    allow_nan
+        Whether a run goes on when a recorded value is NaN or infinite, and keeps the value. By default it is an error.
+        Iterations, step control and a verdict on stability refuse such values in any case.
     ratios
         Multirate: the number of communication steps that one step of a component takes, by component
         name. A sampled component shows its outputs at the beginning of its step, a continuous component
@@ -97,6 +100,7 @@ class Options:
     start_time: float = 0.0
     strict: bool = False
     allow_stale_inputs: bool = False
+    allow_nan: bool = False
     ratios: Mapping[str, int] = field(default_factory=dict)
     crossings: Crossings = field(default_factory=Crossings)
     progress: Progress | None = None
@@ -125,7 +129,7 @@ class Options:
     def _require_types(self) -> None:
         """Refuse values of another type."""
         a_number("start_time", self.start_time)
-        for name in ("strict", "allow_stale_inputs"):
+        for name in ("strict", "allow_stale_inputs", "allow_nan"):
             require_type(name, getattr(self, name), bool, "give True or False")
         require_type("ratios", self.ratios, Mapping, 'give one for each component, as {"plant": 2}')
         require_type("crossings", self.crossings, Crossings, "give Crossings, as Crossings(['plant.gap'])")

@@ -40,7 +40,7 @@ from orchestration.master.memory import require_memory
 from orchestration.master.options import Options
 from orchestration.master.outside import Outside
 from orchestration.master.provenance import told_afterwards
-from orchestration.master.recorder import Recorder, Sink, not_finite
+from orchestration.master.recorder import Recorder, Sink, any_value, not_finite
 from orchestration.master.saving import Saving, choices
 from orchestration.master.setting import set_in_run
 from orchestration.master.snapshot import Snapshot, identity
@@ -117,6 +117,7 @@ class Simulation:
         self._path: Path | None = None
         self._varies = algorithm.control is not None or bool(options.crossings.outputs)  # the number of rows
         self._plain = algorithm.plain and not options.crossings.outputs and not options.slow
+        self._fault = any_value if options.allow_nan else not_finite
         self._changes: list[list[float | str]] = []  # time, variable, value
         self._ended = ""  # a sentence, once a component has ended the simulation
         self._changed_at = -1  # point at which scheduled changes were made last
@@ -155,7 +156,7 @@ class Simulation:
             times, rows = self._recorder.room()
             times[0], rows[0, len(self._assembly.columns) :] = self.grid.times[0], 0.0
             self._assembly.record(rows[0])
-            if fault := not_finite(self._columns, *self._recorder.filled(1), first=0):
+            if fault := self._fault(self._columns, *self._recorder.filled(1), first=0):
                 raise InitializationError(fault[1])
             self.compile_seconds = compile_loop(lambda: self._run_plain(0) if self._plain else self._run_general(0))
             self._stack = stack.pop_all()
@@ -372,7 +373,7 @@ class Simulation:
         if self._outside.pacer is not None:
             rows[:, len(self._assembly.columns)] = self._outside.pacer.lateness(times)
         first = self._recorder.count - len(times)
-        if fault := not_finite(self._columns, times, rows, first=first):
+        if fault := self._fault(self._columns, times, rows, first=first):
             self._recorder.drop(len(times) - fault[0])
             self._recorder.flush()
             raise SimulationError(fault[1], self._broken_off(FAILED, fault[1]))

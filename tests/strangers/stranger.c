@@ -31,6 +31,7 @@ static void say(const Model *m, fmi2Status status, const char *text, double valu
 /* Outputs from inputs, as far as they depend on them directly. */
 static void compute(Model *m) {
     if (is(m, "feedthrough") && !m->initialized) m->real[1] = 10 * m->real[0];
+    if (is(m, "nan") && !m->initialized) m->real[1] = m->time > 0.35 ? NAN : m->time;
     if (is(m, "forgets") && !m->initialized) m->real[1] = m->real[0];
     if (is(m, "text") || is(m, "text and choice")) {
         snprintf(m->text[1], LENGTH, "%.60s!", m->text[0]);
