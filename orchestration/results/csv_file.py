@@ -10,9 +10,10 @@ import re
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
+from adaptimp_files.whole_file import whole_file
 from orchestration.results.arrow_table import arrow_schema, arrow_table, columns_of, rows_per_group
 from orchestration.results.columns import Columns
-from orchestration.results.whole_file import draft_path, remove_draft, write_errors
+from orchestration.results.places import write_errors
 
 CSV_BLOCK_BYTES = 2**23
 """Size of the blocks in which a file is read, in bytes; every line must be shorter than a block."""
@@ -40,18 +41,11 @@ def write_csv(columns: Columns, path: Path) -> None:
 
     schema = arrow_schema(columns.names, {}, tuple(columns.texts))
     length = rows_per_group(len(columns.names), len(columns.texts))
-    draft = draft_path(path)
-    try:
-        with write_errors(path):
-            path.parent.mkdir(parents=True, exist_ok=True)
-            with draft.open("wb") as file, pyarrow.csv.CSVWriter(file, schema) as writer:
-                for first in range(0, len(columns.time), length):
-                    part = slice(first, first + length)
-                    numbers = [columns.time[part], *columns.rows[part].T]
-                    writer.write_table(arrow_table(schema, numbers, [texts[part] for texts in columns.texts.values()]))
-            draft.replace(path)
-    finally:
-        remove_draft(path)
+    with write_errors(path), whole_file(path) as file, pyarrow.csv.CSVWriter(file, schema) as writer:
+        for first in range(0, len(columns.time), length):
+            part = slice(first, first + length)
+            numbers = [columns.time[part], *columns.rows[part].T]
+            writer.write_table(arrow_table(schema, numbers, [texts[part] for texts in columns.texts.values()]))
 
 
 def read_csv(path: Path) -> Columns:
