@@ -18,6 +18,7 @@ from orchestration.cli.signals import signal_record, signal_table
 from orchestration.cli.systems import SystemRequest
 from orchestration.errors import (
     OrchestrationError,
+    RecordedRows,
     RunInterrupted,
     SimulationError,
     SystemDescriptionError,
@@ -131,10 +132,12 @@ def _run(
                 line.begin("judging the stability of the algorithm")
                 _judge(simulation, report)
             result = _stepped(simulation, report, line)
+            _tell_messages(result, report)
             if result.status == ENDED:
                 report.status, report.message = result.status, result.message
                 output.remark(f"Notice: {result.message}")
     except SimulationError as error:
+        _tell_messages(error.result, report)
         destination.partial(error.result, report, "before the failure")
         raise
     except RunInterrupted as interrupt:
@@ -144,6 +147,13 @@ def _run(
         raise
     line.begin("writing the rows")
     destination.complete(result, report)
+
+
+def _tell_messages(result: RecordedRows | None, report: RunReport) -> None:
+    """Keep in the report what the FMUs logged, and say it if asked for."""
+    report.messages = result.messages if isinstance(result, Result) else ()
+    for text in report.messages if output.verbose else ():
+        output.remark(text)
 
 
 def _stepped(simulation: Simulation, report: RunReport, line: ProgressLine) -> Result:

@@ -17,6 +17,7 @@ from orchestration.fmi.codes import (
     accepted,
     status_name,
 )
+from orchestration.fmi.deferred import raise_kept
 from orchestration.fmi.description import Description
 from orchestration.fmi.display import listed
 from orchestration.fmi.library import Library, library_path, needed_functions
@@ -44,7 +45,7 @@ class Instance:
     identity
         GUID of the FMU, and URL of its resources.
     messages
-        Receives the texts that the FMU logs; by default only the last texts are kept.
+        Receives the texts that the FMU logs.
     announce
         Receives the name of each function before the call, and an empty text after it.
 
@@ -158,8 +159,10 @@ class Instance:
     def status(self, function: str, *arguments: Any) -> int:
         """Call an FMI function with the instance as first argument; returns the fmi2Status."""
         listen()
+        self.messages.begin_call()
         status = self._call(function, self._handle, *arguments)
         self.worst = max(self.worst, status)
+        raise_kept()
         return status
 
     def ask(self, function: str, kind: int, answer: Any) -> int | None:
@@ -167,7 +170,7 @@ class Instance:
         return None if self.library.lacks([function]) else self._call(function, self._handle, kind, answer)
 
     def failure(self, function: str, status: int, where: str = "") -> str:
-        """Return a sentence that names a call, its status and the instance's last message."""
+        """Return a sentence that names a call, its status and the messages of this call."""
         function, self.failed_in = self.failed_in or function, ""
         return f"{self.name}: {function} returned {status_name(status)}{where}; {self.messages.last()}."
 

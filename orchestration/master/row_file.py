@@ -1,6 +1,6 @@
 """The file that receives the rows of a run while it makes them."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -20,11 +20,10 @@ class RowFile:
 
     @classmethod
     def of(
-        cls, path: Path, columns: Mapping[str, str], metadata: Mapping[str, str], texts: Texts, ticks: Mapping[str, Any]
+        cls, path: Path, columns: Sequence[str], units: Mapping[str, str], texts: Texts, about: Mapping[str, Any]
     ) -> "RowFile":
-        """Describe the file at a path; `columns` are those of numbers with their units."""
-        sink = ParquetSink(path, tuple(columns), columns, metadata, texts=texts.columns, **ticks)
-        return cls(sink, texts)
+        """Describe the file at a path; `columns` are those of numbers, `about` are further arguments of its sink."""
+        return cls(ParquetSink(path, columns, units, texts=texts.columns, **about), texts)
 
     def append(self, time: np.ndarray, rows: np.ndarray) -> None:
         """Write rows, shape (n, n_columns), and their times, s, shape (n,)."""

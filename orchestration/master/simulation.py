@@ -32,6 +32,7 @@ from orchestration.master.compilation import compile_loop
 from orchestration.master.discard import end_of_simulation
 from orchestration.master.failure_text import failure_message
 from orchestration.master.flat_run import flat_run
+from orchestration.master.fmu_messages import kept_messages, report_warnings
 from orchestration.master.form import report_libraries
 from orchestration.master.initialization import opened
 from orchestration.master.kernel import fixed_step
@@ -248,6 +249,7 @@ class Simulation:
                     self.options.progress(*self.grid.progress(so_far, self.time, controlled=controlled))
                 if self._outside.pacer is not None:
                     self._outside.pacer.wait(self.time)
+            report_warnings(() if self._ended else self._instances)
         except KeyboardInterrupt as interrupt:
             raise RunInterrupted(self._broken_off(INTERRUPTED, "The run was interrupted.")) from interrupt
 
@@ -308,7 +310,7 @@ class Simulation:
 
     def _described(self) -> dict[str, str]:
         told = told_afterwards(self._changes, None if self._plain else self._state)
-        return self._metadata | self._outside.described() | told
+        return self._metadata | self._outside.described() | told | kept_messages(self._instances)
 
     def _sink(self, stack: ExitStack) -> Sink | None:
         if self._path is None:
@@ -316,9 +318,8 @@ class Simulation:
         from orchestration.master.row_file import RowFile
 
         ticks = {"steps_per_tick": self.steps_per_tick, "sample_times": self.system.sample_times}
-        units = {name: self._units.get(name, "") for name in self._columns}
-        metadata = self._metadata | self._outside.inputs.described()
-        self._stream = RowFile.of(self._path, units, metadata, self._texts, ticks)
+        about = {"metadata": self._metadata | self._outside.inputs.described(), **ticks}
+        self._stream = RowFile.of(self._path, self._columns, self._units, self._texts, about)
         stack.enter_context(self._stream.file)
         return self._stream
 
@@ -372,8 +373,7 @@ class Simulation:
         """Refuse rows with values that are not finite; rows before them stay."""
         if self._outside.pacer is not None:
             rows[:, len(self._assembly.columns)] = self._outside.pacer.lateness(times)
-        first = self._recorder.count - len(times)
-        if fault := self._fault(self._columns, times, rows, first=first):
+        if fault := self._fault(self._columns, times, rows, first=self._recorder.count - len(times)):
             self._recorder.drop(len(times) - fault[0])
             self._recorder.flush()
             raise SimulationError(fault[1], self._broken_off(FAILED, fault[1]))

@@ -14,6 +14,9 @@ TIME = "time"
 LATENESS = "lateness"
 """Name of the column of a run that keeps step with a clock: by how many seconds each row was made after it was due."""
 
+MESSAGES = "messages"
+"""Key of the metadata with what FMUs logged, as JSON of a list of texts."""
+
 COMPLETE, ENDED, FAILED, INTERRUPTED = "complete", "ended", "failed", "interrupted"
 """What became of the run that recorded the numbers."""
 

@@ -1,5 +1,6 @@
 """The result of a run: recorded columns by name, as arrays over time."""
 
+import json
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, fields
 from functools import cached_property
@@ -12,7 +13,7 @@ from orchestration.errors import OrchestrationError, UnknownNameError
 from orchestration.fmi.given import shown
 from orchestration.fmi.names import arrays, suggestion
 from orchestration.results import csv_file, formats, parquet_file
-from orchestration.results.columns import LATENESS, TIME, Columns
+from orchestration.results.columns import LATENESS, MESSAGES, TIME, Columns
 from orchestration.results.texts import same_texts, text_column
 
 if TYPE_CHECKING:
@@ -167,6 +168,11 @@ class Result(Columns, Mapping[str, np.ndarray]):
     def lateness(self) -> np.ndarray | None:
         """By how many seconds each row was made after it was due, shape (n_rows,); None if the run was not paced."""
         return self[LATENESS] if LATENESS in self.names else None
+
+    @property
+    def messages(self) -> tuple[str, ...]:
+        """What the FMUs logged, each text after the name of its component; of many texts the last of each component."""
+        return tuple(json.loads(self.metadata.get(MESSAGES, "[]")))
 
     def unit(self, name: str) -> str:
         """Unit of a column, or of an array whose elements share one; empty if there is none."""

@@ -1,5 +1,6 @@
 /* A small FMU for co-simulation that does what its GUID says after the dash; see fmus.py for its variables. */
 #include <math.h>
+#include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -26,6 +27,11 @@ static int is(const Model *m, const char *kind) { return strcmp(m->kind, kind) =
 
 static void say(const Model *m, fmi2Status status, const char *text, double value) {
     m->callbacks->logger(m->callbacks->componentEnvironment, "stranger", status, "log", "%s at t = %g s", text, value);
+}
+
+static void *speaking(void *m) {
+    say(m, fmi2OK, "a thread", ((Model *)m)->time);
+    return NULL;
 }
 
 /* Outputs from inputs, as far as they depend on them directly. */
@@ -192,6 +198,21 @@ FMI2_Export fmi2Status fmi2DoStep(fmi2Component c, fmi2Real t, fmi2Real h, fmi2B
             say(m, fmi2Error, "the tank is empty", t);
             return fmi2Error;
         }
+    }
+    if (is(m, "warns")) say(m, fmi2Warning, "nearly empty", t);
+    if (is(m, "integrates and talks")) say(m, fmi2OK, "a step", t);
+    if (is(m, "integrates and talks") || is(m, "integrates")) m->real[1] += h * (1 + m->real[0]);
+    if (is(m, "storm")) {
+        for (int k = 0; k < (int)m->real[2]; k++) say(m, fmi2OK, k % 2 ? "odd" : "100 % even", k);
+        if (t > 0.2) return fmi2Error;
+    }
+    if (is(m, "from threads") && t > 0.2) {
+        pthread_t thread;
+        for (int k = 0; k < 3; k++) {
+            pthread_create(&thread, NULL, speaking, m);
+            pthread_join(thread, NULL);
+        }
+        return fmi2Error;
     }
     m->time = end;
     return fmi2OK;
