@@ -21,11 +21,14 @@ from orchestration.cli.options import (
     TIME,
     AllowNan,
     Controller,
+    FmuStopTime,
+    FmuTolerance,
     Json,
     Mapping,
     SampleTime,
     Settings,
     StaleInputs,
+    Start,
     Strict,
     SystemName,
 )
@@ -180,11 +183,13 @@ def run(
         float | None, typer.Option(metavar="H", help="Communication step, s.", rich_help_panel=TIME)
     ] = None,
     sample_time: SampleTime = None,
-    start: Annotated[float, typer.Option(metavar="T", help="Start time, s.", rich_help_panel=TIME)] = 0.0,
+    start: Start = None,
     stop: Annotated[
         float | None,
         typer.Option(metavar="T", help="Stop time, s; by default that of the system.", rich_help_panel=TIME),
     ] = None,
+    fmu_tolerance: FmuTolerance = None,
+    fmu_stop_time: FmuStopTime = True,
     out: Annotated[
         Path | None,
         typer.Option("--out", "-o", metavar="FILE", help="File for the rows, .csv or .parquet.", rich_help_panel=ROWS),
@@ -269,6 +274,8 @@ def run(
             assumptions=assumptions,
             allow_stale_inputs=allow_stale_inputs,
             allow_nan=allow_nan,
+            fmu_tolerance=fmu_tolerance,
+            fmu_stop_time=fmu_stop_time,
             json=json,
             outside=OutsideRequest(tuple(input_ or ()), tuple(at or ()), pace),
         )

@@ -77,3 +77,21 @@ AllowNan = Annotated[
         "--allow-nan", help="Go on when a recorded value is NaN or infinite, and keep it.", rich_help_panel=CARE
     ),
 ]
+FmuTolerance = Annotated[
+    float | None,
+    typer.Option(
+        metavar="R",
+        help="Relative tolerance that FMUs are told; by default that of each one's own default experiment.",
+        rich_help_panel=TIME,
+    ),
+]
+FmuStopTime = Annotated[
+    bool,
+    typer.Option(
+        "--fmu-stop-time/--no-fmu-stop-time", help="Tell FMUs the stop time of the run.", rich_help_panel=TIME
+    ),
+]
+Start = Annotated[
+    float | None,
+    typer.Option(metavar="T", help="Start time, s; by default that of a single FMU, or 0.", rich_help_panel=TIME),
+]

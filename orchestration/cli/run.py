@@ -44,7 +44,7 @@ class RunRequest:
     ratios: Sequence[str] = ()
     order: Sequence[str] | None = None
     step: float | None = None
-    start: float = 0.0
+    start: float | None = None
     stop: float | None = None
     out: Path | None = None
     record: Sequence[str] | None = None
@@ -54,6 +54,8 @@ class RunRequest:
     assumptions: bool = False
     allow_stale_inputs: bool = False
     allow_nan: bool = False
+    fmu_tolerance: float | None = None
+    fmu_stop_time: bool = True
     json: bool = False
     outside: OutsideRequest = field(default_factory=OutsideRequest)
 
@@ -110,10 +112,12 @@ def _options(request: RunRequest, line: ProgressLine) -> Options:
     return Options(
         record=request.record,
         every=request.every,
-        start_time=request.start,
+        start_time=request.asked.start_time() if request.start is None else request.start,
         strict=request.strict,
         allow_stale_inputs=request.allow_stale_inputs,
         allow_nan=request.allow_nan,
+        fmu_tolerance=request.fmu_tolerance,
+        fmu_stop_time=request.fmu_stop_time,
         ratios=numbers("--ratio", request.ratios, int),
         crossings=Crossings(request.crossings),
         progress=line.steps,

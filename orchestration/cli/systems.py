@@ -1,11 +1,12 @@
 """Finds the system that a command line names, with another controller and other start values if asked for."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from orchestration.cli.settings import setting_of, start_value
 from orchestration.errors import SystemDescriptionError
+from orchestration.fmi.description import read_description
 from orchestration.fmi.names import suggestion
 from orchestration.system.system import System
 
@@ -54,13 +55,21 @@ class SystemRequest:
         system = system.set(dict(map(start_value, self.settings)))
         return system if self.sample_time is None else system.with_sample_time(self.sample_time)
 
+    def start_time(self) -> float:
+        """Start time of a run, s: that of the default experiment of a single FMU, else 0."""
+        path = Path(self.name)
+        alone = path.suffix.lower() == FMU
+        return (read_description(path).experiment.start_time or 0.0) if alone else 0.0
+
 
 def named_system(name: str) -> System:
     """The system of a file, or a scenario by name."""
     path = Path(name)
     if path.suffix.lower() == FMU:
         component = path.stem.replace(".", "_")
-        return System.of({component: path}, component)
+        system = System.of({component: path}, component)
+        suggested = system[component].description.experiment  # it stands alone, so its own experiment is the run's
+        return replace(system, step=suggested.step, stop_time=suggested.stop_time)
     if path.suffix.lower() == PACKAGE:
         return System.read(path)
     if path.suffix:

@@ -26,6 +26,7 @@ from orchestration.fmi.document import (
     read_bytes,
     require_valid,
 )
+from orchestration.fmi.experiment import UNKNOWN, Experiment
 from orchestration.fmi.formalities import RULES
 from orchestration.fmi.names import arrays
 from orchestration.fmi.units import UnitDefinition, defined
@@ -93,6 +94,8 @@ class Description:
         Names of the flags of the co-simulation element that are true.
     formalities
         Sentences on rules of form that the FMU breaks; see `orchestration.fmi.formalities`.
+    experiment
+        Default experiment that the FMU suggests.
     """
 
     path: Path
@@ -103,6 +106,7 @@ class Description:
     units: Mapping[str, UnitDefinition]
     capabilities: frozenset[str] = frozenset()
     formalities: tuple[str, ...] = ()
+    experiment: Experiment = UNKNOWN
 
     def __repr__(self) -> str:
         """Model name, file and number of variables."""
@@ -211,6 +215,7 @@ def _read_description(path: Path, modified: int, size: int) -> Description:  # n
         {name: UnitDefinition(name, u if u and u.convertible else None) for name, u in document.units.items()},
         frozenset(filter(document.flag, CAPABILITIES)),
         tuple(formalities),
+        Experiment(*(document.experiment(name) for name in ("startTime", "stopTime", "tolerance", "stepSize"))),
     )
 
 

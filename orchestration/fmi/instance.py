@@ -20,6 +20,7 @@ from orchestration.fmi.codes import (
 from orchestration.fmi.deferred import raise_kept
 from orchestration.fmi.description import Description
 from orchestration.fmi.display import listed
+from orchestration.fmi.experiment import UNKNOWN, Experiment
 from orchestration.fmi.library import Library, library_path, needed_functions
 from orchestration.fmi.logging import Messages, callbacks, listen
 from orchestration.fmi.signatures import CO_SIMULATION
@@ -185,14 +186,15 @@ class Instance:
         status = self.status(f"fmi2Get{kind}", c_references(references), len(references), array)
         return status, list(array)
 
-    def set_up(self, start_time: float) -> None:
-        """Set the start time, s, of the experiment, without a stop time and without a tolerance.
+    def set_up(self, start_time: float, experiment: Experiment = UNKNOWN) -> None:
+        """Tell the FMU of an experiment from a start time, s: its stop time and its tolerance, if they are known.
 
         Raises
         ------
         InitializationError
         """
-        self.call("fmi2SetupExperiment", 0, 0.0, start_time, 0, 0.0)
+        tolerance, stop_time = experiment.told
+        self.call("fmi2SetupExperiment", *tolerance, start_time, *stop_time)
 
     def save(self) -> Any:
         """Save the state: as bytes if the FMU serializes it, else as an fmi2FMUstate, which `free_state` frees.

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from orchestration.fmi.experiment import Experiment as FmuExperiment
 from orchestration.fmi.instance import Instance
 from orchestration.master.algorithm import SEQUENTIAL, Algorithm
 from orchestration.master.call_watch import CallWatch
@@ -63,10 +64,17 @@ def flat_run(
     assembly = assemble(system, instances, options.record, fetched, driven, beside=beside)
     watch = CallWatch(assembly.plan.table, instances)
     table = outside.inputs.table(assembly.driven)
-    initialize(system, instances, assembly, start, None if table is None else (table, float(grid.lengths[0])))
+    first = None if table is None else (table, float(grid.lengths[0]))
+    initialize(system, instances, assembly, start, first, experiment=_experiment(grid, options))
     addresses = None if table is None else (series.address(), table.ctypes.data)
     operations = operations_of_step(assembly.plan, sequential=algorithm.exchange == SEQUENTIAL, series=addresses)
     arrays = layout(system, instances, assembly, algorithm, Experiment.of(grid, options), table)
     watch.complete(operations)
     arrays.start(assembly.plan.reals, start)
     return FlatRun(assembly, operations, arrays, table, watch)
+
+
+def _experiment(grid: Grid, options: Options) -> FmuExperiment:
+    """What the FMUs are told of the run; rounding does not bring the end of the last step behind the stop time."""
+    last = float(max(grid.times[-1], grid.times[-2] + grid.lengths[-1]))
+    return FmuExperiment(stop_time=last if options.fmu_stop_time else None, tolerance=options.fmu_tolerance)
