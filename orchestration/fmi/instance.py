@@ -272,7 +272,8 @@ def _loaded(name: str, description: Description, folder: Path) -> Library:
     try:
         library = Library(library_path(folder, description))
     except OSError as error:
-        msg = f"{name}: {description.path.name} cannot be loaded: {error}"
+        said = str(error).replace(f"{folder}/", "").rstrip(".")  # the folder is a temporary one
+        msg = f"{name}: {description.path.name} cannot be loaded: {said}."
         raise ArchiveError(msg) from error
     if missing := library.lacks(needed_functions(description)):
         library.close()

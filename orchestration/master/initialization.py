@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from orchestration.errors import InitializationError
+from orchestration.fmi.blame import blaming
 from orchestration.fmi.codes import ONE_INSTANCE, REAL, WORST_ACCEPTED, accepted
 from orchestration.fmi.experiment import UNKNOWN, Experiment
 from orchestration.fmi.instance import Instance
@@ -50,11 +51,11 @@ def opened(system: System) -> Iterator[list[Instance]]:
         for component in system.components:
             path, alone = component.description.path, component.description.can(ONE_INSTANCE)
             key = (path, component.name if alone else "")
-            if key not in folders:  # a copy of the library has a memory of its own
-                with stage(f"unpacking {path.name}", f"unpacked {path}"):
-                    folders[key] = stack.enter_context(unpacked(path, needed_to_run))
-            folder = folders[key]
-            instance = Instance.open(component.name, component.description, folder)
+            with blaming(f"{component.name}: {path.name}", path):
+                if key not in folders:  # a copy of the library has a memory of its own
+                    with stage(f"unpacking {path.name}", f"unpacked {path.name} of {component.name}"):
+                        folders[key] = stack.enter_context(unpacked(path, needed_to_run))
+                instance = Instance.open(component.name, component.description, folders[key])
             stack.callback(instance.close)
             if component.name in scales:
                 instance.scale_inputs(scales[component.name])

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TypedDict
 
 from orchestration.errors import ArchiveError, SystemDescriptionError
+from orchestration.fmi.blame import blaming
 from orchestration.fmi.description import read_description
 from orchestration.fmi.units import UnitDefinition, defined
 from orchestration.ssp.connectors import Element, Wiring
@@ -124,7 +125,9 @@ class _Reading:
         self.paths[flat] = dotted
         if any("." in name for name in path):
             self.notices.append(f"The component {dotted} is called {flat}, because a name in a system has no dot.")
-        component = Component(flat, read_description(self.package.file(xml.get("source"))))
+        file = self.package.file(xml.get("source"))
+        with blaming(f"{self.package.path}: component {dotted} ({xml.get('source')})", file):
+            component = Component(flat, read_description(file))
         self.found.append((component, xml))
         return Element(path, xml, component, self.connectors(xml))
 
