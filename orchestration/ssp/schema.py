@@ -13,7 +13,7 @@ from urllib.parse import unquote
 
 from lxml import etree
 
-from adaptimp_files.cache_folder import cache_folder, writable_cache
+from adaptimp_fmu.files.cache_folder import cache_folder, writable_cache
 from orchestration.errors import ArchiveError, SystemDescriptionError
 from orchestration.fmi.units import BASE_UNITS, Linear, Unit, UnitDefinition
 from orchestration.sandbox.archive import file_hash, unpack

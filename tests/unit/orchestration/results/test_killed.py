@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from adaptimp_files.locks import locked_new_file
+from adaptimp_fmu.files.locks import locked_new_file
 from orchestration import OrchestrationError, Result
 from orchestration.results import arrow_table
 from orchestration.results.parquet_file import ParquetSink
