@@ -18,14 +18,20 @@ from orchestration.cli.options import (
     CARE,
     ROWS,
     TIME,
+    AllowNan,
     At,
     Controller,
+    FmuStopTime,
+    FmuTolerance,
     Input,
     Json,
     Mapping,
     Pace,
     SampleTime,
     Settings,
+    StaleInputs,
+    Start,
+    Strict,
     SystemName,
     Variant,
 )
@@ -182,13 +188,13 @@ def run(
         float | None, typer.Option(metavar="H", help="Communication step, s.", rich_help_panel=TIME)
     ] = None,
     sample_time: SampleTime = None,
-    start: Annotated[
-        float | None, typer.Option(metavar="T", help="Start time, s; by default the system's.", rich_help_panel=TIME)
-    ] = None,
+    start: Start = None,
     stop: Annotated[
         float | None,
         typer.Option(metavar="T", help="Stop time, s; by default that of the system.", rich_help_panel=TIME),
     ] = None,
+    fmu_tolerance: FmuTolerance = None,
+    fmu_stop_time: FmuStopTime = True,
     out: Annotated[
         Path | None,
         typer.Option("--out", "-o", metavar="FILE", help="File for the rows, .csv or .parquet.", rich_help_panel=ROWS),
@@ -212,12 +218,7 @@ def run(
             "--verdict/--no-verdict", help="Warn before the run if the algorithm is unstable.", rich_help_panel=CARE
         ),
     ] = True,
-    strict: Annotated[
-        bool,
-        typer.Option(
-            "--strict", help="Unconnected inputs, and FMUs that break rules of form, are errors.", rich_help_panel=CARE
-        ),
-    ] = False,
+    strict: Strict = False,
     assumptions: Annotated[
         bool,
         typer.Option(
@@ -226,14 +227,8 @@ def run(
             rich_help_panel=CARE,
         ),
     ] = False,
-    allow_stale_inputs: Annotated[
-        bool,
-        typer.Option(
-            "--allow-stale-inputs",
-            help="Let a step hold several ticks, on the inputs of its start.",
-            rich_help_panel=CARE,
-        ),
-    ] = False,
+    allow_stale_inputs: StaleInputs = False,
+    allow_nan: AllowNan = False,
     json: Json = False,
 ) -> None:
     """Run a system, and print or write what it did."""
@@ -260,6 +255,9 @@ def run(
             strict=strict,
             assumptions=assumptions,
             allow_stale_inputs=allow_stale_inputs,
+            allow_nan=allow_nan,
+            fmu_tolerance=fmu_tolerance,
+            fmu_stop_time=fmu_stop_time,
             json=json,
             outside=OutsideRequest(tuple(input_ or ()), tuple(at or ()), pace),
         )

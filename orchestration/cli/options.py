@@ -91,3 +91,41 @@ Json = Annotated[
         "--json", help="Print one JSON object, and nothing else on standard output.", rich_help_panel=MESSAGES
     ),
 ]
+Strict = Annotated[
+    bool,
+    typer.Option(
+        "--strict", help="Unconnected inputs, and FMUs that break rules of form, are errors.", rich_help_panel=CARE
+    ),
+]
+StaleInputs = Annotated[
+    bool,
+    typer.Option(
+        "--allow-stale-inputs",
+        help="Let a step hold several ticks, on the inputs of its start.",
+        rich_help_panel=CARE,
+    ),
+]
+AllowNan = Annotated[
+    bool,
+    typer.Option(
+        "--allow-nan", help="Go on when a recorded value is NaN or infinite, and keep it.", rich_help_panel=CARE
+    ),
+]
+FmuTolerance = Annotated[
+    float | None,
+    typer.Option(
+        metavar="R",
+        help="Relative tolerance that FMUs are told; by default that of each one's own default experiment.",
+        rich_help_panel=TIME,
+    ),
+]
+FmuStopTime = Annotated[
+    bool,
+    typer.Option(
+        "--fmu-stop-time/--no-fmu-stop-time", help="Tell FMUs the stop time of the run.", rich_help_panel=TIME
+    ),
+]
+Start = Annotated[
+    float | None,
+    typer.Option(metavar="T", help="Start time, s; by default the system's.", rich_help_panel=TIME),
+]

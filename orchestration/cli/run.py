@@ -18,6 +18,7 @@ from orchestration.cli.signals import signal_record, signal_table
 from orchestration.cli.systems import SystemRequest
 from orchestration.errors import (
     OrchestrationError,
+    RecordedRows,
     RunInterrupted,
     SimulationError,
     SystemDescriptionError,
@@ -55,6 +56,9 @@ class RunRequest:
     strict: bool = False
     assumptions: bool = False
     allow_stale_inputs: bool = False
+    allow_nan: bool = False
+    fmu_tolerance: float | None = None
+    fmu_stop_time: bool = True
     json: bool = False
     outside: OutsideRequest = field(default_factory=OutsideRequest)
 
@@ -120,6 +124,9 @@ def _options(request: RunRequest, line: ProgressLine) -> Options:
         start_time=request.start,
         strict=request.strict,
         allow_stale_inputs=request.allow_stale_inputs,
+        allow_nan=request.allow_nan,
+        fmu_tolerance=request.fmu_tolerance,
+        fmu_stop_time=request.fmu_stop_time,
         ratios=numbers("--ratio", request.ratios, int),
         crossings=Crossings(request.crossings),
         progress=line.steps,
@@ -138,10 +145,12 @@ def _run(
                 line.begin("judging the stability of the algorithm")
                 _judge(simulation, report)
             result = _stepped(simulation, report, line)
+            _tell_messages(result, report)
             if result.status == ENDED:
                 report.status, report.message = result.status, result.message
                 output.remark(f"Notice: {result.message}")
     except SimulationError as error:
+        _tell_messages(error.result, report)
         destination.partial(error.result, report, "before the failure")
         raise
     except RunInterrupted as interrupt:
@@ -151,6 +160,13 @@ def _run(
         raise
     line.begin("writing the rows")
     destination.complete(result, report)
+
+
+def _tell_messages(result: RecordedRows | None, report: RunReport) -> None:
+    """Keep in the report what the FMUs logged, and say it if asked for."""
+    report.messages = result.messages if isinstance(result, Result) else ()
+    for text in report.messages if output.verbose else ():
+        output.remark(text)
 
 
 def _stepped(simulation: Simulation, report: RunReport, line: ProgressLine) -> Result:

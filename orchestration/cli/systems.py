@@ -1,7 +1,7 @@
 """Finds the system that a command line names, with another controller and other start values if asked for."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from orchestration.cli.settings import setting_of, start_value
@@ -77,7 +77,9 @@ def named_system(name: str, variant: str | None = None) -> System:
         raise SystemDescriptionError(msg)
     if path.suffix.lower() == FMU:
         component = path.stem.replace(".", "_")
-        return System.of({component: path}, component)
+        system = System.of({component: path}, component)
+        own = system[component].description.experiment  # it stands alone, so its own experiment is the run's
+        return replace(system, step=own.step, stop_time=own.stop_time, start_time=own.start_time or 0.0)
     if path.suffix:
         kinds = "an .ssp, .ssd or .fmu file, or from a folder"
         msg = f"{path}: a system is read from {kinds}; scenarios have names, such as adaptimp run fig5."

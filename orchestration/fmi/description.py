@@ -27,6 +27,7 @@ from orchestration.fmi.document import (
     read_bytes,
     require_valid,
 )
+from orchestration.fmi.experiment import UNKNOWN, Experiment
 from orchestration.fmi.formalities import RULES
 from orchestration.fmi.names import arrays
 from orchestration.fmi.units import UnitDefinition, defined
@@ -44,6 +45,8 @@ class Variable:
 
     Attributes
     ----------
+    start
+        Start value that the FMU declares: a number, or the text of a String; None if it declares none.
     direct
         Whether an output depends on an input at the same instant. An output whose dependencies are not
         declared depends on all inputs (FMI 2.0.4, section 2.2.8).
@@ -63,7 +66,7 @@ class Variable:
     causality: str
     variability: str
     unit: str
-    start: float | None
+    start: float | str | None
     description: str = ""
     direct: bool = False
     relative: bool = False
@@ -92,6 +95,8 @@ class Description:
         Names of the flags of the co-simulation element that are true.
     formalities
         Sentences on rules of form that the FMU breaks; see `orchestration.fmi.formalities`.
+    experiment
+        Default experiment that the FMU suggests.
     """
 
     path: Path
@@ -102,6 +107,7 @@ class Description:
     units: Mapping[str, UnitDefinition]
     capabilities: frozenset[str] = frozenset()
     formalities: tuple[str, ...] = ()
+    experiment: Experiment = UNKNOWN
 
     def __repr__(self) -> str:
         """Model name, file and number of variables."""
@@ -142,6 +148,10 @@ class Description:
             if variable.type != STRING:
                 found.setdefault(variable.causality, []).append(variable)
         return found
+
+    def texts(self, causality: str) -> list[Variable]:
+        """Strings of a causality, in their order."""
+        return [v for v in self.variables.values() if v.causality == causality and v.type == STRING]
 
     def unit(self, variable: Variable) -> UnitDefinition | None:
         """The unit of a variable; None if it declares none."""
@@ -206,6 +216,7 @@ def _read_description(path: Path, modified: int, size: int) -> Description:  # n
         {name: UnitDefinition(name, u if u and u.convertible else None) for name, u in document.units.items()},
         frozenset(filter(document.flag, CAPABILITIES)),
         tuple(formalities),
+        Experiment(*(document.experiment(name) for name in ("startTime", "stopTime", "tolerance", "stepSize"))),
     )
 
 
@@ -282,7 +293,7 @@ def _variable(declared: Declared, *, direct: bool) -> Variable:
         causality=declared.causality,
         variability="discrete" if unfit else declared.variability,
         unit=declared.unit,
-        start=declared.number,
+        start=declared.start if declared.type == STRING else declared.number,
         description=declared.description,
         direct=direct,
         relative=declared.relative,

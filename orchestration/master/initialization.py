@@ -2,12 +2,15 @@
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
 from orchestration.errors import InitializationError
+from orchestration.fmi.blame import blaming
 from orchestration.fmi.codes import ONE_INSTANCE, REAL, WORST_ACCEPTED, accepted
+from orchestration.fmi.experiment import UNKNOWN, Experiment
 from orchestration.fmi.instance import Instance
 from orchestration.fmi.library import needed_to_run
 from orchestration.fmi.start_values import by_time
@@ -48,11 +51,11 @@ def opened(system: System) -> Iterator[list[Instance]]:
         for component in system.components:
             path, alone = component.description.path, component.description.can(ONE_INSTANCE)
             key = (path, component.name if alone else "")
-            if key not in folders:  # a copy of the library has a memory of its own
-                with stage(f"unpacking {path.name}", f"unpacked {path}"):
-                    folders[key] = stack.enter_context(unpacked(path, needed_to_run))
-            folder = folders[key]
-            instance = Instance.open(component.name, component.description, folder)
+            with blaming(f"{component.name}: {path.name}", path):
+                if key not in folders:  # a copy of the library has a memory of its own
+                    with stage(f"unpacking {path.name}", f"unpacked {path.name} of {component.name}"):
+                        folders[key] = stack.enter_context(unpacked(path, needed_to_run))
+                instance = Instance.open(component.name, component.description, folders[key])
             stack.callback(instance.close)
             if component.name in scales:
                 instance.scale_inputs(scales[component.name])
@@ -75,6 +78,8 @@ def initialize(
     assembly: Assembly,
     t0: float,
     series: tuple[np.ndarray, float] | None = None,
+    *,
+    experiment: Experiment = UNKNOWN,
 ) -> None:
     """Set start values, propagate outputs to inputs in initialization mode, and leave this mode.
 
@@ -96,6 +101,9 @@ def initialize(
     series
         Table of time series, whose inputs get their values for the first step, and the length of this step, s. None
         without series.
+    experiment
+        Stop time and tolerance that the FMUs are told. An FMU is told the tolerance of its own default experiment if
+        no other is given.
 
     Raises
     ------
@@ -105,7 +113,7 @@ def initialize(
     counted = f"{len(instances)} component{'s' if len(instances) != 1 else ''} of {system.name}"
     with stage(f"initializing {counted}", f"initialized {counted}"):
         for component, instance in zip(system.components, instances, strict=True):
-            _start(component, instance, t0)
+            _start(component, instance, t0, experiment)
         if series is not None:
             give(series[0], t0, series[1])
         _propagate(system, instances, assembly)
@@ -114,11 +122,13 @@ def initialize(
         _get_all(instances, assembly)
 
 
-def _start(component: Component, instance: Instance, t0: float) -> None:
+def _start(component: Component, instance: Instance, t0: float, experiment: Experiment) -> None:
     """Set the start values of a component, and enter initialization mode."""
     before, within = by_time(component.description, component.start)
     set_values(component, instance, before)
-    instance.set_up(t0)
+    if experiment.tolerance is None:
+        experiment = replace(experiment, tolerance=component.description.experiment.tolerance)
+    instance.set_up(t0, experiment)
     instance.call("fmi2EnterInitializationMode")
     set_values(component, instance, within)
 

@@ -10,7 +10,8 @@ from pathlib import Path
 from urllib.parse import unquote
 
 from orchestration.errors import ArchiveError, SystemDescriptionError
-from orchestration.fmi.description import Description, read_description
+from orchestration.fmi.blame import blaming
+from orchestration.fmi.description import read_description
 from orchestration.fmi.units import UnitDefinition, defined
 from orchestration.ssp.connectors import Element, Home, Wiring
 from orchestration.ssp.experiment import read_experiment
@@ -160,19 +161,11 @@ class _Reading:
         self.paths[flat] = dotted
         if any("." in name for name in path):
             self.notices.append(f"The component {dotted} is called {flat}, because a name in a system has no dot.")
-        component = Component(flat, self.description(xml, dotted))
+        file = self.package.file(xml.get("source"))
+        with blaming(f"{self.package.path}: component {dotted} ({xml.get('source')})", file):
+            component = Component(flat, read_description(file))
         self.found.append((component, xml))
         return Element(path, xml, component, self.connectors(xml), [(xml, self.home)])
-
-    def description(self, xml: Xml, dotted: str) -> Description:
-        """Read the description of a component's FMU; an error names the component, not a place in the cache."""
-        source = xml.get("source")
-        file = self.package.file(source)
-        try:
-            return read_description(file)
-        except ArchiveError as error:
-            msg = f"{self.package.path}: component {dotted}: {str(error).replace(str(file), str(source))}"
-            raise ArchiveError(msg) from error
 
     def nested(self, xml: Xml, path: tuple[str, ...]) -> Element:
         """Read a component that is a package or an .ssd file itself, as a system in the system."""

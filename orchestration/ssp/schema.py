@@ -187,7 +187,13 @@ class Package:
             If the element is invalid.
         """
         if not _schema(schema).validate(root):
-            msg = f"{self.path}: {name} is invalid: {_schema(schema).error_log.last_error}"
+            fault = _schema(schema).error_log.last_error
+            why = (
+                f"{str(fault.message).rstrip('.')} (line {fault.line})"
+                if fault is not None
+                else "its schema refuses it"
+            )
+            msg = f"{self.path}: {name} is invalid: {why}."
             raise ArchiveError(msg)
         return root
 

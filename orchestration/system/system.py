@@ -395,7 +395,8 @@ class System:
         return [
             f"{component.name}.{variable.name}"
             for component in self.components
-            for variable in component.description.of_causality("input")
+            for variable in component.description.variables.values()
+            if variable.causality == "input"
             if f"{component.name}.{variable.name}" not in driven
         ]
 

@@ -153,7 +153,7 @@ def test_other_versions_of_fmi_are_blamed_within_packages(
         xml = f'<fmiModelDescription fmiVersion="{version}" modelName="a" guid="0">{kind}</fmiModelDescription>'
         archive.writestr("modelDescription.xml", xml)
     package = foreign(tmp_path / "theirs.ssp", TOP, {**strange, "Decay": other})
-    where = r"theirs\.ssp: component a: resources/Decay\.fmu is an "
+    where = r"theirs\.ssp: component a \(resources/Decay\.fmu\) is an "
     with pytest.raises(
         ArchiveError, match=rf"{where}{words}; one of FMI 2\.0 for co-simulation is needed\."
     ) as refused:
