@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from adaptimp_files.cache_folder import cache_folder
+from adaptimp_fmu.files.cache_folder import cache_folder
 from adaptimp_fmu.toolchain import host_platform
 from orchestration import OrchestrationError, System, simulate
 from tests.strangers.conftest import Stranger
