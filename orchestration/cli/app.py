@@ -235,7 +235,6 @@ def run(
     from orchestration.cli.algorithms import AlgorithmRequest
     from orchestration.cli.outside import OutsideRequest
     from orchestration.cli.run import RunRequest, run_system
-    from orchestration.cli.settings import listed
     from orchestration.cli.systems import SystemRequest
 
     run_system(
@@ -251,7 +250,7 @@ def run(
             start=start,
             stop=stop,
             out=out,
-            record=listed(record),
+            record=record,
             strict=strict,
             assumptions=assumptions,
             allow_stale_inputs=allow_stale_inputs,
