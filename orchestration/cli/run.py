@@ -121,7 +121,8 @@ def _options(request: RunRequest, line: ProgressLine) -> Options:
 def _run(
     simulation: Simulation, destination: Destination, report: RunReport, line: ProgressLine, *, judged: bool
 ) -> None:
-    """Make the steps, and write the rows."""
+    """Make the steps, and write the rows before the FMUs are called for the last time: they may crash then."""
+    saved = False
     try:
         with simulation:
             report.compile_seconds = simulation.compile_seconds
@@ -132,16 +133,19 @@ def _run(
             if result.status == ENDED:
                 report.status, report.message = result.status, result.message
                 output.remark(f"Notice: {result.message}")
+            line.begin("writing the rows")
+            simulation.complete()
+            destination.complete(result, report)
+            saved = True
     except SimulationError as error:
-        destination.partial(error.result, report, "before the failure")
+        if not saved:
+            destination.partial(error.result, report, "before the failure")
         raise
     except RunInterrupted as interrupt:
         line.end()
         output.remark("Interrupted: the run was stopped.")
         destination.partial(interrupt.result, report, "before that")
         raise
-    line.begin("writing the rows")
-    destination.complete(result, report)
 
 
 def _stepped(simulation: Simulation, report: RunReport, line: ProgressLine) -> Result:
