@@ -150,4 +150,11 @@ def identity(system: System, columns: Sequence[str], times: np.ndarray, chosen: 
     """
     members = [(c.name, c.description.identifier, c.description.guid) for c in system.components]
     said = (members, [str(connection) for connection in system.connections], tuple(columns), *chosen)
-    return hashlib.sha256(repr(said).encode() + times.tobytes()).hexdigest()
+    return _digest(repr(said).encode(), np.ascontiguousarray(times))
+
+
+def _digest(text: bytes, times: np.ndarray) -> str:
+    """Hash of a text and of communication points, without a copy of the points."""
+    digest = hashlib.sha256(text)
+    digest.update(times.data)
+    return digest.hexdigest()

@@ -2,9 +2,7 @@
 
 import importlib.resources
 import re
-import tempfile
 import zipfile
-from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path, PurePosixPath
@@ -13,11 +11,10 @@ from urllib.parse import unquote
 
 from lxml import etree
 
-from adaptimp_files.cache_folder import cache_folder, writable_cache
 from orchestration.errors import ArchiveError, SystemDescriptionError
 from orchestration.fmi.units import BASE_UNITS, Linear, Unit, UnitDefinition
-from orchestration.sandbox.archive import file_hash, unpack
 from orchestration.sandbox.missing import require_file
+from orchestration.ssp.unpacked import unpacked_package
 
 _BASE = "http://ssp-standard.org/SSP1/SystemStructure"
 SSD, SSC = f"{_BASE}Description", f"{_BASE}Common"
@@ -59,9 +56,8 @@ class Package:
     def open(cls, path: Path) -> "Package":
         """Unpack a package into the cache folder, unless the cache folder holds the package already.
 
-        The cache folder is ``$ADAPTIMP_CACHE``, or else the cache folder of the user. The hash of a package names
-        its folder there. The folder appears only when it is complete, even if two runs read the package at the
-        same time.
+        The cache folder is ``$ADAPTIMP_CACHE``, or else the cache folder of the user; see
+        `orchestration.ssp.unpacked`.
 
         Raises
         ------
@@ -69,17 +65,7 @@ class Package:
             If the package is missing, invalid or unsafe.
         """
         require_file(path, "package")
-        folder = cache_folder() / "ssp" / file_hash(path)[:32]
-        if not folder.is_dir():
-            folder = writable_cache("ssp") / folder.name
-        if not folder.is_dir():
-            with tempfile.TemporaryDirectory(dir=folder.parent) as scratch:
-                fresh = Path(scratch) / "package"
-                fresh.mkdir()
-                unpack(path, fresh)
-                with suppress(OSError):  # another run was faster
-                    fresh.rename(folder)
-        return cls(path, folder)
+        return cls(path, unpacked_package(path))
 
     def file(self, source: str | None) -> Path:
         """Return the path of a file in the package by its URI.
