@@ -52,11 +52,15 @@ def test_nothing_is_held(
     path = misbehaving(library, tmp_path / "x.fmu", fault)
     (tmp_path / "temporary").mkdir()
     monkeypatch.setattr("tempfile.tempdir", str(tmp_path / "temporary"))
-    for k in range(TIMES + 1):
-        if k == 1:
-            before = held(tmp_path / "temporary")
+
+    def once() -> None:
         with suppress(OrchestrationError):
             use(path)
+
+    once()
+    before = held(tmp_path / "temporary")
+    for _ in range(TIMES):
+        once()
     mappings, *others = held(tmp_path / "temporary")
     assert mappings <= before[0] + FEW
     assert others == [*before[1:]]
