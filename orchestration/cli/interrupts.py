@@ -119,7 +119,7 @@ class Interrupts:
 
 def _end_process(number: int) -> None:
     """End this process without the help of its main thread."""
-    from adaptimp_files.temporary_folder import remove_all
+    from adaptimp_fmu.files.temporary_folder import remove_all
 
     _tell("Interrupted: the process ends while an FMU does not return. Its rows are lost, except in a streamed file.")
     remove_all()

@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from adaptimp_files.temporary_folder import runs_nothing
+from adaptimp_fmu.files.temporary_folder import runs_nothing
 from orchestration.errors import ArchiveError, InitializationError, SystemDescriptionError
 from orchestration.fmi.codes import (
     BOOLEAN,

@@ -16,7 +16,7 @@ from zipfile import BadZipFile
 
 import numpy as np
 
-from adaptimp_files.whole_file import whole_file
+from adaptimp_fmu.files.whole_file import whole_file
 from orchestration.errors import OrchestrationError
 from orchestration.fmi.codes import SERIALIZES_STATE
 from orchestration.sandbox.missing import no_file

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from adaptimp_files.temporary_folder import temporary_folder
+from adaptimp_fmu.files.temporary_folder import temporary_folder
 from orchestration.check import Candidate, Trial
 from orchestration.check.findings import Finding, error, note, shown, warning
 from orchestration.errors import OrchestrationError

@@ -8,7 +8,7 @@ metadata. The same result gives the same bytes.
 import csv
 from pathlib import Path
 
-from adaptimp_files.whole_file import whole_file
+from adaptimp_fmu.files.whole_file import whole_file
 from orchestration.results.arrow_table import arrow_schema, arrow_table, columns_of, rows_per_group
 from orchestration.results.columns import Columns
 from orchestration.results.places import write_errors

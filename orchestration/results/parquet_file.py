@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, NamedTuple, Self
 
 import numpy as np
 
-from adaptimp_files.whole_file import Draft
+from adaptimp_fmu.files.whole_file import Draft
 from orchestration.errors import OrchestrationError
 from orchestration.results.arrow_table import arrow_schema, arrow_table, columns_of, rows_per_group
 from orchestration.results.columns import COMPLETE, FAILED, INTERRUPTED, Columns

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from adaptimp_files.whole_file import LONGEST_NAME, shortened
+from adaptimp_fmu.files.whole_file import LONGEST_NAME, shortened
 from orchestration.errors import OrchestrationError
 
 

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from adaptimp_files.cache_folder import let_matplotlib_write
+from adaptimp_fmu.files.cache_folder import let_matplotlib_write
 from orchestration.errors import OrchestrationError, UnknownNameError
 from orchestration.fmi.given import shown
 from orchestration.fmi.names import chosen, suggestion

@@ -12,9 +12,9 @@ import zlib
 from contextlib import suppress
 from pathlib import Path
 
-from adaptimp_files.cache_folder import cache_folder, is_trusted, writable_cache
-from adaptimp_files.sealed_file import read_sealed, write_sealed
-from adaptimp_files.temporary_folder import temporary_folder
+from adaptimp_fmu.files.cache_folder import cache_folder, is_trusted, writable_cache
+from adaptimp_fmu.files.sealed_file import read_sealed, write_sealed
+from adaptimp_fmu.files.temporary_folder import temporary_folder
 from orchestration.sandbox.archive import file_hash, unpack
 
 _LOG = logging.getLogger(__name__)

@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 
 from lxml import etree
 
-from adaptimp_files.whole_file import whole_file
+from adaptimp_fmu.files.whole_file import whole_file
 from orchestration.errors import SystemDescriptionError
 from orchestration.fmi.codes import BOOLEAN, ENUMERATION, INTEGER, REAL, STRING
 from orchestration.fmi.description import Variable

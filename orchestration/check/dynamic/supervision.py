@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from adaptimp_files.temporary_folder import temporary_folder
+from adaptimp_fmu.files.temporary_folder import temporary_folder
 from orchestration.check.dynamic.experiments import BASE, MANY_LIVES, chosen
 from orchestration.check.findings import Finding, Severity, error, shown, warning
 from orchestration.check.static.archive_rules import Package

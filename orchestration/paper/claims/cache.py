@@ -13,11 +13,11 @@ from collections.abc import Callable, Mapping
 from dataclasses import asdict
 from pathlib import Path
 
-from adaptimp_files.cache_folder import cache_folder, writable_cache
-from adaptimp_files.sealed_file import read_sealed, write_sealed
+from adaptimp_fmu.files.cache_folder import cache_folder, writable_cache
+from adaptimp_fmu.files.sealed_file import read_sealed, write_sealed
 from orchestration.paper.claims.claim import Claim
 
-PACKAGES = ("adaptimp_files", "adaptimp_fmu", "fmus", "orchestration")
+PACKAGES = ("adaptimp_fmu", "fmus", "orchestration")
 LIBRARIES = ("casadi", "numba", "numpy", "fmpy")
 
 

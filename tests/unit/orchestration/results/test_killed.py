@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from adaptimp_files.locks import locked_new_file
+from adaptimp_fmu.files.locks import locked_new_file
 from orchestration import OrchestrationError, Result
 from orchestration.results.parquet_file import ParquetSink
 from tests.unit.orchestration.stored import NAMES, UNITS, assert_same_values, described, files, sample, stream
