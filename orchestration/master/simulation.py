@@ -143,7 +143,7 @@ class Simulation:
             self._recorder = Recorder(len(self._columns), known, self._sink(stack))
             known_by = choices(self.algorithm, self.options, self._outside.inputs)
             name = identity(self.system, self._columns, self.grid.times, known_by)
-            parts = (self._instances, self._assembly, self._layout, self._recorder)
+            parts = (self._instances, self._assembly, self._layout, self._recorder, self.grid.n)
             self._saving = Saving(self.system.name, name, *parts)
             stack.callback(self._saving.free)
             times, rows = self._recorder.room()
