@@ -106,7 +106,8 @@ class Package:
         if source and _SCHEME.match(source):
             msg = f"{self.path}: the source {source!r} lies elsewhere; only files in the package can be read."
             raise ArchiveError(msg)
-        for name in dict.fromkeys((source or "", unquote(source or ""))):
+        given, plain = source or "", unquote(source or "")
+        for name in dict.fromkeys((given, plain, plain.replace("\\", "/"))):  # some tools write paths of Windows
             relative = PurePosixPath(name)
             file = ((self.folder / self.main).parent / relative).resolve()
             if not name or "\0" in name or relative.is_absolute() or not file.is_relative_to(self.folder.resolve()):
