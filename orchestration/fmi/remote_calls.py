@@ -33,7 +33,7 @@ from orchestration.fmi.native_calls import (
     store_integer,
     store_real,
 )
-from orchestration.fmi.remote_layout import COMMON, GONE, IDLE, NUMBERS, SLOW, WORD, Caller, Server, Word
+from orchestration.fmi.remote_layout import COMMON, GONE, IDLE, LONGEST_SLEEP, NUMBERS, SLOW, WORD, Caller, Server, Word
 
 _FATAL, _ERROR, _WARNING = int(Status.FATAL), int(Status.ERROR), int(Status.WARNING)
 _SERVER_FILE = "server.ll"
@@ -51,6 +51,7 @@ _SERVER_SLEEPS, _MASTER_SLEEPS, _SAID = (8 * w for w in (Word.SERVER_SLEEPS, Wor
 _SHARED, _ENDED, _CAPACITY, _ATTEND = (
     8 * word for word in (Caller.SHARED, Caller.ENDED, Caller.CAPACITY, Caller.ATTEND)
 )
+_CALLER_READ, _POLL, _POLLED = (8 * word for word in (Caller.READ, Caller.POLL, Caller.POLLED))
 _COMPONENT, _READ, _FUNCTIONS = (8 * word for word in (Server.COMPONENT, Server.READ, Server.FUNCTIONS))
 # Both records have these in the same places.
 _SPINS, _YIELDS, _YIELD, _WRITE, _BELL, _BYTE = (8 * word for word in COMMON)
@@ -116,6 +117,19 @@ def _pass_byte(typing: Any, function: Any, descriptor: Any, byte: Any) -> Any:
 
 
 @emitted
+def _poll(typing: Any, function: Any, descriptors: Any) -> Any:
+    """Call ``int poll(struct pollfd *, nfds_t, int)`` by address, for the two descriptors of a record."""
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        kind = ir.FunctionType(_INT, [_BYTES, _WORD, _INT])
+        callee = builder.inttoptr(arguments[0], kind.as_pointer())
+        place = builder.inttoptr(arguments[1], _BYTES)
+        return builder.call(callee, [place, ir.Constant(_WORD, 2), ir.Constant(_INT, LONGEST_SLEEP)])
+
+    return _I32(_I64, _I64), generate
+
+
+@emitted
 def _call_step(typing: Any, function: Any, component: Any, t: Any, h: Any, final: Any) -> Any:
     """Call fmi2DoStep by address, with the last argument as it is given."""
     kind = ir.FunctionType(_INT, [_BYTES, _REAL, _REAL, _INT])
@@ -159,9 +173,23 @@ def _exchange(caller, call):
     if _read_word(shared + _SERVER_SLEEPS) != 0:
         _pass_byte(load_integer(caller + _WRITE), load_integer(caller + _BELL), load_integer(caller + _BYTE))
     _wait(caller, shared, IDLE)
+    if _read_word(shared + _CALL) != IDLE:
+        _sleep(caller, shared)
     if _read_word(shared + _CALL) != IDLE or _read_word(shared + _SAID) != 0:
         return emit_state(load_integer(caller + _ATTEND), caller, 0)
     return types.int32(load_integer(shared + _STATUS))
+
+
+@_part
+def _sleep(caller, shared):
+    """Sleep until the process has answered, has something to say or has ended, but not for long."""
+    polled = load_integer(caller + _POLLED)
+    woken = True
+    _write_word(shared + _MASTER_SLEEPS, 1)
+    while woken and _read_word(shared + _CALL) != IDLE:
+        woken = _poll(load_integer(caller + _POLL), polled) > 0 and load_integer(polled + 8) >> 48 == 0
+        _pass_byte(load_integer(caller + _CALLER_READ), load_integer(caller + _BELL), load_integer(caller + _BYTE))
+    _write_word(shared + _MASTER_SLEEPS, 0)
 
 
 @_part

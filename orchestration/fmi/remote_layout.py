@@ -22,6 +22,7 @@ IDLE, SLOW, GONE = 0, len(CALLS) + 1, len(CALLS) + 2
 LOAD, UNLOAD = "load", "unload"
 """Requests beside the functions of FMI."""
 
+LONGEST_SLEEP = 20  # ms, after which Python looks whether the other process lives
 WORD = 8  # bytes
 
 
@@ -59,7 +60,11 @@ class Caller(IntEnum):
     """Bytes of the arrays."""
     ATTEND = 9
     """Address of the function that waits on, in Python."""
-    LENGTH = 10
+    READ = 10
+    POLL = 11
+    POLLED = 12
+    """Address of the two records of ``poll``: of the socket that wakes, and of that for messages."""
+    LENGTH = 13
 
 
 class Server(IntEnum):

@@ -6,6 +6,7 @@ process has ended, each call returns fmi2Fatal, or no instance, at once.
 
 import ctypes as ct
 import os
+import select
 import sys
 from collections.abc import Callable, Sequence
 from contextlib import suppress
@@ -24,9 +25,15 @@ from orchestration.fmi.remote_layout import CALLS, IDLE, LOAD, SLOW, UNLOAD, WOR
 from orchestration.sandbox.remote import LONGEST_END, LONGEST_START, RemoteEndedError, RemoteProcess
 
 _PROGRAM = "orchestration.fmi.remote_program"
-_SPINS, _YIELDS = 400, 200
+_SPINS, _YIELDS = 200, 20
 """Turns that each side waits in a loop and by letting others run, before it sleeps."""
 _ATTEND = ct.CFUNCTYPE(ct.c_int, ct.c_void_p, ct.c_void_p)
+
+
+class _Polled(ct.Structure):
+    """``struct pollfd``."""
+
+    _fields_ = (("descriptor", ct.c_int), ("events", ct.c_short), ("found", ct.c_short))
 
 
 def start_process(isolation: Isolation, n_variables: int) -> RemoteProcess:
@@ -80,6 +87,7 @@ class RemoteLibrary(Library):
         self.path, self._process = path, process
         self._words = (ct.c_int64 * Word.ARRAYS).from_buffer(process.memory)
         self._attend, self._byte = _ATTEND(self._wait_on), ct.create_string_buffer(1)
+        self._polled = (_Polled * 2)(*((end, select.POLLIN, 0) for end in (process.bell, process.talk)))
         self._caller = (ct.c_int64 * Caller.LENGTH)(*self._record())
         self._functions: dict[str, Any] = {}
         self._kept: list[Any] = []
@@ -100,6 +108,8 @@ class RemoteLibrary(Library):
         words |= {Caller.SHARED: ct.addressof(self._words), Caller.SPINS: _spins(), Caller.YIELDS: _YIELDS}
         words |= {Caller.BELL: self._process.bell, Caller.BYTE: ct.addressof(self._byte)}
         words |= {Caller.YIELD: _address(c.sched_yield), Caller.WRITE: _address(c.write)}
+        words |= {Caller.READ: _address(c.read), Caller.POLL: _address(c.poll)}
+        words |= {Caller.POLLED: ct.addressof(self._polled)}
         words |= {Caller.CAPACITY: len(self._process.memory) - WORD * Word.ARRAYS, Caller.ATTEND: _address(self._attend)}
         return [words[Caller(k)] for k in range(Caller.LENGTH)]
 

@@ -82,8 +82,8 @@ class RemoteProcess:
     ----------
     memory
         The shared memory. It stays mapped as long as the object lives.
-    bell
-        Descriptor of the socket whose bytes wake the other process.
+    bell, talk
+        Descriptors of the socket whose bytes wake the other process, and of that for messages.
     ending
         How the process ended, as the end of a sentence; empty while it lives.
     interrupted
@@ -115,7 +115,7 @@ class RemoteProcess:
             bell.close()
         self._talk.setblocking(False)
         self._bell.setblocking(False)
-        self.bell = self._bell.fileno()
+        self.bell, self.talk = self._bell.fileno(), self._talk.fileno()
         self._poll = select.poll()
         for end in (self._talk, self._bell):
             self._poll.register(end, select.POLLIN)
