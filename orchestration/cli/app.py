@@ -24,6 +24,7 @@ from orchestration.cli.options import (
     FmuStopTime,
     FmuTolerance,
     Input,
+    Isolate,
     Json,
     Mapping,
     Pace,
@@ -228,6 +229,7 @@ def run(
         ),
     ] = False,
     allow_stale_inputs: StaleInputs = False,
+    isolate: Isolate = None,
     allow_nan: AllowNan = False,
     json: Json = False,
 ) -> None:
@@ -254,6 +256,7 @@ def run(
             strict=strict,
             assumptions=assumptions,
             allow_stale_inputs=allow_stale_inputs,
+            isolate=tuple(isolate or ()),
             allow_nan=allow_nan,
             fmu_tolerance=fmu_tolerance,
             fmu_stop_time=fmu_stop_time,

@@ -3,6 +3,7 @@
 from enum import IntEnum
 
 from orchestration.cli.interrupts import SIGNALLED, signal_of
+from orchestration.sandbox.guard import EXIT_CODE
 
 
 class ExitCode(IntEnum):
@@ -12,6 +13,7 @@ class ExitCode(IntEnum):
     FAILED = 1
     REFUSED = 2
     FAULT = 3
+    ENDED_BY_FMU = EXIT_CODE
     HUNG_UP = 129  # 128 plus the number of a signal, as shells have it
     INTERRUPTED = 130
     TERMINATED = 143
@@ -22,6 +24,7 @@ MEANINGS = {
     ExitCode.FAILED: "a run failed on its way, or a file cannot be used",
     ExitCode.REFUSED: "the request cannot be carried out as it is",
     ExitCode.FAULT: "a fault of adaptimp itself",
+    ExitCode.ENDED_BY_FMU: "an FMU ended the program",
     ExitCode.HUNG_UP: "interrupted by SIGHUP: the terminal was closed",
     ExitCode.INTERRUPTED: "interrupted by Ctrl-C",
     ExitCode.TERMINATED: "interrupted by SIGTERM",

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from orchestration.cli.algorithms import AlgorithmRequest
 from orchestration.cli.assumptions import print_assumptions
+from orchestration.cli.isolation import isolation_of
 from orchestration.cli.output import output, watched, width
 from orchestration.cli.outside import OutsideRequest
 from orchestration.cli.report import RunReport
@@ -61,6 +62,7 @@ class RunRequest:
     fmu_tolerance: float | None = None
     fmu_stop_time: bool = True
     json: bool = False
+    isolate: Sequence[str] = ()
     outside: OutsideRequest = field(default_factory=OutsideRequest)
 
 
@@ -131,6 +133,7 @@ def _options(request: RunRequest, system: System, line: ProgressLine) -> Options
         ratios=numbers("--ratio", request.ratios, int),
         crossings=Crossings(request.crossings),
         progress=line.steps,
+        isolate=isolation_of(request.isolate),
         **request.outside.options(lambda text: start_value(text, system)),
     )
 
@@ -195,8 +198,12 @@ def _judge(simulation: Simulation, report: RunReport) -> None:
     judged = system.set(simulation.first_inputs), report.step, simulation.algorithm
     try:
         _require_few(n)
-        if not is_stable(*judged):
-            report.warnings.append(str(stability(*judged)) if n <= MOST_EXPLAINED else _unstable(simulation, report))
+        isolation = simulation.options.isolation
+        if not is_stable(*judged, isolation=isolation):
+            told = (
+                str(stability(*judged, isolation=isolation)) if n <= MOST_EXPLAINED else _unstable(simulation, report)
+            )
+            report.warnings.append(told)
             output.remark(f"Warning: {report.warnings[-1]}")
     except OrchestrationError as error:
         report.notices.append(f"no verdict on stability: {error}")

@@ -20,7 +20,6 @@ from orchestration.errors import (
     RunInterrupted,
     SimulationError,
 )
-from orchestration.fmi.codes import WORST_ACCEPTED
 from orchestration.fmi.deferred import raise_kept
 from orchestration.fmi.given import a_number, require_type
 from orchestration.fmi.instance import Instance
@@ -42,6 +41,7 @@ from orchestration.master.options import Options
 from orchestration.master.outside import Outside
 from orchestration.master.provenance import told_afterwards
 from orchestration.master.recorder import Recorder, Sink, any_value, not_finite
+from orchestration.master.safeguard import over_steps, terminate
 from orchestration.master.saving import Saving, choices
 from orchestration.master.setting import set_in_run
 from orchestration.master.snapshot import Snapshot, identity
@@ -49,6 +49,7 @@ from orchestration.master.streaming import Streaming
 from orchestration.master.time_grid import Grid
 from orchestration.results.columns import ENDED, FAILED, INTERRUPTED
 from orchestration.results.result import Result
+from orchestration.sandbox.guard import Guard
 from orchestration.system.system import System
 
 _CHUNK_VALUES = 2**17  # recorded in a chunk: they are checked while they are in the processor's cache
@@ -119,7 +120,7 @@ class Simulation:
         self._changes: list[list[float | str]] = []  # time, variable, value
         self._ended = ""  # a sentence, once a component has ended the simulation
         self._changed_at = -1  # point at which scheduled changes were made last
-        self._stack = ExitStack()
+        self._stack, self._guard = ExitStack(), Guard()
         self._chunks = Chunks()
         self._block = Block(system.name)
 
@@ -131,10 +132,11 @@ class Simulation:
     def __enter__(self) -> Self:
         """Open and initialize the components, record row 0, and compile the loop."""
         with ExitStack() as stack:
-            self._instances: list[Instance] = stack.enter_context(opened(self.system))
+            instances = opened(self.system, self.options.isolation, self._guard)
+            self._instances: list[Instance] = stack.enter_context(instances)
             report_libraries(self._instances, strict=self.options.strict)
             run = (self.system, self._instances, self.algorithm, self.grid)
-            self._flat = flat_run(*run, options=self.options, outside=self._outside)
+            self._flat = flat_run(*run, options=self.options, outside=self._outside, guard=self._guard)
             self._assembly, self._layout = self._flat.assembly, self._flat.layout
             self._state = self._layout.coupling.state
             stack.callback(lambda: self._layout.free(self._instances))
@@ -235,7 +237,8 @@ class Simulation:
                 self._apply_changes()
                 reach = self._outside.reach(self.grid, int(self._state.interval), last)
                 self._chunks.begin()
-                self._run_plain(reach) if self._plain else self._run_general(reach)
+                with over_steps(self._instances, self._guard, self.time):
+                    self._run_plain(reach) if self._plain else self._run_general(reach)
                 self._chunks.end()
                 raise_kept()
                 self._texts.forget([self._assembly.plan.discretes], self._recorder.parts)
@@ -384,7 +387,4 @@ class Simulation:
 
     def _terminate(self) -> None:
         self.complete()
-        for instance in self._instances:
-            status = instance.status("fmi2Terminate")
-            if status > WORST_ACCEPTED:
-                raise SimulationError(instance.failure("fmi2Terminate", status), self.result())
+        terminate(self._instances, self._guard, self.result)
