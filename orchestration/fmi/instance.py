@@ -23,6 +23,7 @@ from orchestration.fmi.library import Library, library_path, needed_functions
 from orchestration.fmi.logging import Messages, callbacks, listen
 from orchestration.fmi.signatures import CO_SIMULATION
 from orchestration.fmi.units import Linear
+from orchestration.sandbox.native_library import LibraryError
 
 if TYPE_CHECKING:
     from orchestration.fmi.input_scaling import ScaledInputs
@@ -257,7 +258,7 @@ def _loaded(name: str, description: Description, folder: Path) -> Library:
     """Load the library for this machine in an unpacked FMU; it has all functions that a run may call."""
     try:
         library = Library(library_path(folder, description))
-    except OSError as error:
+    except (OSError, LibraryError) as error:
         msg = f"{name}: {description.path.name} cannot be loaded: {error}"
         raise ArchiveError(msg) from error
     if missing := library.lacks(needed_functions(description)):

@@ -30,6 +30,8 @@ from orchestration.ssp.schema import (
     transformation,
 )
 
+MAX_PARAMETERS = 1_000_000  # of all bindings of a package
+
 Starts = dict[str, dict[str, float | str]]
 """Start values by component and variable; a text still needs a check by its variable."""
 
@@ -83,6 +85,7 @@ class _Bindings:
         self.package, self.wiring, self.units = package, wiring, units
         self.start: Starts = {}
         self.notices: list[str] = []
+        self.parameters = 0
 
     def read(self, element: Element) -> None:
         """Read the bindings of all inner elements, then the bindings of the element itself."""
@@ -130,9 +133,10 @@ class _Bindings:
             for arrival in self.wiring.arrivals(element.path, name):
                 yield arrival, element.connectors[name][1]
         else:
-            for head, child in element.children.items():  # a name of an element may have dots, too
-                if name.startswith(f"{head}."):
-                    yield from self._targets(child, name.removeprefix(f"{head}."))
+            for dot in _dots(name):  # a name of an element may have dots, too
+                child = element.children.get(name[:dot])
+                if child is not None:
+                    yield from self._targets(child, name[dot + 1 :])
 
     def _converted(
         self, parameter: _Parameter, unit: UnitDefinition | None, arrival: Arrival, *, relative: bool
@@ -187,6 +191,7 @@ class _Bindings:
         root = self._content(element, holder, kind, binding.get("type"))
         units, names = {**self.units, **read_units(root)}, set[str]()
         for parameter in root.iterfind(f"{{{SSV}}}Parameters/{{{SSV}}}Parameter"):
+            self._count()
             name = (binding.get("prefix") or "") + parameter.attrib["name"]
             if name in names:
                 msg = f"{self.package.path}: the parameter set {root.get('name')} has two parameters {name}."
@@ -194,6 +199,13 @@ class _Bindings:
             names.add(name)
             typed = next(child for child in parameter if isinstance(child.tag, str))
             yield _Parameter(name, typed.attrib["value"], defined(typed.get("unit"), units))
+
+    def _count(self) -> None:
+        """Count a parameter; a small package can bind one large set again and again."""
+        self.parameters += 1
+        if self.parameters > MAX_PARAMETERS:
+            msg = f"{self.package.path}: its bindings give more than {MAX_PARAMETERS} parameters."
+            raise SystemDescriptionError(msg)
 
     def _content(self, element: Element, holder: Xml, kind: tuple[str, str, str], stated: str | None = None) -> Xml:
         """Document of a tag, schema and MIME type (`kind`) that an element contains or refers to."""
@@ -207,3 +219,11 @@ class _Bindings:
             return self.package.validated(inline, f"{tag.rpartition('}')[2]} in SystemStructure.ssd", schema)
         fmu = element.component.description.path if element.component is not None else None
         return self.package.document(holder, schema, fmu)
+
+
+def _dots(name: str) -> Iterator[int]:
+    """Iterate over the places of the dots in a name."""
+    place = name.find(".")
+    while place >= 0:
+        yield place
+        place = name.find(".", place + 1)

@@ -3,21 +3,21 @@
 import importlib.resources
 import re
 import tempfile
-import zipfile
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path, PurePosixPath
-from typing import IO
 from urllib.parse import unquote
 
 from lxml import etree
 
 from orchestration.errors import ArchiveError, SystemDescriptionError
 from orchestration.fmi.units import BASE_UNITS, Linear, Unit, UnitDefinition
-from orchestration.sandbox.archive import file_hash, unpack
+from orchestration.sandbox.archive import file_hash, read_entries, unpack
 from orchestration.sandbox.cache_folder import cache_folder, writable_cache
 from orchestration.sandbox.missing import require_file
+from orchestration.sandbox.xml import LARGEST, XmlError, parse_xml, printed
+from orchestration.sandbox.zip.rules import shown
 
 _BASE = "http://ssp-standard.org/SSP1/SystemStructure"
 SSD, SSC = f"{_BASE}Description", f"{_BASE}Common"
@@ -30,6 +30,9 @@ STEP_ANNOTATION = "org.adaptimp.step"
 ASSUMPTIONS_ANNOTATION = "org.adaptimp.assumptions"
 NAMES_ANNOTATION = "org.adaptimp.names"
 _SCHEME = re.compile(r"[A-Za-z][A-Za-z0-9+.-]*:")
+
+MAX_PARSED = 256 * 1024**2  # bytes of all XML files, each as often as the package refers to it
+MAX_DOCUMENTS = 10_000  # references to XML files
 
 Xml = etree._Element
 """Type of an XML element, for which lxml has no public name."""
@@ -50,10 +53,13 @@ class Package:
         Path of the package, for messages.
     folder
         Folder with the unpacked files.
+    parsed
+        Bytes of the files that were parsed until now.
     """
 
     path: Path
     folder: Path
+    parsed: list[int] = field(default_factory=list)
 
     @classmethod
     def open(cls, path: Path) -> "Package":
@@ -138,13 +144,13 @@ class Package:
         if element.get("sourceBase") != "component":
             file = self.file(source)
             return self._parse(file, file.name, schema)
-        try:
-            with zipfile.ZipFile(str(fmu)) as archive, archive.open(unquote(source or "")) as inner:
-                return self._parse(inner, str(source), schema)
-        except (OSError, KeyError) as error:
+        name = unquote(source or "")
+        content = dict(read_entries(fmu, [name], LARGEST + 1)).get(name) if fmu is not None else None
+        if content is None:
             where = "a system, which has no files of its own" if fmu is None else fmu.name
-            msg = f"{self.path}: the source {source!r} is not in {where}."
-            raise ArchiveError(msg) from error
+            msg = f"{self.path}: the source {shown(str(source))} is not in {where}."
+            raise ArchiveError(msg)
+        return self._parse(content, shown(name), schema)
 
     def validated(self, root: Xml, name: str, schema: str) -> Xml:
         """Validate an element by a schema, and return the element.
@@ -155,22 +161,32 @@ class Package:
             If the element is invalid.
         """
         if not _schema(schema).validate(root):
-            msg = f"{self.path}: {name} is invalid: {_schema(schema).error_log.last_error}"
+            msg = f"{self.path}: {name} is invalid: {printed(_schema(schema).error_log.last_error)}"
             raise ArchiveError(msg)
         return root
 
-    def _parse(self, file: Path | IO[bytes], name: str, schema: str) -> Xml:
+    def _parse(self, file: Path | bytes, name: str, schema: str) -> Xml:
         """Parse and validate a file without external entities."""
-        parser = etree.XMLParser(resolve_entities=False, no_network=True, load_dtd=False)
         try:
-            root = etree.parse(str(file) if isinstance(file, Path) else file, parser).getroot()
-        except (etree.XMLSyntaxError, OSError) as error:
-            msg = f"{self.path}: {name} is missing or is not well-formed XML: {error}"
+            content = file if isinstance(file, bytes) else _first_bytes(file, LARGEST + 1)
+            self.parsed.append(len(content))
+            if sum(self.parsed) > MAX_PARSED or len(self.parsed) > MAX_DOCUMENTS:
+                msg = f"{self.path}: its XML files are read {len(self.parsed)} times, {sum(self.parsed)} bytes in all;"
+                msg += f" {MAX_DOCUMENTS} times and {MAX_PARSED} bytes are allowed."
+                raise ArchiveError(msg)
+            root = parse_xml(content)
+        except OSError as error:
+            msg = f"{self.path}: {name} is missing, or it cannot be read: {error.strerror}."
             raise ArchiveError(msg) from error
-        if root.getroottree().docinfo.doctype:
-            msg = f"{self.path}: {name} declares a document type; entities are not allowed."
-            raise ArchiveError(msg)
+        except XmlError as error:
+            msg = f"{self.path}: {name} {error}."
+            raise ArchiveError(msg) from error
         return self.validated(root, name, schema)
+
+
+def _first_bytes(file: Path, most: int) -> bytes:
+    with file.open("rb") as opened:
+        return opened.read(most)
 
 
 def required(element: Xml, path: str) -> Xml:
