@@ -145,8 +145,8 @@ def read_description(path: Path) -> Description:
     ArchiveError
         If the archive is unsafe, or not an FMI 2.0 FMU for co-simulation.
     """
-    path = path.resolve()
     require_file(path, "FMU")
+    path = path.resolve()
     status = path.stat()
     return _read_description(path, status.st_mtime_ns, status.st_size)
 

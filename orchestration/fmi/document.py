@@ -15,7 +15,7 @@ from orchestration.fmi.codes import BOOLEAN, ENUMERATION, INTEGER, REAL, STRING
 from orchestration.fmi.fmpy_files import fmpy_file
 from orchestration.fmi.units import BASE_UNITS, Unit
 from orchestration.sandbox.archive import entry_names, read_entries
-from orchestration.sandbox.xml import LARGEST, XmlError, parse_xml, printed
+from orchestration.sandbox.xml import LARGEST, XmlError, parse_xml, violation
 
 SSP_FILE = "SystemStructure.ssd"
 MODEL_DESCRIPTION = "modelDescription.xml"
@@ -236,13 +236,10 @@ def require_valid(root: Any) -> None:
     Raises
     ------
     DocumentError
-        If it is not; the message has the first violation, its line, and the number of violations.
+        If it is not; the message has the first violation, and the line and number of violations where they are known.
     """
-    schema = _schema()
-    if not schema.validate(root):
-        first, n = schema.error_log[0], len(schema.error_log)
-        more = f" ({n} violations)" if n > 1 else ""
-        msg = f"{MODEL_DESCRIPTION} violates the schema in line {first.line}: {printed(first.message)}{more}"
+    if found := violation(root, _schema()):
+        msg = f"{MODEL_DESCRIPTION} violates the schema{found}"
         raise DocumentError(msg)
 
 

@@ -14,16 +14,22 @@ MAX_TAGS = 1_000_000  # start tags, end tags and comments; a hundred thousand va
 MAX_ATTRIBUTES = 2_000_000  # at most; counted as signs of equality
 MAX_DEPTH = 128  # elements in elements; a system in a system needs two
 MAX_ATTRIBUTE = 1024**2  # characters of an attribute; an output that depends on 100,000 inputs needs 0.7 million
+MAX_NAME = 1000  # characters of a name or a reference
 LONGEST_MESSAGE = 160
 _DECLARATION = re.compile(rb"<\?xml\s[^>]{0,200}?encoding\s*=\s*[\"']([A-Za-z0-9._:-]{1,40})[\"'][^>]{0,100}\?>")
 _IN_PROLOG = {b"<?": b"?>", b"<!--": b"-->"}
 _DOCTYPE = b"<!DOCTYPE"
 _BOMS = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
 _WITHOUT_BOM = {b"<\0": "utf-16-le", b"\0<": "utf-16-be"}
+_MOST_FOR_LINES = 2000  # elements; the violations of 16,000 take half a minute
 _SPACE = re.compile(rb"\s*")
 _TOO_DEEP = f"has elements that are nested more than {MAX_DEPTH} deep"
 _DEEPER = "boolean(/*" + "/*" * MAX_DEPTH + ")"
-_LONGER = f"boolean(//@*[string-length() > {MAX_ATTRIBUTE}])"
+_NAMES = ("name", "unit", "source", "target", "prefix", "startElement", "endElement", "startConnector", "endConnector")
+_IS_NAME = " or ".join(
+    f"local-name() = '{name}'" for name in (*_NAMES, "type", "modelIdentifier", "declaredType", "guid")
+)
+_TOO_LONG = f"//@*[string-length() > {MAX_NAME} and (string-length() > {MAX_ATTRIBUTE} or {_IS_NAME})]"
 
 
 class XmlError(ValueError):
@@ -64,10 +70,35 @@ def parse_xml(content: bytes) -> Any:
         raise XmlError(msg) from failed
     if root.xpath(_DEEPER):
         raise XmlError(_TOO_DEEP)
-    if root.xpath(_LONGER):
-        msg = f"has an attribute with more than {MAX_ATTRIBUTE} characters"
+    for found in root.xpath(_TOO_LONG):
+        most = MAX_ATTRIBUTE if len(found) > MAX_ATTRIBUTE else MAX_NAME
+        msg = f"has an attribute {printed(found.attrname)} of {len(found)} characters, more than {most}"
         raise XmlError(msg)
     return root
+
+
+def violation(root: Any, schema: Any) -> str | None:
+    """Return what the first violation of a schema of lxml is, with its line where it is known; None if there is none.
+
+    The validator needs a time for each violation that grows with the number of elements before it. So large trees are
+    written and read again by a parser that validates as it reads, which knows no lines.
+    """
+    from lxml import etree
+
+    if root.xpath("count(descendant::*)") <= _MOST_FOR_LINES:
+        if schema.validate(root):
+            return None
+        first, n = schema.error_log[0], len(schema.error_log)
+        place, message = f" in line {first.line}", first.message
+    else:
+        try:
+            parser = etree.XMLParser(schema=schema, resolve_entities=False, no_network=True)
+            etree.fromstring(etree.tostring(root, with_tail=False), parser)
+        except etree.XMLSyntaxError as failed:
+            place, message, n = "", failed.args[0], 1
+        else:
+            return None
+    return f"{place}: {printed(message)}{f' ({n} violations)' if n > 1 else ''}"
 
 
 def printed(message: object) -> str:

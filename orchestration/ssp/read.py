@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TypedDict
 
-from orchestration.errors import ArchiveError, SystemDescriptionError
+from orchestration.errors import ArchiveError, OrchestrationError, SystemDescriptionError
 from orchestration.fmi.description import read_description
 from orchestration.fmi.units import UnitDefinition, defined
 from orchestration.ssp.connectors import Element, Wiring
@@ -53,6 +53,15 @@ def read_ssp(path: Path) -> System:
         If the package describes a system that cannot be run here.
     """
     package = Package.open(path)
+    try:
+        return _system(package, path)
+    except OrchestrationError:
+        package.discard()  # what is refused takes no place in the cache
+        raise
+
+
+def _system(package: Package, path: Path) -> System:
+    """Read the system of an unpacked package."""
     root = package.structure()
     reading = _Reading(package, read_units(root))
     outer = reading.system(required(root, ssd("System")), ())

@@ -16,7 +16,7 @@ from orchestration.fmi.units import BASE_UNITS, Linear, Unit, UnitDefinition
 from orchestration.sandbox.archive import file_hash, read_entries, unpack
 from orchestration.sandbox.cache_folder import cache_folder, writable_cache
 from orchestration.sandbox.missing import require_file
-from orchestration.sandbox.xml import LARGEST, XmlError, parse_xml, printed
+from orchestration.sandbox.xml import LARGEST, XmlError, parse_xml, violation
 from orchestration.sandbox.zip.rules import shown
 
 _BASE = "http://ssp-standard.org/SSP1/SystemStructure"
@@ -87,6 +87,11 @@ class Package:
                     fresh.rename(folder)
         return cls(path, folder)
 
+    def discard(self) -> None:
+        """Remove the unpacked files from the cache folder; the next `open` unpacks the package again."""
+        with suppress(OSError), tempfile.TemporaryDirectory(dir=self.folder.parent) as scratch:
+            self.folder.rename(Path(scratch) / "refused")
+
     def file(self, source: str | None) -> Path:
         """Return the path of a file in the package by its URI.
 
@@ -96,17 +101,18 @@ class Package:
             If the file is missing, or the URI leads out of the package.
         """
         if source and _SCHEME.match(source):
-            msg = f"{self.path}: the source {source!r} lies elsewhere; only files in the package can be read."
+            msg = f"{self.path}: the source {shown(source)} lies elsewhere; only files in the package can be read."
             raise ArchiveError(msg)
         for name in dict.fromkeys((source or "", unquote(source or ""))):
             relative = PurePosixPath(name)
             file = (self.folder / relative).resolve()
             if not name or "\0" in name or relative.is_absolute() or not file.is_relative_to(self.folder.resolve()):
-                msg = f"{self.path}: the source {source!r} is missing or leads outside the package."
+                msg = f"{self.path}: the source {shown(str(source))} is missing or leads outside the package."
                 raise ArchiveError(msg)
-            if file.is_file():
-                return file
-        msg = f"{self.path}: the source {source!r} is not in the package."
+            with suppress(OSError):  # a name may be too long for a file
+                if file.is_file():
+                    return file
+        msg = f"{self.path}: the source {shown(str(source))} is not in the package."
         raise ArchiveError(msg)
 
     def structure(self) -> Xml:
@@ -160,8 +166,8 @@ class Package:
         ArchiveError
             If the element is invalid.
         """
-        if not _schema(schema).validate(root):
-            msg = f"{self.path}: {name} is invalid: {printed(_schema(schema).error_log.last_error)}"
+        if found := violation(root, _schema(schema)):
+            msg = f"{self.path}: {name} is invalid{found}."
             raise ArchiveError(msg)
         return root
 

@@ -33,7 +33,7 @@ NESTED += '</ssd:System><ssd:Component name="a__b" source="resources/Relay.fmu"/
         ('<step size="[^"]*"', '<step size="long"', r"org\.adaptimp\.step has the size 'long'"),
         (FMU, 'source="%2e%2e/Relay.fmu"', r"'%2e%2e/Relay\.fmu' is missing or leads outside"),
         ("<ssd:Elements>", "<ssd:Element>", r"SystemStructure\.ssd is not well-formed XML"),
-        ("<ssd:Connections>", "<ssd:Connections><ssd:Wire/>", r"SystemStructure\.ssd is invalid: .*Wire"),
+        ("<ssd:Connections>", "<ssd:Connections><ssd:Wire/>", r"SystemStructure\.ssd is invalid in line \d+: .*Wire"),
         ('version="1.0"', 'version="3.0"', r"SystemStructure\.ssd is invalid"),
     ],
 )
