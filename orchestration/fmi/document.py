@@ -239,7 +239,7 @@ def require_valid(root: Any) -> None:
         If it is not; the message has the first violation, and the line and number of violations where they are known.
     """
     if found := violation(root, _schema()):
-        msg = f"{MODEL_DESCRIPTION} violates the schema{found}"
+        msg = f"{MODEL_DESCRIPTION} violates the schema{found}."
         raise DocumentError(msg)
 
 

@@ -18,7 +18,7 @@ from orchestration.system.component import Component, Connection
 Place = tuple[tuple[str, ...], str]
 """Path of a component or system, and the name of a connector there."""
 
-_MOST_SHOWN = 8  # connectors of a circle
+_MOST_SHOWN, _LONGEST_SHOWN = 5, 60  # connectors of a circle in a message, and characters of each
 _INWARD, _OUTWARD = ("input", "parameter"), ("output", "calculatedParameter")
 
 
@@ -215,8 +215,8 @@ class Wiring:
             trail.append(place)
             place = owners[place].start
         if place != wire.end:
-            other = owners[wire.end]
-            msg = f"{self.where}: the connector {_text(wire.end)} gets its value twice: {other}, and {wire}."
+            first, second = _text(owners[wire.end].start), _text(wire.start)
+            msg = f"{self.where}: the connector {_text(wire.end)} gets its value twice, from {first} and from {second}."
             return SystemDescriptionError(msg)
         places = [_text(place) for place in (*trail, place)][::-1]
         shown = places if len(places) <= _MOST_SHOWN else [*places[: _MOST_SHOWN - 1], "...", places[-1]]
@@ -277,5 +277,6 @@ class Wiring:
 
 
 def _text(place: Place) -> str:
-    """Connector as text with dots, for messages."""
-    return ".".join((*place[0], place[1]))
+    """Connector as text with dots, for messages; without the middle of a long path."""
+    text = ".".join((*place[0], place[1]))
+    return text if len(text) <= _LONGEST_SHOWN else f"{text[: _LONGEST_SHOWN // 2]}...{text[-_LONGEST_SHOWN // 2 :]}"

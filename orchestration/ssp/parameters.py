@@ -30,7 +30,8 @@ from orchestration.ssp.schema import (
     transformation,
 )
 
-MAX_PARAMETERS = 1_000_000  # of all bindings of a package
+MAX_PARAMETERS = 300_000  # of all bindings of a package
+MOST_COMPARED = 50  # unknown parameters for which near names are looked up, among all variables
 
 Starts = dict[str, dict[str, float | str]]
 """Start values by component and variable; a text still needs a check by its variable."""
@@ -112,7 +113,8 @@ class _Bindings:
             self.start.setdefault(arrival.component.name, {})[name] = value
         if not found:
             where, known = ".".join(element.path) or "the system", element.component
-            close = near(parameter.name, known.description.variables) if known is not None else []
+            compared = {} if known is None or len(self.notices) >= MOST_COMPARED else known.description.variables
+            close = near(parameter.name, compared)
             meant = f"; did you mean {' or '.join(close)}?" if close else "."
             self.notices.append(
                 f"The parameter {parameter.name} of {where} is ignored, because no variable has that name{meant}"

@@ -31,8 +31,7 @@ ASSUMPTIONS_ANNOTATION = "org.adaptimp.assumptions"
 NAMES_ANNOTATION = "org.adaptimp.names"
 _SCHEME = re.compile(r"[A-Za-z][A-Za-z0-9+.-]*:")
 
-MAX_PARSED = 256 * 1024**2  # bytes of all XML files, each as often as the package refers to it
-MAX_DOCUMENTS = 10_000  # references to XML files
+MAX_PARSED = 64 * 1024**2  # bytes of all XML files of a package
 
 Xml = etree._Element
 """Type of an XML element, for which lxml has no public name."""
@@ -43,7 +42,7 @@ def ssd(path: str) -> str:
     return "/".join(f"{{{SSD}}}{part}" for part in path.split("/"))
 
 
-@dataclass(frozen=True)
+@dataclass
 class Package:
     """An SSP package that is unpacked in the cache folder.
 
@@ -53,13 +52,14 @@ class Package:
         Path of the package, for messages.
     folder
         Folder with the unpacked files.
-    parsed
-        Bytes of the files that were parsed until now.
+    parsed_bytes
+        Bytes of the XML files that were parsed until now.
     """
 
     path: Path
     folder: Path
-    parsed: list[int] = field(default_factory=list)
+    parsed_bytes: int = 0
+    _documents: dict[tuple[Path | None, str, str], Xml] = field(default_factory=dict, repr=False)
 
     @classmethod
     def open(cls, path: Path) -> "Package":
@@ -105,8 +105,9 @@ class Package:
             raise ArchiveError(msg)
         for name in dict.fromkeys((source or "", unquote(source or ""))):
             relative = PurePosixPath(name)
-            file = (self.folder / relative).resolve()
-            if not name or "\0" in name or relative.is_absolute() or not file.is_relative_to(self.folder.resolve()):
+            inside = bool(name) and "\0" not in name and not relative.is_absolute()
+            file = (self.folder / relative).resolve() if inside else self.folder
+            if not inside or not file.is_relative_to(self.folder.resolve()):
                 msg = f"{self.path}: the source {shown(str(source))} is missing or leads outside the package."
                 raise ArchiveError(msg)
             with suppress(OSError):  # a name may be too long for a file
@@ -146,8 +147,15 @@ class Package:
         ArchiveError
             If the file is missing or invalid.
         """
-        source = element.get("source")
-        if element.get("sourceBase") != "component":
+        source, base = element.get("source"), element.get("sourceBase")
+        key = (fmu if base == "component" else None, f"{base}:{source}", schema)
+        if key not in self._documents:
+            self._documents[key] = self._document(source, schema, fmu, inside=base == "component")
+        return self._documents[key]
+
+    def _document(self, source: str | None, schema: str, fmu: Path | None, *, inside: bool) -> Xml:
+        """Read a file of the package, or of an FMU."""
+        if not inside:
             file = self.file(source)
             return self._parse(file, file.name, schema)
         name = unquote(source or "")
@@ -175,19 +183,18 @@ class Package:
         """Parse and validate a file without external entities."""
         try:
             content = file if isinstance(file, bytes) else _first_bytes(file, LARGEST + 1)
-            self.parsed.append(len(content))
-            if sum(self.parsed) > MAX_PARSED or len(self.parsed) > MAX_DOCUMENTS:
-                msg = f"{self.path}: its XML files are read {len(self.parsed)} times, {sum(self.parsed)} bytes in all;"
-                msg += f" {MAX_DOCUMENTS} times and {MAX_PARSED} bytes are allowed."
+            self.parsed_bytes += len(content)
+            if self.parsed_bytes > MAX_PARSED:
+                msg = f"{self.path}: its XML files have more than {MAX_PARSED} bytes, {name} included."
                 raise ArchiveError(msg)
-            root = parse_xml(content)
+            root = self.validated(parse_xml(content), name, schema)
         except OSError as error:
             msg = f"{self.path}: {name} is missing, or it cannot be read: {error.strerror}."
             raise ArchiveError(msg) from error
         except XmlError as error:
             msg = f"{self.path}: {name} {error}."
             raise ArchiveError(msg) from error
-        return self.validated(root, name, schema)
+        return root
 
 
 def _first_bytes(file: Path, most: int) -> bytes:

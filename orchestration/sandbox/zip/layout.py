@@ -12,7 +12,7 @@ from typing import IO
 
 from orchestration.sandbox.zip.directory import RECORD, Directory, Entry
 from orchestration.sandbox.zip.ends import END
-from orchestration.sandbox.zip.fields import extra_fields, sizes_64
+from orchestration.sandbox.zip.fields import extra_fields, shown_raw, sizes_64
 from orchestration.sandbox.zip.rules import RuleError, shown
 
 HEADER = b"PK\x03\x04"
@@ -65,8 +65,8 @@ def _place(file: IO[bytes], entry: Entry, end: int) -> int:
         pairs |= {"CRC": (crc, entry.crc), "packed size": (packed, entry.packed), "size": (size, entry.size)}
     for what, (here, there) in pairs.items():
         if here != there:
-            said = f"{shown(str(here))} and {shown(str(there))}" if what == "name" else f"{here} and {there}"
-            msg = f"gives entry {name} two values for its {what}: {said}"
+            said = [shown_raw(value) if isinstance(value, bytes) else value for value in (here, there)]
+            msg = f"gives entry {name} two values for its {what}: {said[0]} and {said[1]}"
             raise RuleError(msg)
     place = entry.offset + _HEADER.size + length + more
     if place + entry.packed > end:
