@@ -6,13 +6,13 @@ archive is screened here before any of its files is unpacked, read or loaded.
 """
 
 import hashlib
-import tempfile
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from functools import lru_cache
 from pathlib import Path, PurePosixPath
 from typing import BinaryIO
 
+from adaptimp_fmu.files.temporary_folder import temporary_folder
 from orchestration.errors import ArchiveError
 from orchestration.sandbox.missing import require_file
 from orchestration.sandbox.zip.content import Content
@@ -73,9 +73,9 @@ def unpacked(path: Path, needed: Callable[[str], bool] | None = None) -> Iterato
     ArchiveError
         If the archive is missing, invalid or unsafe.
     """
-    with tempfile.TemporaryDirectory(prefix="adaptimp-") as folder:
-        unpack(path, Path(folder), needed)
-        yield Path(folder)
+    with temporary_folder() as folder:
+        unpack(path, folder, needed)
+        yield folder
 
 
 def unpack(path: Path, folder: Path, needed: Callable[[str], bool] | None = None) -> None:

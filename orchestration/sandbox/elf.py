@@ -67,14 +67,14 @@ def read_header(file: BinaryIO) -> Header:
         raise ElfError(msg)
     try:
         _, _, machine, _, _, segments, sections, _, _, size, count, length, number, _ = _HEADER.unpack(data)
-        if size != _SEGMENT.size:
-            msg = f"its segments have {size} bytes each"
-            raise ElfError(msg)
         file.seek(segments)
         rows = [_SEGMENT.unpack(file.read(_SEGMENT.size)) for _ in range(count)]
-    except (struct.error, OSError, OverflowError) as failed:
+    except (struct.error, OSError, ValueError, OverflowError) as failed:
         msg = f"its tables are damaged ({failed})"
         raise ElfError(msg) from failed
+    if size != _SEGMENT.size:
+        msg = f"its segments have {size} bytes each"
+        raise ElfError(msg)
     tables = ((segments, size * count), (sections, length * number if sections else 0))
     found = tuple(Segment(kind, address, offset, stored) for kind, _, offset, address, _, stored, _, _ in rows)
     return Header(MACHINES.get(machine, f"machine {machine}"), tables, found)

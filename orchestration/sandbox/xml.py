@@ -101,11 +101,11 @@ def violation(root: Any, schema: Any) -> str | None:
     return f"{place}: {printed(message)}{f' ({n} violations)' if n > 1 else ''}"
 
 
-def printed(message: object) -> str:
+def printed(message: object, most: int = LONGEST_MESSAGE) -> str:
     """Return the message of a parser, which may quote the file, as one short line of printable characters."""
-    text = " ".join(str(message)[: 4 * LONGEST_MESSAGE].split()).rstrip(".")
+    text = " ".join(str(message)[: 4 * most].split()).rstrip(".")
     text = "".join(c if c.isprintable() else "?" for c in text)
-    return text if len(text) <= LONGEST_MESSAGE else f"{text[: LONGEST_MESSAGE - 3]}..."
+    return text if len(text) <= most else f"{text[: most - 3]}..."
 
 
 def _with_ascii(content: bytes) -> bytes:

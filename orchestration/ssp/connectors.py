@@ -5,14 +5,14 @@ of the surrounding system. All other connectors are targets. SSP 1.0 allows a co
 direction.
 """
 
-from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 
 from orchestration.errors import SystemDescriptionError
 from orchestration.fmi.names import suggestion
 from orchestration.fmi.units import AS_IS, Linear, UnitDefinition, conversion
-from orchestration.ssp.schema import Xml, boolean, ssd, transformation
+from orchestration.ssp.schema import Package, Xml, boolean, ssd, transformation
+from orchestration.ssp.value_maps import is_identity
 from orchestration.system.component import Component, Connection
 
 Place = tuple[tuple[str, ...], str]
@@ -20,6 +20,14 @@ Place = tuple[tuple[str, ...], str]
 
 _MOST_SHOWN, _LONGEST_SHOWN = 5, 60  # connectors of a circle in a message, and characters of each
 _INWARD, _OUTWARD = ("input", "parameter"), ("output", "calculatedParameter")
+
+
+@dataclass(frozen=True)
+class Home:
+    """The package that describes an element, and the units that its .ssd file defines, by name."""
+
+    package: Package
+    units: dict[str, UnitDefinition]
 
 
 @dataclass
@@ -36,6 +44,8 @@ class Element:
         Component of the flat system; None if the element is a system.
     connectors
         Kind and unit of each connector, by name.
+    bindings
+        XML elements with the parameter bindings, in the order in which they apply, and where these are described.
     children
         Inner elements, by name.
     """
@@ -44,6 +54,7 @@ class Element:
     xml: Xml
     component: Component | None
     connectors: dict[str, tuple[str, UnitDefinition | None]]
+    bindings: list[tuple[Xml, Home]]
     children: dict[str, "Element"] = field(default_factory=dict)
 
     def walk(self) -> Iterator["Element"]:
@@ -109,9 +120,9 @@ class Wiring:
             if element.component is None
             for xml in element.xml.iterfind(ssd("Connections/Connection"))
         ]
-        self._starting = defaultdict[Place, list[_Wire]](list)
+        self._starting: dict[Place, list[_Wire]] = {}
         for wire in self._wires:
-            self._starting[wire.start].append(wire)
+            self._starting.setdefault(wire.start, []).append(wire)
 
     def connections(self) -> Iterator[Connection]:
         """Iterate over the connections between components, in the order of the file.
@@ -138,7 +149,7 @@ class Wiring:
         if self._elements[path].connectors[connector][0] in _OUTWARD:
             return []
         place = (path, connector)
-        return list(self._reached(self._starting[place], self._unit(place), {}))
+        return list(self._reached(self._starting.get(place, ()), self._unit(place), {}))
 
     def unit(self, component: Component, path: tuple[str, ...], variable: str) -> UnitDefinition | None:
         """Return the unit of a variable: the unit of the FMU, or of the connector if the FMU gives no definition.
@@ -252,7 +263,8 @@ class Wiring:
                 both = "give" if gives[0] else "take"
                 msg = f"{where}: both ends {both} a value."
                 raise SystemDescriptionError(msg)
-        return _Wire(places[0], places[1], transformation(xml, where), boolean(xml.get("suppressUnitConversion")))
+        scale = AS_IS if is_identity(xml) else transformation(xml, where)
+        return _Wire(places[0], places[1], scale, boolean(xml.get("suppressUnitConversion")))
 
     def _end(self, system: Element, name: str | None, connector: str) -> tuple[Place, bool | None]:
         """Connector at an end of a connection, and whether the connector gives a value; None if both are possible."""

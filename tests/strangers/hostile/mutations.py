@@ -19,7 +19,7 @@ from tests.strangers.hostile.archives import BASE, LIBRARY
 from tests.strangers.hostile.packages import component, connectors, described, package, wire
 from tests.strangers.hostile.zips import DEFLATED, Row, zipped
 
-LONGEST = 600  # characters of a message, the path of the file included
+LONGEST = 4000  # characters of a message, which may show three names of 1000
 NAMED = (OrchestrationError, XmlError, UnreadableError)
 UNIT = '<UnitDefinitions><Unit name="m"><BaseUnit m="1"/></Unit></UnitDefinitions>'
 XML = description("feedthrough", [U, Y, P], outputs='<Unknown index="2" dependencies="1"/>', before=UNIT)

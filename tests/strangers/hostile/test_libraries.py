@@ -16,7 +16,7 @@ from tests.strangers.hostile.archives import DESCRIPTION, LIBRARY, fmu
 from tests.strangers.hostile.zips import Row, zipped
 
 pytestmark = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="the libraries are made for Linux")
-MACHINE, SECTIONS, SEGMENT_SIZE, SEGMENTS = 18, 40, 54, 56  # offsets in the header of ELF
+MACHINE, TABLE, SECTIONS, SEGMENT_SIZE, SEGMENTS = 18, 32, 40, 54, 56  # offsets in the header of ELF
 
 
 def changed(content: bytes, place: int, code: str, value: int) -> bytes:
@@ -51,6 +51,7 @@ LIBRARIES: dict[str, tuple[Callable[[bytes], bytes], str]] = {
     "of Windows": (lambda _: pe(0x8664), "is not a 64-bit ELF library"),
     "of macOS": (lambda _: mach_o(0x01000007), "is not a 64-bit ELF library"),
     "segments of one byte": (lambda whole: changed(whole, SEGMENT_SIZE, "<H", 1), "its header is damaged"),
+    "segments nowhere": (lambda whole: changed(whole, TABLE, "<Q", 2**64 - 1), "its header is damaged"),
     "65535 segments": (lambda whole: changed(whole, SEGMENTS, "<H", 65535), "is cut off|its header is damaged"),
     "sections nowhere": (lambda whole: changed(whole, SECTIONS, "<Q", 2**62), "is cut off: its header describes"),
 }

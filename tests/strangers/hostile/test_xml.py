@@ -89,6 +89,7 @@ HOSTILE: dict[str, tuple[Callable[[], str | bytes], str]] = {
         lambda: XML.replace('guid="', f'generationTool="{"x" * 2_000_000}" guid="'),
         "attribute generationTool of 2000000 characters, more than 1048576",
     ),
+    "a long version": (lambda: XML.replace('Version="2.0', f'Version="{"2" * 900}'), "fmiVersion 222"),
     "a flood of violations": (lambda: longer(100_000, ' x="1"'), "the attribute 'x' is not allowed"),
     "a long violation": (lambda: longer(10, f' causality="{"x" * 100_000}"'), "violates the schema in line"),
     "UTF-7": (lambda: XML.replace("UTF-8", "UTF-7"), "has the encoding UTF-7, which is not supported"),
