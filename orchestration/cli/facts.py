@@ -1,6 +1,5 @@
 """Gathers what is in an FMU, a system or a file of results, as plain values that JSON knows."""
 
-import zipfile
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -11,6 +10,7 @@ from orchestration.fmi.description import read_description
 from orchestration.fmi.document import Declared, Document, parsed, read_bytes
 from orchestration.fmi.library import host_folders
 from orchestration.results.extremes import extremes_of_file
+from orchestration.sandbox.archive import entry_names
 from orchestration.system.component import Component
 from orchestration.system.system import System
 
@@ -27,8 +27,7 @@ def fmu_facts(path: Path) -> dict[str, Any]:
     """
     description = read_description(path)
     document = Document(parsed(read_bytes(path)))
-    with zipfile.ZipFile(path) as archive:
-        places = [name.split("/") for name in archive.namelist()]
+    places = [name.split("/") for name in entry_names(path)]
     platforms = sorted({parts[1] for parts in places if parts[0] == "binaries" and len(parts) > 2 and parts[2]})
     return {
         "kind": "fmu",

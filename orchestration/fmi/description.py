@@ -33,9 +33,11 @@ from orchestration.fmi.names import arrays
 from orchestration.fmi.units import UnitDefinition, defined
 from orchestration.sandbox.archive import screen
 from orchestration.sandbox.missing import require_file
+from orchestration.sandbox.xml import printed
 
 SAMPLE_TIME = "sample_time"
 """Name of the parameter that tells a sampled component's period, s."""
+LONGEST_SHOWN = 60  # characters of a name or version in a message
 _VERSION = re.compile(r"1\.0|2\.0|3\.\d+([.-].*)?")  # those of FMI 3 may have a patch, or name a draft
 
 
@@ -187,8 +189,8 @@ def read_description(path: Path) -> Description:
     ArchiveError
         If the archive is unsafe, or not an FMI 2.0 FMU for co-simulation.
     """
-    path = path.resolve()
     require_file(path, "FMU")
+    path = path.resolve()
     status = path.stat()
     return _read_description(path, status.st_mtime_ns, status.st_size)
 
@@ -230,7 +232,8 @@ def _document(path: Path) -> Document:
     root = parsed(read_bytes(path))
     version = root.get("fmiVersion")
     if root.tag != "fmiModelDescription" or not _VERSION.fullmatch(version or ""):
-        msg = f"the root element is {root.tag} with the fmiVersion {version}, which is not a version of FMI."
+        found = f"{printed(root.tag, LONGEST_SHOWN)} with the fmiVersion {printed(version, LONGEST_SHOWN)}"
+        msg = f"the root element is {found}, which is not a version of FMI."
         raise DocumentError(msg)
     exchange = root.find("CoSimulation") is None and root.find("Implementation") is None
     if version != "2.0" or exchange:
@@ -253,7 +256,7 @@ def _require_consistent(document: Document) -> None:
     n = len(document.variables)
     for variable in document.variables:
         if variable.name in seen:
-            msg = f"the variable name {variable.name!r} is used more than once."
+            msg = f"the variable name {printed(variable.name, LONGEST_SHOWN)!r} is used more than once."
             raise DocumentError(msg)
         seen.add(variable.name)
         if variable.declared_type and variable.declared_type not in document.types:

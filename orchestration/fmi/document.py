@@ -4,7 +4,6 @@
 judge it. Attributes have their types only if the XML is valid against FMI's schema.
 """
 
-import zipfile
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cache, cached_property
@@ -15,11 +14,11 @@ from orchestration.errors import ArchiveError
 from orchestration.fmi.codes import BOOLEAN, ENUMERATION, INTEGER, REAL, STRING
 from orchestration.fmi.fmpy_files import fmpy_file
 from orchestration.fmi.units import BASE_UNITS, Unit
-from orchestration.sandbox.archive import UNREADABLE
+from orchestration.sandbox.archive import entry_names, read_entries
+from orchestration.sandbox.xml import LARGEST, XmlError, parse_xml, violation
 
 SSP_FILE = "SystemStructure.ssd"
 MODEL_DESCRIPTION = "modelDescription.xml"
-LARGEST = 32 * 1024**2  # bytes of a description; a hundred thousand variables have 25 MB
 CALCULATED, EXACT, APPROX = "calculated", "exact", "approx"
 OUTPUTS, DERIVATIVES, INITIAL_UNKNOWNS = "Outputs", "Derivatives", "InitialUnknowns"
 _TRUE = ("true", "1")
@@ -196,7 +195,7 @@ _TYPES = (REAL, INTEGER, BOOLEAN, STRING, ENUMERATION)
 
 
 def read_bytes(path: Path, most: int = LARGEST) -> bytes:
-    """Read the bytes of modelDescription.xml in a screened archive.
+    """Read the bytes of modelDescription.xml in a safe archive.
 
     Raises
     ------
@@ -205,18 +204,11 @@ def read_bytes(path: Path, most: int = LARGEST) -> bytes:
     ArchiveError
         If the file cannot be unpacked.
     """
-    try:
-        with zipfile.ZipFile(path) as archive:
-            if MODEL_DESCRIPTION not in archive.namelist():
-                other = "it is an SSP package, which System.read reads" if SSP_FILE in archive.namelist() else ""
-                msg = f"The archive has no {MODEL_DESCRIPTION}; {other or 'every FMU has one'}."
-                raise DocumentError(msg)
-            with archive.open(MODEL_DESCRIPTION) as file:
-                content = file.read(most + 1)
-    except UNREADABLE as failed:
-        reason = str(failed).rstrip(".")
-        msg = f"{path}: {MODEL_DESCRIPTION} cannot be unpacked, so the file is damaged: {reason}; copy it again."
-        raise ArchiveError(msg) from failed
+    content = dict(read_entries(path, [MODEL_DESCRIPTION], most + 1)).get(MODEL_DESCRIPTION)
+    if content is None:
+        other = "it is an SSP package, which System.read reads" if SSP_FILE in entry_names(path) else ""
+        msg = f"The archive has no {MODEL_DESCRIPTION}; {other or 'every FMU has one'}."
+        raise DocumentError(msg)
     if len(content) > most:
         msg = f"{MODEL_DESCRIPTION} has more than {most} bytes."
         raise DocumentError(msg)
@@ -229,15 +221,12 @@ def parsed(content: bytes) -> Any:
     Raises
     ------
     DocumentError
-        If the XML is not well-formed.
+        If the XML is not well-formed, or breaks a limit of `orchestration.sandbox.xml`.
     """
-    from lxml import etree
-
-    parser = etree.XMLParser(resolve_entities=False, no_network=True, remove_comments=True, remove_pis=True)
     try:
-        return etree.fromstring(content, parser)
-    except (etree.XMLSyntaxError, ValueError) as failed:
-        msg = f"{MODEL_DESCRIPTION} is not well-formed XML: {failed}."
+        return parse_xml(content)
+    except XmlError as failed:
+        msg = f"{MODEL_DESCRIPTION} {failed}."
         raise DocumentError(msg) from failed
 
 
@@ -247,13 +236,10 @@ def require_valid(root: Any) -> None:
     Raises
     ------
     DocumentError
-        If it is not; the message has the first violation, its line, and the number of violations.
+        If it is not; the message has the first violation, and the line and number of violations where they are known.
     """
-    schema = _schema()
-    if not schema.validate(root):
-        first, n = schema.error_log[0], len(schema.error_log)
-        more = f" ({n} violations)" if n > 1 else ""
-        msg = f"{MODEL_DESCRIPTION} violates the schema in line {first.line}: {first.message}{more}"
+    if found := violation(root, _schema()):
+        msg = f"{MODEL_DESCRIPTION} violates the schema{found}."
         raise DocumentError(msg)
 
 

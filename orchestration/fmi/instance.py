@@ -26,6 +26,7 @@ from orchestration.fmi.library import Library, library_path, needed_functions
 from orchestration.fmi.logging import Messages, callbacks, listen
 from orchestration.fmi.signatures import CO_SIMULATION
 from orchestration.fmi.units import Linear
+from orchestration.sandbox.native_library import LibraryError
 
 if TYPE_CHECKING:
     from orchestration.fmi.input_scaling import ScaledInputs
@@ -292,7 +293,7 @@ def _loaded(name: str, description: Description, folder: Path, process: "RemoteP
     try:
         path = library_path(folder, description)
         library = Library(path) if process is None else _remote(path, process)
-    except OSError as error:
+    except (OSError, LibraryError) as error:
         said = str(error).replace(f"{folder}/", "").rstrip(".")  # the folder is a temporary one
         msg = f"{name}: {description.path.name} cannot be loaded: {said}."
         if runs_nothing(folder):

@@ -11,6 +11,8 @@ from orchestration.errors import ArchiveError
 from orchestration.fmi import signatures
 from orchestration.fmi.codes import DIFFERENTIATES, INTERPOLATES, SAVES_STATE, SERIALIZES_STATE
 from orchestration.fmi.description import Description
+from orchestration.sandbox.native_library import LibraryError, require_loadable
+from orchestration.sandbox.zip.rules import shown
 
 # Folders below ``binaries/``, the usual one first, by sys.platform: of x86-64, of ARM; and the extension.
 _PLATFORMS: dict[str, tuple[tuple[str, ...], tuple[str, ...], str]] = {
@@ -80,15 +82,33 @@ def library_path(folder: Path, description: Description) -> Path:
     ------
     ArchiveError
         If the FMU has none; the message names the platforms that the FMU has.
+    LibraryError
+        If the library is not a whole file for this machine.
     """
     for name in library_names(description.identifier):
         if (folder / name).is_file():
+            require_whole(folder, name)
             return folder / name
     binaries = folder / "binaries"
     present = sorted(p.name for p in binaries.iterdir()) if binaries.is_dir() else []
     has = ", ".join(present) or "none"
     msg = f"{description.path} has no binary for {host_folders()[0][0]}, this machine; it has {has}."
     raise ArchiveError(msg)
+
+
+def require_whole(folder: Path, name: str) -> None:
+    """Refuse a library of an unpacked FMU that leads out of the folder, is cut off, or is of another machine.
+
+    Raises
+    ------
+    LibraryError
+        Naming the library and its fault.
+    """
+    try:
+        require_loadable(folder / name, folder)
+    except LibraryError as error:
+        msg = f"the library {shown(name)} {error}."
+        raise LibraryError(msg) from error
 
 
 class Library:

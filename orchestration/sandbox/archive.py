@@ -1,4 +1,4 @@
-"""Safety checks of zip archives (FMU and SSP files), and safe unpacking.
+"""The gate that every archive passes: FMUs, SSP packages, and archives in them are screened, then read or unpacked.
 
 FMU and SSP files come from strangers. An unsafe archive can overwrite files outside of the target folder
 through ``../`` entries or links. An unsafe archive can also fill the disk: 2 MB can unpack to 2 GB. So every
@@ -6,28 +6,22 @@ archive is screened here before any of its files is unpacked, read or loaded.
 """
 
 import hashlib
-import stat
-import zipfile
-import zlib
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from functools import lru_cache
 from pathlib import Path, PurePosixPath
+from typing import BinaryIO
 
 from adaptimp_fmu.files.temporary_folder import temporary_folder
 from orchestration.errors import ArchiveError
 from orchestration.sandbox.missing import require_file
-
-MAX_ENTRIES = 20_000
-MAX_BYTES = 2 * 1024**3  # size of all entries after unpacking
-MAX_RATIO = 1000  # unpacked over packed size of an entry; source code and tables reach 30, a zip bomb 1000
-RATIO_FREE_BYTES = 1024**2  # the ratio of smaller entries is not limited
-_READ_BY_PEOPLE = ("documentation/", "sources/")
-# Exceptions of zipfile and zlib for a damaged archive.
-UNREADABLE = (zipfile.BadZipFile, zlib.error, EOFError, OSError, ValueError, KeyError, RuntimeError)
+from orchestration.sandbox.zip.content import Content
+from orchestration.sandbox.zip.nesting import look_inside
+from orchestration.sandbox.zip.rules import Budget, RuleError, shown
 
 
 def screen(path: Path) -> tuple[str, ...]:
-    """Refuse an archive that is unsafe to unpack.
+    """Refuse an archive that is unsafe to unpack, or that holds such an archive; again only when the file has changed.
 
     Parameters
     ----------
@@ -44,8 +38,18 @@ def screen(path: Path) -> tuple[str, ...]:
     ArchiveError
         If the archive is missing, invalid or unsafe. The message names the file, the entry and the rule.
     """
-    with _opened(path) as archive:
-        return tuple(_screen(path, archive))
+    require_file(path, "file")
+    status = path.stat()
+    return _screened(path, status.st_mtime_ns, status.st_size)
+
+
+@lru_cache(maxsize=256)
+def _screened(path: Path, modified: int, size: int) -> tuple[str, ...]:  # noqa: ARG001 - the cache's key
+    with _passed(path) as content:
+        budget = Budget(size)
+        budget.spend(len(content.entries), content.size)
+        look_inside(content, budget)
+        return content.formalities
 
 
 @contextmanager
@@ -82,22 +86,70 @@ def unpack(path: Path, folder: Path, needed: Callable[[str], bool] | None = None
     path
         Zip archive.
     folder
-        Existing folder.
+        Existing folder that nobody else writes to.
     needed
         Returns, for the name of an entry, whether the entry is unpacked. Default: all entries.
 
     Raises
     ------
     ArchiveError
+        If the archive is missing, invalid or unsafe, or cannot be written to the folder.
+    """
+    screen(path)
+    with _passed(path) as content:
+        for entry in content.entries:
+            if needed is not None and not needed(entry.name):
+                continue
+            target = folder.joinpath(PurePosixPath(entry.name))
+            try:
+                if entry.is_folder:
+                    target.mkdir(parents=True, exist_ok=True)
+                    continue
+                target.parent.mkdir(parents=True, exist_ok=True)
+                with target.open("wb") as file:
+                    file.writelines(content.pieces(entry))
+            except OSError as error:
+                reason = error.strerror or type(error).__name__
+                msg = f"{path} cannot be unpacked: entry {shown(entry.name)} cannot be written: {reason}."
+                raise ArchiveError(msg) from error
+
+
+def entry_names(path: Path) -> tuple[str, ...]:
+    """Names of an archive's entries, in their order; the archive itself must be safe.
+
+    Raises
+    ------
+    ArchiveError
         If the archive is missing, invalid or unsafe.
     """
-    with _opened(path) as archive:
-        _screen(path, archive)
-        try:
-            archive.extractall(folder, [name for name in archive.namelist() if needed is None or needed(name)])
-        except UNREADABLE as error:
-            msg = f"{path} cannot be unpacked: {error}; it is damaged, so build or copy it again."
-            raise ArchiveError(msg) from error
+    with _passed(path) as content:
+        return tuple(entry.name for entry in content.entries)
+
+
+def read_entries(path: Path, names: Sequence[str], most: int) -> Iterator[tuple[str, bytes]]:
+    """Iterate over entries of an archive with their contents, until `most` bytes are read.
+
+    Parameters
+    ----------
+    path
+        Zip archive.
+    names
+        Names of entries. A name that the archive has not is left out.
+    most
+        Bytes of all contents. The contents that pass this limit are cut there, and are the last.
+
+    Raises
+    ------
+    ArchiveError
+        If the archive is missing, invalid or unsafe, or the contents are damaged.
+    """
+    with _passed(path) as content:
+        entries = {entry.name: entry for entry in content.entries if not entry.is_folder}
+        for name in names:
+            if name in entries and most > 0:
+                found = content.read(entries[name], most)
+                most -= len(found)
+                yield name, found
 
 
 def file_hash(path: Path) -> str:
@@ -107,71 +159,32 @@ def file_hash(path: Path) -> str:
 
 
 @contextmanager
-def _opened(path: Path) -> Iterator[zipfile.ZipFile]:
-    """Open a zip archive, and close it at the end of the context."""
+def _passed(path: Path) -> Iterator[Content]:
+    """Open an archive that keeps the rules, and close it at the end of the context.
+
+    Within the context, a `RuleError` becomes the error of this archive.
+    """
     require_file(path, "file")
-    if not path.stat().st_size:
-        msg = f"{path} is not a readable zip archive: it is empty; build or copy it again."
-        raise ArchiveError(msg)
     try:
-        archive = zipfile.ZipFile(path)
-    except (zipfile.BadZipFile, NotImplementedError, OSError, ValueError) as error:
-        msg = f"{path} is not a readable zip archive: {error}; it is damaged or of another kind, so copy it again."
+        with _opened(path) as file:
+            yield _content(path, file)
+    except RuleError as error:
+        joined = " " if str(error).startswith(("is ", "has ", "would ", "cannot ")) else ": "
+        msg = f"{path}{joined}{error}."
         raise ArchiveError(msg) from error
-    with archive:
-        yield archive
 
 
-def _screen(path: Path, archive: zipfile.ZipFile) -> list[str]:
-    """Refuse an open archive that is unsafe to unpack; returns what breaks rules of form only."""
-    entries = archive.infolist()
-    if len(entries) > MAX_ENTRIES:
-        msg = f"{path} has {len(entries)} entries, more than {MAX_ENTRIES}."
-        raise ArchiveError(msg)
-    total = sum(entry.file_size for entry in entries)
-    if total > MAX_BYTES:
-        msg = f"{path} would unpack to {total} bytes, more than {MAX_BYTES}."
-        raise ArchiveError(msg)
-    seen: dict[str, zipfile.ZipInfo] = {}
-    formalities = []
-    for entry in entries:
-        fault = _fault(entry)
-        if fault:
-            msg = f"{path}: entry {entry.filename!r} {fault}."
-            raise ArchiveError(msg)
-        other = seen.setdefault(str(PurePosixPath(entry.filename)).casefold(), entry)  # ./a, a// and a are one file
-        if other is entry:
-            continue
-        if not _harmless(entry, other):
-            msg = f"{path}: entry {entry.filename!r} occurs more than once."
-            raise ArchiveError(msg)
-        formalities.append(f"The archive has the entries {other.filename!r} and {entry.filename!r}.")
-    return formalities
+def _opened(path: Path) -> BinaryIO:
+    try:
+        return path.open("rb")
+    except OSError as error:
+        msg = f"cannot be read: {error.strerror}"
+        raise RuleError(msg) from error
 
 
-def _harmless(entry: zipfile.ZipInfo, other: zipfile.ZipInfo) -> bool:
-    """Whether two entries with one name cannot stand for two contents: folders, or pages whose names differ in case."""
-    if entry.is_dir() and other.is_dir():
-        return True
-    names = [str(PurePosixPath(e.filename)) for e in (entry, other)]
-    return names[0] != names[1] and all(name.startswith(_READ_BY_PEOPLE) for name in names)
-
-
-def _fault(entry: zipfile.ZipInfo) -> str | None:
-    """Predicate of a sentence on the fault of an entry; None if the entry is safe."""
-    name = entry.orig_filename
-    parts = PurePosixPath(name).parts
-    if not name or "\\" in name or ":" in name or "\0" in name:
-        return "has a character that a path in an archive must not have"
-    if name.startswith("/") or ".." in parts:
-        return "leads outside the archive"
-    mode = entry.external_attr >> 16
-    if stat.S_IFMT(mode) not in (0, stat.S_IFREG, stat.S_IFDIR):
-        return "is a link or device"
-    if entry.flag_bits & 0x1:
-        return "is encrypted"
-    if entry.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
-        return f"uses compression method {entry.compress_type}; only store and deflate are allowed"
-    if entry.file_size > RATIO_FREE_BYTES and entry.file_size > MAX_RATIO * entry.compress_size:
-        return f"unpacks from {entry.compress_size} to {entry.file_size} bytes, a zip bomb"
-    return None
+def _content(path: Path, file: BinaryIO) -> Content:
+    """The content of an open file that keeps the rules."""
+    if not path.stat().st_size:
+        msg = "is not a readable zip archive: it is empty; build or copy it again"
+        raise RuleError(msg)
+    return Content(file)

@@ -6,6 +6,8 @@ from pathlib import Path
 
 from orchestration.errors import ArchiveError
 
+LONGEST_PATH = 200
+"""Characters of a path that a message shows if the file system refuses the path."""
 MOST_SHOWN = 3
 """How many files of a folder a message shows."""
 
@@ -23,12 +25,25 @@ def require_file(path: Path, kind: str) -> None:
     ArchiveError
         Saying whether the folder is missing, and which files with a near name or the same suffix are there.
     """
-    if not path.is_file():
+    try:
+        found = path.is_file()
+    except OSError as error:
+        msg = f"{_shortened(path)}: this {kind} cannot be looked up: {error.strerror}."
+        raise ArchiveError(msg) from error
+    if not found:
         raise ArchiveError(no_file(path, kind))
+
+
+def _shortened(path: Path) -> str:
+    """The path for a message, without the middle of a name that is too long for a file system."""
+    text = str(path)
+    return text if len(text) <= LONGEST_PATH else f"{text[: LONGEST_PATH // 2]}...{text[-LONGEST_PATH // 2 :]}"
 
 
 def no_file(path: Path, kind: str) -> str:
     """A sentence on a path at which there is no file; see `require_file`."""
+    if path.is_symlink():
+        return f"{path} is a link that leads to no {kind}; give the path of the {kind} itself."
     if path.is_dir():
         return f"{path} is a folder; give the path of a {path.suffix or 'file'} file.".replace("file file", "file")
     if not path.parent.is_dir():

@@ -5,7 +5,7 @@ of the surrounding system. All other connectors are targets. SSP 1.0 allows a co
 direction.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 
 from orchestration.errors import SystemDescriptionError
@@ -18,6 +18,7 @@ from orchestration.system.component import Component, Connection
 Place = tuple[tuple[str, ...], str]
 """Path of a component or system, and the name of a connector there."""
 
+_MOST_SHOWN, _LONGEST_SHOWN = 5, 60  # connectors of a circle in a message, and characters of each
 _INWARD, _OUTWARD = ("input", "parameter"), ("output", "calculatedParameter")
 
 
@@ -129,13 +130,15 @@ class Wiring:
         Raises
         ------
         SystemDescriptionError
-            If units of a connection have different dimensions, or connectors form a circle.
+            If units of a connection have different dimensions, if connectors form a circle, or if a connector gets its
+            value over two chains of connections.
         """
+        owners: dict[Place, _Wire] = {}
         for wire in self._wires:
             source = self._elements[wire.start[0]].component
             if source is not None:
                 source.variable(wire.start[1])
-                for end in self._along(wire, AS_IS, self._unit(wire.start), ()):
+                for end in self._reached([wire], self._unit(wire.start), owners):
                     scale = end.scale
                     yield Connection(
                         source.name, wire.start[1], end.component.name, end.variable, scale.factor, scale.offset
@@ -145,7 +148,8 @@ class Wiring:
         """Return the variables that a value at a connector of a system reaches; an output reaches none."""
         if self._elements[path].connectors[connector][0] in _OUTWARD:
             return []
-        return list(self._onward((path, connector), AS_IS, self._unit((path, connector)), ()))
+        place = (path, connector)
+        return list(self._reached(self._starting.get(place, ()), self._unit(place), {}))
 
     def unit(self, component: Component, path: tuple[str, ...], variable: str) -> UnitDefinition | None:
         """Return the unit of a variable: the unit of the FMU, or of the connector if the FMU gives no definition.
@@ -173,45 +177,62 @@ class Wiring:
 
     def undriven(self) -> list[str]:
         """Return notices of inputs that only a connector of the outermost system could drive."""
-        notices = []
+        notices, owners = [], dict[Place, _Wire]()
         for wire in self._wires:
             path, connector = wire.start
             if path == () and self.outer.connectors[connector][0] != "parameter":
-                ends = self._along(wire, AS_IS, self._unit(wire.start), ())
+                ends = self._reached([wire], self._unit(wire.start), owners)
                 names = ", ".join(f"{end.component.name}.{end.variable}" for end in ends)
                 if names:
                     what = f"Nothing drives the connector {connector} of the system"
                     notices.append(f"{what}, so these inputs are unconnected: {names}.")
         return notices
 
-    def _along(
-        self, wire: _Wire, scale: Linear, unit: UnitDefinition | None, trail: tuple[Place, ...]
+    def _reached(
+        self, wires: Sequence[_Wire], unit: UnitDefinition | None, owners: dict[Place, _Wire]
     ) -> Iterator[Arrival]:
-        """Variables that a value reaches over a connection; the value starts with a scale and a unit."""
+        """Variables that a value reaches over some connections, in the order of the file.
+
+        The connectors of systems on the way are entered into `owners`, each with the connection that leads to it. A
+        connector that leads on is passed once, so the work is proportional to the number of connections.
+        """
+        waiting = [(wire, AS_IS, unit) for wire in reversed(wires)]
+        while waiting:
+            wire, scale, given = waiting.pop()
+            scale, carried = self._carried(wire, scale, given)
+            component = self._elements[wire.end[0]].component
+            if component is not None:
+                yield Arrival(component, wire.end[1], scale)
+            elif onward := self._starting.get(wire.end):
+                if wire.end in owners:
+                    raise self._passed_twice(wire, owners)
+                owners[wire.end] = wire
+                waiting += [(following, scale, carried) for following in reversed(onward)]
+
+    def _carried(self, wire: _Wire, scale: Linear, unit: UnitDefinition | None) -> tuple[Linear, UnitDefinition | None]:
+        """Scale and unit of a value at the end of a connection, by those at its start."""
         there = self._unit(wire.end)
         converted = (1.0, 0.0) if wire.suppressed else conversion(unit, there, relative=self._relative(wire))
         if converted is None:
             msg = f"Connection {wire}: units {unit and unit.name} and {there and there.name} differ."
             raise SystemDescriptionError(msg)
-        scale = scale.then(Linear(*converted)).then(wire.scale)
         carried = there if there is not None or wire.suppressed else unit
-        path, connector = wire.end
-        component = self._elements[path].component
-        if component is not None:
-            yield Arrival(component, connector, scale)
-        else:
-            yield from self._onward(wire.end, scale, carried, trail)
+        return scale.then(Linear(*converted)).then(wire.scale), carried
 
-    def _onward(
-        self, place: Place, scale: Linear, unit: UnitDefinition | None, trail: tuple[Place, ...]
-    ) -> Iterator[Arrival]:
-        """Variables that a value reaches from a connector of a system; `trail` are all connectors before."""
-        if place in trail:
-            circle = " -> ".join(_text(p) for p in (*trail[trail.index(place) :], place))
-            msg = f"{self.where}: connectors are connected in a circle without a component: {circle}."
-            raise SystemDescriptionError(msg)
-        for wire in self._starting.get(place, ()):
-            yield from self._along(wire, scale, unit, (*trail, place))
+    def _passed_twice(self, wire: _Wire, owners: dict[Place, _Wire]) -> SystemDescriptionError:
+        """Return the error of a connector that a value reaches again: from itself, or over a second connection."""
+        trail, place = [wire.end], wire.start
+        while place in owners and place != wire.end:
+            trail.append(place)
+            place = owners[place].start
+        if place != wire.end:
+            first, second = _text(owners[wire.end].start), _text(wire.start)
+            msg = f"{self.where}: the connector {_text(wire.end)} gets its value twice, from {first} and from {second}."
+            return SystemDescriptionError(msg)
+        places = [_text(place) for place in (*trail, place)][::-1]
+        shown = places if len(places) <= _MOST_SHOWN else [*places[: _MOST_SHOWN - 1], "...", places[-1]]
+        msg = f"{self.where}: connectors are connected in a circle without a component: {' -> '.join(shown)}."
+        return SystemDescriptionError(msg)
 
     def _unit(self, place: Place) -> UnitDefinition | None:
         """Unit of a connector; None if there is no unit."""
@@ -268,5 +289,6 @@ class Wiring:
 
 
 def _text(place: Place) -> str:
-    """Connector as text with dots, for messages."""
-    return ".".join((*place[0], place[1]))
+    """Connector as text with dots, for messages; without the middle of a long path."""
+    text = ".".join((*place[0], place[1]))
+    return text if len(text) <= _LONGEST_SHOWN else f"{text[: _LONGEST_SHOWN // 2]}...{text[-_LONGEST_SHOWN // 2 :]}"

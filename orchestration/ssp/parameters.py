@@ -33,6 +33,9 @@ from orchestration.ssp.schema import (
 )
 from orchestration.ssp.value_maps import mapped_value, value_map
 
+MAX_PARAMETERS = 300_000  # of all bindings of a package
+MOST_COMPARED = 50  # unknown parameters for which near names are looked up, among all variables
+
 Starts = dict[str, dict[str, float | str]]
 """Start values by component and variable; a text still needs a check by its variable."""
 
@@ -83,6 +86,7 @@ class _Bindings:
         self.wiring, self.where = wiring, wiring.where
         self.start: Starts = {}
         self.notices: list[str] = []
+        self.parameters = 0
 
     def read(self, element: Element) -> None:
         """Read the bindings of all inner elements, then the bindings of the element itself."""
@@ -110,7 +114,8 @@ class _Bindings:
             self.start.setdefault(arrival.component.name, {})[name] = value
         if not found:
             where, known = ".".join(element.path) or "the system", element.component
-            close = near(parameter.name, known.description.variables) if known is not None else []
+            compared = {} if known is None or len(self.notices) >= MOST_COMPARED else known.description.variables
+            close = near(parameter.name, compared)
             meant = f"; did you mean {' or '.join(close)}?" if close else "."
             self.notices.append(
                 f"The parameter {parameter.name} of {where} is ignored, because no variable has that name{meant}"
@@ -131,9 +136,10 @@ class _Bindings:
             for arrival in self.wiring.arrivals(element.path, name):
                 yield arrival, element.connectors[name][1]
         else:
-            for place in (i for i, letter in enumerate(name) if letter == "."):  # an element's name may have dots, too
-                if name[:place] in element.children:
-                    yield from self._targets(element.children[name[:place]], name[place + 1 :])
+            for dot in _dots(name):  # a name of an element may have dots, too
+                child = element.children.get(name[:dot])
+                if child is not None:
+                    yield from self._targets(child, name[dot + 1 :])
 
     def _converted(
         self, parameter: _Parameter, unit: UnitDefinition | None, arrival: Arrival, *, relative: bool
@@ -191,6 +197,7 @@ class _Bindings:
         root = self._content(element, holder, home.package, kind, stated=binding.get("type"))
         units, names = {**home.units, **read_units(root)}, set[str]()
         for parameter in root.iterfind(f"{{{SSV}}}Parameters/{{{SSV}}}Parameter"):
+            self._count()
             name = (binding.get("prefix") or "") + parameter.attrib["name"]
             if name in names:
                 msg = f"{self.where}: the parameter set {root.get('name')} has two parameters {name}."
@@ -199,6 +206,13 @@ class _Bindings:
             typed = next(child for child in parameter if isinstance(child.tag, str))
             kind = etree.QName(typed).localname
             yield _Parameter(name, typed.attrib["value"], kind, defined(typed.get("unit"), units))
+
+    def _count(self) -> None:
+        """Count a parameter; a small package can bind one large set again and again."""
+        self.parameters += 1
+        if self.parameters > MAX_PARAMETERS:
+            msg = f"{self.where}: its bindings give more than {MAX_PARAMETERS} parameters."
+            raise SystemDescriptionError(msg)
 
     def _content(
         self, element: Element, holder: Xml, package: Package, kind: tuple[str, str, str], *, stated: str | None = None
@@ -214,3 +228,11 @@ class _Bindings:
             return package.validated(inline, f"{tag.rpartition('}')[2]} in SystemStructure.ssd", schema)
         fmu = element.component.description.path if element.component is not None else None
         return package.document(holder, schema, fmu)
+
+
+def _dots(name: str) -> Iterator[int]:
+    """Iterate over the places of the dots in a name."""
+    place = name.find(".")
+    while place >= 0:
+        yield place
+        place = name.find(".", place + 1)

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from urllib.parse import unquote
 
-from orchestration.errors import ArchiveError, SystemDescriptionError
+from orchestration.errors import ArchiveError, OrchestrationError, SystemDescriptionError
 from orchestration.fmi.blame import blaming
 from orchestration.fmi.description import read_description
 from orchestration.fmi.units import UnitDefinition, defined
@@ -60,6 +60,15 @@ def read_ssp(path: Path, variant: str | None = None) -> System:
         If the package describes a system that cannot be run here, or has no such variant.
     """
     package = Package.open(path, variant)
+    try:
+        return _system(package, path)
+    except OrchestrationError:
+        package.discard()  # what is refused takes no place in the cache
+        raise
+
+
+def _system(package: Package, path: Path) -> System:
+    """Read the system of an unpacked package."""
     root = package.structure()
     reading = _Reading(Home(package, read_units(root)))
     outer = reading.system(required(root, ssd("System")), ())

@@ -2,20 +2,22 @@
 
 import importlib.resources
 import re
-import zipfile
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cache
 from pathlib import Path, PurePosixPath
-from typing import IO
 from urllib.parse import unquote
 
 from lxml import etree
 
 from orchestration.errors import ArchiveError, SystemDescriptionError
 from orchestration.fmi.units import BASE_UNITS, Linear, Unit, UnitDefinition
+from orchestration.sandbox.archive import read_entries
 from orchestration.sandbox.missing import require_file
+from orchestration.sandbox.xml import LARGEST, XmlError, parse_xml, violation
+from orchestration.sandbox.zip.rules import shown
 from orchestration.ssp.leniency import brought_into_form
-from orchestration.ssp.unpacked import unpacked_package
+from orchestration.ssp.unpacked import forget_package, unpacked_package
 from orchestration.ssp.variants import DEFAULT, chosen, is_unpacked, unpacked_place
 
 _BASE = "http://ssp-standard.org/SSP1/SystemStructure"
@@ -31,6 +33,8 @@ ASSUMPTIONS_ANNOTATION = "org.adaptimp.assumptions"
 NAMES_ANNOTATION = "org.adaptimp.names"
 _SCHEME = re.compile(r"[A-Za-z][A-Za-z0-9+.-]*:")
 
+MAX_PARSED = 64 * 1024**2  # bytes of all XML files of a package
+
 Xml = etree._Element
 """Type of an XML element, for which lxml has no public name."""
 
@@ -40,7 +44,7 @@ def ssd(path: str) -> str:
     return "/".join(f"{{{SSD}}}{part}" for part in path.split("/"))
 
 
-@dataclass(frozen=True)
+@dataclass
 class Package:
     """An SSP package that is unpacked in the cache folder.
 
@@ -54,12 +58,16 @@ class Package:
         Path of the .ssd file in the folder. The sources that it names are relative to it.
     formalities
         Sentences on rules of form that documents of the package break, as far as they have been read.
+    parsed_bytes
+        Bytes of the XML files that were parsed until now.
     """
 
     path: Path
     folder: Path
     main: str = DEFAULT
     formalities: list[str] = field(default_factory=list, compare=False)
+    parsed_bytes: int = 0
+    _documents: dict[tuple[Path | None, str, str], Xml] = field(default_factory=dict, repr=False)
 
     @classmethod
     def open(cls, path: Path, variant: str | None = None) -> "Package":
@@ -95,6 +103,11 @@ class Package:
         require_file(path, "package")
         return unpacked_package(path)
 
+    def discard(self) -> None:
+        """Remove the files from the cache folder if they were unpacked; the next `open` unpacks the package again."""
+        if not is_unpacked(self.path):
+            forget_package(self.folder)
+
     def file(self, source: str | None) -> Path:
         """Return the path of a file in the package by its URI.
 
@@ -104,23 +117,25 @@ class Package:
             If the file is missing, or the URI leads out of the package.
         """
         if source and _SCHEME.match(source):
-            msg = f"{self.path}: the source {source!r} lies elsewhere; only files in the package can be read."
+            msg = f"{self.path}: the source {shown(source)} lies elsewhere; only files in the package can be read."
             raise ArchiveError(msg)
         given, plain = source or "", unquote(source or "")
         for name in dict.fromkeys((given, plain, plain.replace("\\", "/"))):  # some tools write paths of Windows
             relative = PurePosixPath(name)
-            file = ((self.folder / self.main).parent / relative).resolve()
-            if not name or "\0" in name or relative.is_absolute() or not file.is_relative_to(self.folder.resolve()):
-                msg = f"{self.path}: the source {source!r} is missing or leads outside the package."
+            inside = bool(name) and "\0" not in name and not relative.is_absolute()
+            file = ((self.folder / self.main).parent / relative).resolve() if inside else self.folder
+            if not inside or not file.is_relative_to(self.folder.resolve()):
+                msg = f"{self.path}: the source {shown(str(source))} is missing or leads outside the package."
                 raise ArchiveError(msg)
-            if file.is_file():
-                return file
-        msg = f"{self.path}: the source {source!r} is not in the package."
+            with suppress(OSError):  # a name may be too long for a file
+                if file.is_file():
+                    return file
+        msg = f"{self.path}: the source {shown(str(source))} is not in the package."
         raise ArchiveError(msg)
 
     def definition(self, file: Path) -> "Package":
         """The same package with another .ssd file in it, which a component refers to."""
-        return replace(self, main=file.relative_to(self.folder.resolve()).as_posix(), formalities=[])
+        return replace(self, main=file.relative_to(self.folder.resolve()).as_posix(), formalities=[], _documents={})
 
     def structure(self) -> Xml:
         """Return the valid root element of the .ssd file.
@@ -153,17 +168,24 @@ class Package:
         ArchiveError
             If the file is missing or invalid.
         """
-        source = element.get("source")
-        if element.get("sourceBase") != "component":
+        source, base = element.get("source"), element.get("sourceBase")
+        key = (fmu if base == "component" else None, f"{base}:{source}", schema)
+        if key not in self._documents:
+            self._documents[key] = self._document(source, schema, fmu, inside=base == "component")
+        return self._documents[key]
+
+    def _document(self, source: str | None, schema: str, fmu: Path | None, *, inside: bool) -> Xml:
+        """Read a file of the package, or of an FMU."""
+        if not inside:
             file = self.file(source)
             return self._parse(file, file.name, schema)
-        try:
-            with zipfile.ZipFile(str(fmu)) as archive, archive.open(unquote(source or "")) as inner:
-                return self._parse(inner, str(source), schema)
-        except (OSError, KeyError) as error:
+        name = unquote(source or "")
+        content = dict(read_entries(fmu, [name], LARGEST + 1)).get(name) if fmu is not None else None
+        if content is None:
             where = "a system, which has no files of its own" if fmu is None else fmu.name
-            msg = f"{self.path}: the source {source!r} is not in {where}."
-            raise ArchiveError(msg) from error
+            msg = f"{self.path}: the source {shown(str(source))} is not in {where}."
+            raise ArchiveError(msg)
+        return self._parse(content, shown(name), schema)
 
     def validated(self, root: Xml, name: str, schema: str) -> Xml:
         """Validate an element by a schema, and return the element.
@@ -173,30 +195,34 @@ class Package:
         ArchiveError
             If the element is invalid.
         """
-        if not _schema(schema).validate(root):
-            fault = _schema(schema).error_log.last_error
-            why = (
-                f"{str(fault.message).rstrip('.')} (line {fault.line})"
-                if fault is not None
-                else "its schema refuses it"
-            )
-            msg = f"{self.path}: {name} is invalid: {why}."
+        if found := violation(root, _schema(schema)):
+            msg = f"{self.path}: {name} is invalid{found}."
             raise ArchiveError(msg)
         return root
 
-    def _parse(self, file: Path | IO[bytes], name: str, schema: str) -> Xml:
+    def _parse(self, file: Path | bytes, name: str, schema: str) -> Xml:
         """Parse and validate a file without external entities."""
-        parser = etree.XMLParser(resolve_entities=False, no_network=True, load_dtd=False)
         try:
-            root = etree.parse(str(file) if isinstance(file, Path) else file, parser).getroot()
-        except (etree.XMLSyntaxError, OSError) as error:
-            msg = f"{self.path}: {name} is missing or is not well-formed XML: {error}"
+            content = file if isinstance(file, bytes) else _first_bytes(file, LARGEST + 1)
+            self.parsed_bytes += len(content)
+            if self.parsed_bytes > MAX_PARSED:
+                msg = f"{self.path}: its XML files have more than {MAX_PARSED} bytes, {name} included."
+                raise ArchiveError(msg)
+            root = parse_xml(content)
+            self.formalities.extend(brought_into_form(root, f"{self.path}: {name}"))
+            self.validated(root, name, schema)
+        except OSError as error:
+            msg = f"{self.path}: {name} is missing, or it cannot be read: {error.strerror}."
             raise ArchiveError(msg) from error
-        if root.getroottree().docinfo.doctype:
-            msg = f"{self.path}: {name} declares a document type; entities are not allowed."
-            raise ArchiveError(msg)
-        self.formalities.extend(brought_into_form(root, f"{self.path}: {name}"))
-        return self.validated(root, name, schema)
+        except XmlError as error:
+            msg = f"{self.path}: {name} {error}."
+            raise ArchiveError(msg) from error
+        return root
+
+
+def _first_bytes(file: Path, most: int) -> bytes:
+    with file.open("rb") as opened:
+        return opened.read(most)
 
 
 def required(element: Xml, path: str) -> Xml:

@@ -54,6 +54,13 @@ def unpacked_package(path: Path) -> Path:
     return kept / FILES
 
 
+def forget_package(files: Path) -> None:
+    """Remove the unpacked files of a package, in a folder that `unpacked_package` returned, from the cache."""
+    kept = files.parent
+    with suppress(OSError), temporary_folder(kept.parent) as scratch:
+        kept.rename(scratch / "refused")
+
+
 def _is_intact(kept: Path) -> bool:
     """Whether a folder holds the files of its manifest, and no others."""
     if not is_trusted(kept):

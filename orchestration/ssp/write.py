@@ -14,6 +14,7 @@ from orchestration.errors import SystemDescriptionError
 from orchestration.fmi.codes import BOOLEAN, ENUMERATION, INTEGER, REAL, STRING
 from orchestration.fmi.description import Variable
 from orchestration.fmi.units import Unit, UnitDefinition
+from orchestration.sandbox.zip.names import names_a_device
 from orchestration.ssp.schema import (
     ASSUMPTIONS_ANNOTATION,
     FMU_TYPE,
@@ -33,6 +34,7 @@ from orchestration.system.system import System
 
 PARAMETER_SET = "parameters"  # one name for all sets, because the tool ecos selects sets by name
 _Key = TypeVar("_Key")
+_LONGEST_STEM = 100  # characters of a file name before its suffix
 _EPOCH = (1980, 1, 1, 0, 0, 0)
 
 
@@ -121,12 +123,13 @@ def _fmu_files(system: System) -> dict[Path, str]:
 
 
 def _unique(wanted: dict[_Key, str], extension: str) -> dict[_Key, str]:
-    """Valid file names that differ even on a file system that ignores case."""
+    """File names that are valid on every platform, and differ even on a file system that ignores case."""
     files: dict[_Key, str] = {}
     taken: set[str] = set()
     counts: Counter[str] = Counter()
     for key, name in wanted.items():
-        plain = stem = re.sub(r"[^A-Za-z0-9._+-]", "_", name)
+        plain = re.sub(r"[^A-Za-z0-9._+-]", "_", name)[:_LONGEST_STEM]
+        plain = stem = f"_{plain}" if names_a_device(plain) else plain
         while stem.casefold() in taken:
             counts[plain] += 1
             stem = f"{plain}_{counts[plain] + 1}"

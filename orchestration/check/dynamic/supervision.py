@@ -12,12 +12,13 @@ from typing import Any
 from adaptimp_fmu.files.temporary_folder import temporary_folder
 from orchestration.check.dynamic.experiments import BASE, MANY_LIVES, chosen
 from orchestration.check.findings import Finding, Severity, error, shown, warning
-from orchestration.check.static.archive_rules import Package
+from orchestration.check.static.archive_rules import LONGEST_MESSAGE, Package
 from orchestration.check.static.binary_rules import host_library
 from orchestration.errors import ArchiveError
 from orchestration.fmi.description import SAMPLE_TIME
-from orchestration.fmi.library import needed_to_run
+from orchestration.fmi.library import needed_to_run, require_whole
 from orchestration.sandbox.archive import unpack
+from orchestration.sandbox.native_library import LibraryError
 from orchestration.sandbox.process import Ending, work
 
 TIMEOUT = 10.0  # s that an experiment may take
@@ -86,6 +87,11 @@ def experiment_on(package: Package, timeout: float = TIMEOUT) -> Outcome:
             unpack(package.path, folder / "fmu", needed_to_run)
         except (ArchiveError, OSError) as failed:
             outcome.findings.append(error("7", f"The archive cannot be unpacked: {shown(failed)}."))
+            return outcome
+        try:
+            require_whole(folder / "fmu", host_library(package) or "")
+        except LibraryError as failed:
+            outcome.findings.append(error("8", f"Loading: {shown(failed, LONGEST_MESSAGE)}"))
             return outcome
         plan = _plan(package, folder / "fmu") | {"random": False}
         for mistakes in (False, True):

@@ -2,7 +2,6 @@
 
 import posixpath
 import re
-import zipfile
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
@@ -11,7 +10,7 @@ from pathlib import Path
 from orchestration.check.findings import Finding, error, listed, note, shown, warning
 from orchestration.errors import ArchiveError
 from orchestration.fmi.document import MODEL_DESCRIPTION, Document, DocumentError, parsed, read_bytes, require_valid
-from orchestration.sandbox.archive import UNREADABLE, screen
+from orchestration.sandbox.archive import entry_names, read_entries, screen
 
 LARGEST_SOURCES = 8 * 1024**2  # bytes of all sources that are read; ours have 0.2 MB
 LONGEST_MESSAGE = 400
@@ -48,15 +47,9 @@ class Package:
         return next((content for _, content in self.contents([name], most)), b"")
 
     def contents(self, names: Sequence[str], most: int) -> Iterator[tuple[str, bytes]]:
-        """Iterate over readable entries of the archive with their first bytes, until `most` bytes are read."""
-        with suppress(*UNREADABLE), zipfile.ZipFile(self.path) as archive:  # opened once: it may have 20,000 entries
-            for name in names:
-                with suppress(*UNREADABLE), archive.open(name) as file:
-                    content = file.read(most)
-                    most -= len(content)
-                    yield name, content
-                if most <= 0:
-                    return
+        """Iterate over entries of the archive with their first bytes, until `most` bytes are read or one is damaged."""
+        with suppress(ArchiveError):
+            yield from read_entries(self.path, names, most)
 
 
 def open_package(path: Path) -> Package:
@@ -69,12 +62,9 @@ def open_package(path: Path) -> Package:
     """
     try:
         formalities = screen(path)
-        with zipfile.ZipFile(path) as archive:
-            names = frozenset(archive.namelist())
+        names = frozenset(entry_names(path))
     except ArchiveError as failed:
         raise UnreadableError(error("7", shown(str(failed).replace(str(path), path.name), LONGEST_MESSAGE))) from failed
-    except UNREADABLE as failed:
-        raise UnreadableError(error("7", f"The archive cannot be read: {shown(failed)}.")) from failed
     if MODEL_DESCRIPTION not in names:
         raise UnreadableError(error("1", f"The archive has no {MODEL_DESCRIPTION}; it has {listed(sorted(names))}."))
     return Package(path, names, _document(path), formalities)

@@ -4,20 +4,17 @@ The file must be of 64 bits and little-endian. The reader follows the System V A
 GNU hash table. It needs no binutils and does not load the library.
 """
 
+import io
 import struct
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-MACHINES = {62: "x86_64", 183: "aarch64"}
-_LOAD, _DYNAMIC = 1, 2
+from orchestration.sandbox.elf import DYNAMIC, ElfError, Header, read_header
+
 _NEEDED, _HASH, _STRTAB, _SYMTAB, _RPATH, _RUNPATH, _GNU_HASH = 1, 4, 5, 6, 15, 29, 0x6FFFFEF5
 _SYMBOL = struct.Struct("<IBBHQQ")
 _LONGEST = 4096  # bytes of a name; those of C++ templates have a few hundred
 _MOST = 200_000  # symbols, entries, headers: more are a damaged table
-
-
-class ElfError(ValueError):
-    """A file is not a 64-bit little-endian ELF library, or is damaged."""
 
 
 @dataclass(frozen=True)
@@ -48,9 +45,6 @@ def read(data: bytes) -> Library:
     ------
     ElfError
     """
-    if data[:6] != b"\x7fELF\x02\x01":
-        msg = "it is not a 64-bit little-endian ELF file"
-        raise ElfError(msg)
     try:
         return _read(data)
     except (struct.error, IndexError, KeyError, OverflowError, MemoryError) as failed:
@@ -59,8 +53,8 @@ def read(data: bytes) -> Library:
 
 
 def _read(data: bytes) -> Library:
-    machine = struct.unpack_from("<H", data, 18)[0]
-    loads, dynamic = _segments(data)
+    header = read_header(io.BytesIO(data))
+    loads, dynamic = _segments(header)
     entries = list(_dynamic(data, dynamic))
     tags = dict(entries)
     strings = _offset(loads, tags[_STRTAB])
@@ -81,7 +75,7 @@ def _read(data: bytes) -> Library:
         elif name and not section:
             undefined.add(text(name))
     return Library(
-        machine=MACHINES.get(machine, f"machine {machine}"),
+        machine=header.machine,
         exported=frozenset(exported),
         undefined=frozenset(undefined),
         needed=tuple(text(value) for tag, value in entries if tag == _NEEDED),
@@ -89,20 +83,13 @@ def _read(data: bytes) -> Library:
     )
 
 
-def _segments(data: bytes) -> tuple[list[tuple[int, int, int]], tuple[int, int]]:
+def _segments(header: Header) -> tuple[list[tuple[int, int, int]], tuple[int, int]]:
     """Return address, size and file offset of each loaded segment, and offset and size of the dynamic section."""
-    start, size, count = (struct.unpack_from("<Q", data, 32)[0], *struct.unpack_from("<HH", data, 54))
-    loads, dynamic = [], None
-    for i in range(count):
-        kind, _, offset, address, _, length = struct.unpack_from("<IIQQQQ", data, start + i * size)
-        if kind == _LOAD:
-            loads.append((address, length, offset))
-        elif kind == _DYNAMIC:
-            dynamic = (offset, length)
-    if dynamic is None:
+    dynamic = [(segment.offset, segment.size_in_file) for segment in header.segments if segment.kind == DYNAMIC]
+    if not dynamic:
         msg = "it has no dynamic section"
         raise ElfError(msg)
-    return loads, dynamic
+    return [(s.address, s.size_in_file, s.offset) for s in header.loaded], dynamic[-1]
 
 
 def _dynamic(data: bytes, place: tuple[int, int]) -> Iterator[tuple[int, int]]:

@@ -19,6 +19,7 @@ from adaptimp_fmu.toolchain import host_platform
 from orchestration.check import Report, Severity
 from orchestration.check.findings import ROLE
 from orchestration.check.static import archive_rules, elf
+from orchestration.sandbox.zip.content import Content
 from tests.unit.orchestration.checked import DESCRIPTION, MISBEHAVING, assert_found, check, repacked
 from tests.unit.orchestration.mutated import RICH, mutant
 
@@ -221,14 +222,14 @@ def test_the_zeros_are_not_lost() -> None:
 
 def test_thousands_of_sources_take_no_longer_than_their_bytes(monkeypatch: pytest.MonkeyPatch) -> None:
     """The archive is opened a few times, not for each of them; findings are counted, not kept."""
-    opened, plain = [], zipfile.ZipFile.__init__
+    opened, plain = [], Content.__init__
 
-    def counted(archive: zipfile.ZipFile, *arguments: Any, **options: Any) -> None:
-        opened.append(arguments[0])
-        plain(archive, *arguments, **options)
+    def counted(content: Content, file: Any) -> None:
+        opened.append(file)
+        plain(content, file)
 
     content = archived(PLAIN, **{f"sources/{i}.c": b'#include "x.h"\n' * 50 for i in range(3000)})
-    monkeypatch.setattr(zipfile.ZipFile, "__init__", counted)
+    monkeypatch.setattr(Content, "__init__", counted)
     report = examined(content)
     assert 0 < len(opened) < 30
     assert_found(report, "7", Severity.WARNING, "There are 149992 more findings like these")

@@ -32,8 +32,8 @@ NESTED += '</ssd:System><ssd:Component name="a__b" source="resources/Relay.fmu"/
         (VALUES, 'source="http://x.org/relay.ssv"', r"'http://x\.org/relay\.ssv' lies elsewhere"),
         ('<step size="[^"]*"', '<step size="long"', r"org\.adaptimp\.step has the size 'long'"),
         (FMU, 'source="%2e%2e/Relay.fmu"', r"'%2e%2e/Relay\.fmu' is missing or leads outside"),
-        ("<ssd:Elements>", "<ssd:Element>", r"SystemStructure\.ssd is missing or is not well-formed XML"),
-        ("<ssd:Connections>", "<ssd:Connections><ssd:Wire/>", r"SystemStructure\.ssd is invalid: .*Wire"),
+        ("<ssd:Elements>", "<ssd:Element>", r"SystemStructure\.ssd is not well-formed XML"),
+        ("<ssd:Connections>", "<ssd:Connections><ssd:Wire/>", r"SystemStructure\.ssd is invalid in line \d+: .*Wire"),
         ('version="1.0"', 'version="3.0"', r"SystemStructure\.ssd is invalid"),
     ],
 )
@@ -146,6 +146,6 @@ def test_a_package_cannot_pass_for_an_unpacked_one(package: Path, own_cache: Pat
     content[content.index(b"x" * 100)] ^= 1
     trick.write_bytes(content)
     for _ in range(2):
-        with pytest.raises(ArchiveError, match="cannot be unpacked: Bad CRC-32"):
+        with pytest.raises(ArchiveError, match="entry 'broken' is damaged: its CRC is"):
             System.read(trick)
     assert not [p for p in own_cache.rglob("*") if p.is_file()]

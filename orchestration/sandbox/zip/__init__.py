@@ -1,0 +1,1 @@
+"""Reads zip archives of strangers by one strict reader, so that no second reader can see another archive in them."""
