@@ -2,6 +2,7 @@
 
 from enum import IntEnum
 
+from orchestration.cli.interrupts import SIGNALLED, signal_of
 from orchestration.sandbox.guard import EXIT_CODE
 
 
@@ -13,7 +14,9 @@ class ExitCode(IntEnum):
     REFUSED = 2
     FAULT = 3
     ENDED_BY_FMU = EXIT_CODE
-    INTERRUPTED = 130  # as shells have it
+    HUNG_UP = 129  # 128 plus the number of a signal, as shells have it
+    INTERRUPTED = 130
+    TERMINATED = 143
 
 
 MEANINGS = {
@@ -22,7 +25,9 @@ MEANINGS = {
     ExitCode.REFUSED: "the request cannot be carried out as it is",
     ExitCode.FAULT: "a fault of adaptimp itself",
     ExitCode.ENDED_BY_FMU: "an FMU ended the program",
+    ExitCode.HUNG_UP: "interrupted by SIGHUP: the terminal was closed",
     ExitCode.INTERRUPTED: "interrupted by Ctrl-C",
+    ExitCode.TERMINATED: "interrupted by SIGTERM",
 }
 """What each code says, in the words of the help."""
 
@@ -32,7 +37,7 @@ def exit_code_of(error: BaseException) -> ExitCode:
     from orchestration.errors import InitializationError, OrchestrationError, SimulationError
 
     if isinstance(error, KeyboardInterrupt):
-        return ExitCode.INTERRUPTED
+        return ExitCode(SIGNALLED + signal_of(error))
     if isinstance(error, InitializationError):  # start values are part of the request
         return ExitCode.REFUSED
     if isinstance(error, SimulationError | OSError):  # a full disk, a cache that cannot be written
