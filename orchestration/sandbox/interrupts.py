@@ -1,45 +1,54 @@
-"""Lets Ctrl-C wait while compiled code or another process is called.
+"""Lets Ctrl-C and other requests to end wait while compiled code or another process is called.
 
-Python raises a KeyboardInterrupt wherever it has control next. That may be in a function which compiled code has called
-back, and there the exception would be lost. So Ctrl-C is noted meanwhile, and raised afterwards.
+Python runs the handler of a signal wherever it has control next. That may be in a function which compiled code has
+called back, and there the KeyboardInterrupt of the handler would be lost. So signals are noted meanwhile, and handled
+afterwards.
 """
 
 import signal
 from collections.abc import Iterator
 from contextlib import contextmanager
 from threading import current_thread, main_thread
+from types import FrameType
 
-_asked: list[int] = []
+_SIGNALS = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name))
+_asked: list[tuple[int, FrameType | None]] = []
 
 
 @contextmanager
 def noted() -> Iterator[None]:
-    """Note Ctrl-C within the context, and raise it at the end; only in the main thread, which receives it.
+    """Note signals that Python handles within the context, and handle the first at the end.
+
+    Only the main thread does so, since it handles all signals. A context within another leaves that to the other.
 
     Raises
     ------
     KeyboardInterrupt
-        At the end, in place of any other exception.
+        At the end, or what else the handler raises, in place of any other exception.
     """
-    usual = signal.getsignal(signal.SIGINT)
-    if current_thread() is not main_thread() or usual is not signal.default_int_handler:
+    handlers = {number: signal.getsignal(number) for number in _SIGNALS}
+    usual = {number: handler for number, handler in handlers.items() if callable(handler)}
+    if not usual or _note in usual.values() or current_thread() is not main_thread():
         yield
         return
     _asked.clear()
-    signal.signal(signal.SIGINT, _note)
+    for number in usual:
+        signal.signal(number, _note)
     try:
         yield
     finally:
-        signal.signal(signal.SIGINT, usual)
+        for number, handler in usual.items():
+            signal.signal(number, handler)
         if _asked:
+            number, frame = _asked[0]
             _asked.clear()
-            raise KeyboardInterrupt
+            usual[number](number, frame)
 
 
 def asked() -> bool:
-    """Whether Ctrl-C was noted in the present context; in the main thread."""
+    """Whether a signal was noted in the present context; in the main thread."""
     return bool(_asked) and current_thread() is main_thread()
 
 
-def _note(number: int, _: object) -> None:
-    _asked.append(number)
+def _note(number: int, frame: FrameType | None) -> None:
+    _asked.append((number, frame))

@@ -27,7 +27,7 @@ from orchestration.sandbox.interrupts import asked
 
 LONGEST_START = 120.0  # s that an interpreter may need to start on a machine that is busy
 LONGEST_END = 5.0  # s that a process may take to end by itself
-GRACE = 1.0  # s that a call may last on after Ctrl-C
+GRACE = 0.5  # s that a call may last on after Ctrl-C; the command line expects an effect within 1 s
 _LOOK = 0.1  # s between two looks whether the process lives
 _NEAR_LIMIT = 0.8  # share of its memory in use, from which on a death is that of memory
 _HEAD = struct.Struct("<IB")  # length and kind of a message

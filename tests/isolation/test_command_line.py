@@ -1,7 +1,10 @@
 """``adaptimp run --isolate``: a crash leaves the rows before it in the file, and an exit is no success without it."""
 
+import os
+import signal
 import subprocess
 import sys
+import time
 from collections.abc import Callable
 from pathlib import Path
 
@@ -57,3 +60,39 @@ def test_words_after_the_option() -> None:
     assert chosen is not None
     assert chosen.components == ("a", "b", "c")
     assert isolation_of([]) is None
+
+
+@pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+def test_a_signal_ends_a_run_whose_fmu_does_not_return(
+    unruly_file: Callable[[str], Path], tmp_path: Path, number: signal.Signals, code: int
+) -> None:
+    command = "from orchestration.cli import main; main()"
+    arguments = (
+        "run",
+        str(unruly_file("step hang")),
+        "--isolate",
+        "--no-verdict",
+        *STEPS,
+        "-o",
+        str(tmp_path / "r.csv"),
+    )
+    with subprocess.Popen([sys.executable, "-c", command, *arguments], stderr=subprocess.PIPE, text=True) as process:
+        _wait_for_a_busy_child(process.pid)
+        process.send_signal(number)
+        said = process.communicate()[1]
+    assert process.returncode == code, said
+    assert "Traceback" not in said
+    assert "ignored" not in said
+    assert len(Result.read(tmp_path / "r.partial.csv").time) == 6
+
+
+def _wait_for_a_busy_child(pid: int) -> None:
+    """Wait until the process of an FMU has computed for a second, which nothing but the step that hangs does."""
+    children = Path(f"/proc/{pid}/task/{pid}/children")
+    for _ in range(1200):
+        for child in children.read_text().split():
+            fields = Path(f"/proc/{child}/stat").read_text().rpartition(")")[2].split()
+            if int(fields[11]) > 3 * os.sysconf("SC_CLK_TCK"):  # user time, of which starting takes half a second
+                return
+        time.sleep(0.1)
+    raise AssertionError(pid)
