@@ -16,21 +16,24 @@ from orchestration.cli.codes import ExitCode, exit_code_of
 from orchestration.cli.options import (
     ALGORITHM,
     CARE,
-    OUTSIDE,
     ROWS,
     TIME,
     AllowNan,
+    At,
     Controller,
     FmuStopTime,
     FmuTolerance,
+    Input,
     Json,
     Mapping,
+    Pace,
     SampleTime,
     Settings,
     StaleInputs,
     Start,
     Strict,
     SystemName,
+    Variant,
 )
 from orchestration.cli.output import never_fail_on_characters, output
 from orchestration.cli.outside import RunCommand
@@ -95,16 +98,17 @@ def info(
         str,
         typer.Argument(
             metavar="NAME",
-            help="An .fmu or .ssp file, a result (.csv or .parquet), a scenario or a shipped FMU.",
+            help="An .fmu, .ssp or .ssd file, a folder, a result (.csv or .parquet), a scenario or a shipped FMU.",
             autocompletion=completion.subjects,
         ),
     ],
+    variant: Variant = None,
     json: Json = False,
 ) -> None:
     """Show what is in an FMU, a system or a result: variables, connections, columns."""
     from orchestration.cli.info import print_info
 
-    print_info(name, json=json)
+    print_info(name, variant, json=json)
 
 
 @app.command(
@@ -117,6 +121,7 @@ def info(
 @with_messages
 def run(
     system: SystemName,
+    variant: Variant = None,
     controller: Controller = None,
     map_: Mapping = None,
     set_: Settings = None,
@@ -204,32 +209,9 @@ def run(
         ),
     ] = None,
     every: Annotated[int, typer.Option(metavar="N", help="Record every n-th step.", rich_help_panel=ROWS)] = 1,
-    input_: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--input",
-            metavar="FILE[:held|:linear]",
-            help="Time series for inputs, .csv or .parquet with columns COMP.VAR; repeatable.",
-            rich_help_panel=OUTSIDE,
-        ),
-    ] = None,
-    at: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--at",
-            metavar="T COMP.VAR=VALUE",
-            help="Set a tunable parameter or a free input at T s; repeatable.",
-            rich_help_panel=OUTSIDE,
-        ),
-    ] = None,
-    pace: Annotated[
-        float | None,
-        typer.Option(
-            metavar="RATE",
-            help="Simulated seconds per second: 1 keeps step with the clock.",
-            rich_help_panel=OUTSIDE,
-        ),
-    ] = None,
+    input_: Input = None,
+    at: At = None,
+    pace: Pace = None,
     verdict: Annotated[
         bool,
         typer.Option(
@@ -257,7 +239,7 @@ def run(
 
     run_system(
         RunRequest(
-            asked=SystemRequest(system, controller, tuple(map_ or ()), tuple(set_ or ()), sample_time),
+            asked=SystemRequest(system, controller, tuple(map_ or ()), tuple(set_ or ()), sample_time, variant),
             algorithm=AlgorithmRequest(algorithm, exchange, input_order, tolerance, tuple(absolute or ())),
             ratios=tuple(ratio or ()),
             crossings=tuple(crossing or ()),
@@ -293,6 +275,7 @@ def run(
 def export(
     system: SystemName,
     out: Annotated[Path, typer.Option("--out", "-o", metavar="FILE.ssp", help="File to write.")],
+    variant: Variant = None,
     controller: Controller = None,
     map_: Mapping = None,
     set_: Settings = None,
@@ -302,7 +285,8 @@ def export(
     from orchestration.cli.export import export_system
     from orchestration.cli.systems import SystemRequest
 
-    export_system(SystemRequest(system, controller, tuple(map_ or ()), tuple(set_ or ()), sample_time), out)
+    asked = SystemRequest(system, controller, tuple(map_ or ()), tuple(set_ or ()), sample_time, variant)
+    export_system(asked, out)
 
 
 @app.command(cls=Command, epilog=closing("adaptimp build -o fmus_built", "adaptimp build mine.py -o built --verbose"))

@@ -15,8 +15,16 @@ SystemName = Annotated[
     str,
     typer.Argument(
         metavar="SYSTEM",
-        help="A scenario ('adaptimp list' names them), an .ssp file or one .fmu file.",
+        help="A scenario ('adaptimp list' names them), an .ssp or .ssd file, a folder with one, or one .fmu file.",
         autocompletion=completion.systems,
+    ),
+]
+Variant = Annotated[
+    str | None,
+    typer.Option(
+        metavar="NAME",
+        help="Another .ssd file of the package; 'adaptimp info' lists them.",
+        rich_help_panel=SYSTEM,
     ),
 ]
 Controller = Annotated[
@@ -50,6 +58,32 @@ Settings = Annotated[
 SampleTime = Annotated[
     float | None,
     typer.Option(metavar="H", help="Communication step and every sample_time, s.", rich_help_panel=TIME),
+]
+Input = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--input",
+        metavar="FILE[:held|:linear]",
+        help="Time series for inputs, .csv or .parquet with columns COMP.VAR; repeatable.",
+        rich_help_panel=OUTSIDE,
+    ),
+]
+At = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--at",
+        metavar="T COMP.VAR=VALUE",
+        help="Set a tunable parameter or a free input at T s; repeatable.",
+        rich_help_panel=OUTSIDE,
+    ),
+]
+Pace = Annotated[
+    float | None,
+    typer.Option(
+        metavar="RATE",
+        help="Simulated seconds per second: 1 keeps step with the clock.",
+        rich_help_panel=OUTSIDE,
+    ),
 ]
 Json = Annotated[
     bool,
@@ -93,5 +127,5 @@ FmuStopTime = Annotated[
 ]
 Start = Annotated[
     float | None,
-    typer.Option(metavar="T", help="Start time, s; by default that of a single FMU, or 0.", rich_help_panel=TIME),
+    typer.Option(metavar="T", help="Start time, s; by default the system's.", rich_help_panel=TIME),
 ]

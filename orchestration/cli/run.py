@@ -33,6 +33,9 @@ from orchestration.results.result import Result
 from orchestration.system.system import System
 
 LONG_COMPILATION = 1.0  # s, from which on it is said
+MOST_NAMED = 20  # components whose order is told whole
+MOST_JUDGED = 100  # connections: the verdict takes up to 5 s there, and grows with the cube of their number
+MOST_EXPLAINED = 60  # connections: the search for a stable step and for the culprit takes up to 15 s there
 
 
 @dataclass(frozen=True)
@@ -103,17 +106,23 @@ def _prepared(request: RunRequest, report: RunReport, line: ProgressLine) -> Sim
         system = system.ordered(request.order)
     check_tolerances(system, algorithm)
     report.step, report.order = system.run_step(request.step), [component.name for component in system.components]
-    output.say(f"{system.name}: {algorithm.name}, order {' > '.join(report.order)}, step {report.step:g} s")
+    output.say(f"{system.name}: {algorithm.name}, order {_ordered(report.order)}, step {report.step:g} s")
     simulation = prepare(system, request.stop, report.step, algorithm, options=_options(request, system, line))
     report.start_time, report.stop_time = (float(simulation.grid.times[i]) for i in (0, -1))
     return simulation
+
+
+def _ordered(names: Sequence[str]) -> str:
+    """The order of stepping; of very many components the first and the last."""
+    shown = names if len(names) <= MOST_NAMED else [*names[: MOST_NAMED // 2], "...", names[-1]]
+    return " > ".join(shown) + (f" ({len(names)} components)" if len(shown) < len(names) else "")
 
 
 def _options(request: RunRequest, system: System, line: ProgressLine) -> Options:
     return Options(
         record=listed(request.record, system),
         every=request.every,
-        start_time=request.asked.start_time() if request.start is None else request.start,
+        start_time=request.start,
         strict=request.strict,
         allow_stale_inputs=request.allow_stale_inputs,
         allow_nan=request.allow_nan,
@@ -175,17 +184,31 @@ def _stepped(simulation: Simulation, report: RunReport, line: ProgressLine) -> R
 
 
 def _judge(simulation: Simulation, report: RunReport) -> None:
-    """Warn if the algorithm is unstable at the start; a system that cannot be judged is run anyway."""
+    """Warn if the algorithm is unstable at the start; a system that cannot be judged in short time is run anyway."""
     from orchestration.analysis.stability.verdict import is_stable, stability
 
-    judged = simulation.system.set(simulation.first_inputs), report.step, simulation.algorithm
+    system, n = simulation.system, len(simulation.system.connections)
+    judged = system.set(simulation.first_inputs), report.step, simulation.algorithm
     try:
+        _require_few(n)
         if not is_stable(*judged):
-            report.warnings.append(str(stability(*judged)))
+            report.warnings.append(str(stability(*judged)) if n <= MOST_EXPLAINED else _unstable(simulation, report))
             output.remark(f"Warning: {report.warnings[-1]}")
     except OrchestrationError as error:
         report.notices.append(f"no verdict on stability: {error}")
         output.remark(f"Notice: {report.notices[-1]}")
+
+
+def _require_few(n_connections: int) -> None:
+    if n_connections > MOST_JUDGED:
+        msg = f"it would take long with {n_connections} connections; System.stability gives one."
+        raise SystemDescriptionError(msg)
+
+
+def _unstable(simulation: Simulation, report: RunReport) -> str:
+    """Sentence on an unstable run of so many connections that a search for the culprit would take long."""
+    run = f"{simulation.system.name}: {simulation.algorithm.name} with a step of {report.step:g} s"
+    return f"{run} is UNSTABLE at the start; System.stability searches for a stable step, which takes long."
 
 
 @contextmanager

@@ -4,6 +4,7 @@
 to `orchestration.check`.
 """
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
@@ -35,7 +36,7 @@ from orchestration.sandbox.missing import require_file
 
 SAMPLE_TIME = "sample_time"
 """Name of the parameter that tells a sampled component's period, s."""
-_VERSIONS = ("1.0", "2.0", "3.0")
+_VERSION = re.compile(r"1\.0|2\.0|3\.\d+([.-].*)?")  # those of FMI 3 may have a patch, or name a draft
 
 
 @dataclass(frozen=True)
@@ -228,12 +229,13 @@ def _document(path: Path) -> Document:
     """The document of an FMU of the right kind, valid against the schema."""
     root = parsed(read_bytes(path))
     version = root.get("fmiVersion")
-    if root.tag != "fmiModelDescription" or version not in _VERSIONS:
+    if root.tag != "fmiModelDescription" or not _VERSION.fullmatch(version or ""):
         msg = f"the root element is {root.tag} with the fmiVersion {version}, which is not a version of FMI."
         raise DocumentError(msg)
     exchange = root.find("CoSimulation") is None and root.find("Implementation") is None
     if version != "2.0" or exchange:
-        kind = "model exchange" if exchange else "co-simulation"
+        scheduled = exchange and root.find("ScheduledExecution") is not None and root.find("ModelExchange") is None
+        kind = "scheduled execution" if scheduled else "model exchange" if exchange else "co-simulation"
         msg = f"{path} is an FMI {version} FMU for {kind}; one of FMI 2.0 for co-simulation is needed."
         raise ArchiveError(msg)
     require_valid(root)

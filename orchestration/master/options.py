@@ -58,7 +58,7 @@ class Options:
     every
         Every n-th step is recorded. Row 0 is always recorded.
     start_time
-        Time of row 0, s.
+        Time of row 0, s. Default: the start time of the system.
     strict
         Whether an unconnected input, and an FMU that breaks a rule of form, is an error instead of a warning.
     allow_stale_inputs
@@ -101,7 +101,7 @@ class Options:
 
     record: str | Collection[str] | None = None
     every: int = 1
-    start_time: float = 0.0
+    start_time: float | None = None
     strict: bool = False
     allow_stale_inputs: bool = False
     allow_nan: bool = False
@@ -134,7 +134,8 @@ class Options:
 
     def _require_types(self) -> None:
         """Refuse values of another type."""
-        a_number("start_time", self.start_time)
+        if self.start_time is not None:
+            a_number("start_time", self.start_time)
         if self.fmu_tolerance is not None:
             positive("fmu_tolerance", self.fmu_tolerance, unit="")
         for name in ("strict", "allow_stale_inputs", "allow_nan", "fmu_stop_time"):
