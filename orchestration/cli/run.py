@@ -138,7 +138,8 @@ def _options(request: RunRequest, system: System, line: ProgressLine) -> Options
 def _run(
     simulation: Simulation, destination: Destination, report: RunReport, line: ProgressLine, *, judged: bool
 ) -> None:
-    """Make the steps, and write the rows."""
+    """Make the steps, and write the rows before the FMUs are called for the last time: they may crash then."""
+    saved = False
     try:
         with simulation:
             report.compile_seconds = simulation.compile_seconds
@@ -150,17 +151,20 @@ def _run(
             if result.status == ENDED:
                 report.status, report.message = result.status, result.message
                 output.remark(f"Notice: {result.message}")
+            line.begin("writing the rows")
+            simulation.complete()
+            destination.complete(result, report)
+            saved = True
     except SimulationError as error:
         _tell_messages(error.result, report)
-        destination.partial(error.result, report, "before the failure")
+        if not saved:
+            destination.partial(error.result, report, "before the failure")
         raise
     except RunInterrupted as interrupt:
         line.end()
         output.remark("Interrupted: the run was stopped.")
         destination.partial(interrupt.result, report, "before that")
         raise
-    line.begin("writing the rows")
-    destination.complete(result, report)
 
 
 def _tell_messages(result: RecordedRows | None, report: RunReport) -> None:

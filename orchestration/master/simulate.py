@@ -26,6 +26,7 @@ from typing import Any
 import numpy as np
 
 from orchestration.errors import SystemDescriptionError
+from orchestration.fmi.display import listed
 from orchestration.fmi.given import a_path, require_type, shown
 from orchestration.master.algorithm import ALGORITHMS, Algorithm, find_algorithm
 from orchestration.master.changes import Changes
@@ -41,6 +42,10 @@ from orchestration.results.result import Result
 from orchestration.system.system import System
 
 __all__ = ["ALGORITHMS", "Options", "Progress", "UnconnectedInputWarning", "prepare", "simulate", "stream"]
+
+
+MOST_LISTED = 50
+"""Unconnected inputs that a warning names."""
 
 
 class UnconnectedInputWarning(UserWarning):
@@ -163,9 +168,11 @@ def stream(
     pace: float | Pace | None = None,
     options: Options | None = None,
 ) -> int:
-    """Run a system and write its rows to a Parquet file during the run, so that memory stays bounded.
+    """Run a system and write its rows to a Parquet file during the run; of these, 16 MB at most are in memory.
 
-    If the run fails or is interrupted, the rows before are in ``STEM.partial.parquet``.
+    Besides, the communication points need 8 bytes for each step. If the run fails or is interrupted, the rows before
+    are in ``STEM.partial.parquet``. If the process is killed, its complete groups of rows are in
+    ``NAME.<random>.part``, which `Result.read` reads.
 
     Parameters
     ----------
@@ -323,7 +330,7 @@ def _report_unconnected(system: System, options: Options, given: Collection[str]
     inputs = [name for name in system.unconnected_inputs() if name not in given]
     if not inputs:
         return
-    msg = f"Unconnected inputs keep their start values: {', '.join(inputs)}."
+    msg = f"Unconnected inputs keep their start values: {listed(inputs, MOST_LISTED)}."
     if options.strict:
         msg = f"{msg} Connect them, or run without strict."
         raise SystemDescriptionError(msg)
