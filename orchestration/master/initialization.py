@@ -10,6 +10,7 @@ import numpy as np
 from orchestration.errors import InitializationError
 from orchestration.fmi.blame import blaming
 from orchestration.fmi.codes import ONE_INSTANCE, REAL, WORST_ACCEPTED, accepted
+from orchestration.fmi.display import listed
 from orchestration.fmi.experiment import UNKNOWN, Experiment
 from orchestration.fmi.instance import Instance
 from orchestration.fmi.isolation import Isolation
@@ -232,7 +233,10 @@ def _propagate(system: System, instances: Sequence[Instance], assembly: Assembly
     settled = plan.discretes.copy()
     evaluate(None)
     if not _same(settled, plan.discretes):
-        msg = f"System {system.name}: Integer or Boolean outputs do not settle during initialization."
+        changed = set(np.flatnonzero(settled != plan.discretes).tolist())
+        pairs = zip(plan.discrete_links[:, 0].tolist(), assembly.discrete_connections, strict=True)
+        loop = listed([str(connection) for source, connection in pairs if source in changed])
+        msg = f"System {system.name}: discrete values do not settle during initialization in a loop of {loop}."
         raise InitializationError(msg)
 
 

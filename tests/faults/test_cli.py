@@ -1,6 +1,7 @@
 """Evidence for the command line when all is well, and for what it must not do: load much, or leave debris."""
 
 import csv
+import json
 import os
 import re
 import signal
@@ -14,7 +15,7 @@ import numpy as np
 import pytest
 
 from adaptimp_fmu import SampledModel, build
-from orchestration import Result, System, simulate
+from orchestration import Component, Result, System, simulate
 from orchestration.cli.app import app
 from tests.faults.cli import Command
 
@@ -97,11 +98,10 @@ def test_one_fmu_runs_alone(adaptimp: Command, fmu_folder: Path, tmp_path: Path)
     assert outcome.code == 0
     assert "Plant.tau[1]" in outcome.err  # keeps its start value, as a warning says
     assert columns(tmp_path / "x.csv") == ["Plant.x[1]", "Plant.x[2]"]
-    without = adaptimp("run", plant)
-    assert (without.code, without.sentence) == (
-        2,
-        "System Plant has no communication step; give one, in s, as `step` or --step.",
-    )
+    by_its_own = adaptimp("run", plant, "--json")  # for the time and with the step of its default experiment
+    report = json.loads(by_its_own.out)
+    suggested = Component.read(plant).description.experiment
+    assert (by_its_own.code, report["step"], report["time"]) == (0, suggested.step, suggested.stop_time)
 
 
 def test_version_and_short_help(adaptimp: Command) -> None:

@@ -43,6 +43,9 @@ static void compute(Model *m) {
         snprintf(m->text[1], LENGTH, "%.60s!", m->text[0]);
         m->real[1] = (double)strlen(m->text[0]);
     }
+    if (is(m, "linear")) m->real[1] = 0.5 * m->real[0] + 1;
+    if (is(m, "root")) m->real[1] = sqrt(2 + m->real[0]);
+    if (is(m, "inverts")) m->integer[1] = 1 - m->integer[0];
     if (is(m, "speaks")) snprintf(m->text[1], LENGTH, "t = %g s", m->time);
     if (is(m, "choice") || is(m, "text and choice")) m->integer[1] = m->integer[0], m->integer[2] = 10 * m->integer[3];
 }

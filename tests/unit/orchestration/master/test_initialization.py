@@ -73,7 +73,7 @@ def test_loop_of_booleans_is_an_error(small: dict[str, Path]) -> None:
     ring = system(small, {"a": "Relay"}, "a.odd -> a.even").set({"a.even": False})
     with (
         pytest.warns(UserWarning, match=r"a\.u, a\.n"),
-        pytest.raises(InitializationError, match=r"Integer or Boolean outputs do not settle"),
+        pytest.raises(InitializationError, match=r"discrete values do not settle"),
     ):
         simulate(ring, H)
 
