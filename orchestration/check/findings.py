@@ -51,12 +51,15 @@ class Report:
         Name of the role whose interface was compared; None if no interface was compared.
     facts
         Sentences about what was measured or not examined.
+    confinement
+        Measures that confined the binary; see `orchestration.sandbox.confinement`.
     """
 
     path: Path
     role: str | None = None
     findings: tuple[Finding, ...] = ()
     facts: tuple[str, ...] = ()
+    confinement: tuple[str, ...] = ()
 
     @property
     def failed(self) -> bool:
@@ -80,6 +83,7 @@ class Report:
             "role": self.role,
             "findings": [{"rule": f.rule, "severity": f.severity, "message": f.message} for f in self.findings],
             "facts": list(self.facts),
+            "confinement": list(self.confinement),
             **{f"{severity}s": self.count(severity) for severity in Severity},
         }
         return json.dumps(content, indent=2)

@@ -16,7 +16,7 @@ from tests.unit.orchestration.checked import PATIENT, assert_found, compiled, ha
 ERROR, WARNING, NOTE = Severity.ERROR, Severity.WARNING, Severity.NOTE
 
 WRONG: dict[str, tuple[str, Severity, str]] = {
-    "refuse": ("9", ERROR, "fmi2Instantiate refuses the GUID of the description"),
+    "refuse": ("9", ERROR, "Instantiation: fmi2Instantiate returns no instance, and logs no message"),
     "exit": ("9", ERROR, "fmi2Instantiate ends the process with exit code 7 during .*'instantiation'"),
     "initialization": ("11", ERROR, r'fmi2EnterInitializationMode returns fmi2Error at t = 0 s \("3 of four"\)'),
     "nan at start": ("11", ERROR, "not finite after initialization with the start values: y = inf"),
