@@ -11,7 +11,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
-from adaptimp_fmu.cache_folder import writable_cache
+from adaptimp_files.cache_folder import writable_cache
 from adaptimp_fmu.errors import ToolchainError
 
 FLAGS = (

@@ -5,13 +5,13 @@ with the next experiment. An FMU that can be instantiated only once per process 
 """
 
 import os
-import tempfile
 import time
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from adaptimp_files.temporary_folder import temporary_folder
 from orchestration.check.dynamic.experiments import BASE, MANY_LIVES, ONLY_ONCE, chosen
 from orchestration.check.findings import Finding, Severity, error, listed, note, shown, warning
 from orchestration.check.static.archive_rules import Package
@@ -104,8 +104,7 @@ def experiment_on(package: Package, timeout: float = TIMEOUT, total: float = TOT
     outcome, untried = Outcome(), list[str]()
     names = chosen(package.document.flag)
     end = time.monotonic() + total
-    with tempfile.TemporaryDirectory(prefix="adaptimp-check-") as name:
-        folder = Path(name)
+    with temporary_folder() as folder:
         try:
             unpack(package.path, folder / "fmu", needed_to_run)
         except (ArchiveError, OSError) as failed:

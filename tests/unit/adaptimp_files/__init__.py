@@ -1,0 +1,1 @@
+"""Tests of the package `adaptimp_files`, one module at a time."""
