@@ -11,11 +11,6 @@ _CALLS = {
         *("ptrace", "process_vm_readv", "process_vm_writev", "process_madvise", "process_mrelease", "kcmp"),
         *("pidfd_getfd", "migrate_pages", "move_pages", "shmget", "shmat", "msgget", "semget", "mq_open"),
     ),
-    "another owner, mode or time of a file": (
-        *("mknod", "mknodat", "chmod", "fchmod", "fchmodat", "fchmodat2", "chown", "fchown", "lchown", "fchownat"),
-        *("utime", "utimes", "futimesat", "utimensat", "setxattr", "lsetxattr", "fsetxattr", "setxattrat"),
-        *("removexattr", "lremovexattr", "fremovexattr", "removexattrat"),
-    ),
 }
 _MEANINGS = {call: meaning for meaning, calls in _CALLS.items() for call in calls}
 

@@ -95,7 +95,7 @@ def dropped(system: System) -> set[str]:
 def assert_only(report: Report, known: set[tuple[str, str]], notes: tuple[str, ...]) -> None:
     """No error, no other warning than known ones, no other note on the role."""
     assert report.role == "controller"
-    assert report.facts[-1].startswith("Closed loop of 0.2 s: max |x - x_v| = ")
+    assert report.facts[-4].startswith("Closed loop of 1.2 s: max |x - x_v| = ")
     for finding in report.findings:
         said = f"{finding.rule} {finding.severity} {finding.message}"
         assert finding.severity != Severity.ERROR, said

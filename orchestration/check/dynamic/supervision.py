@@ -246,7 +246,7 @@ def _read(ending: Ending, outcome: Outcome) -> str:
         under_way = line.get("begin", "" if "end" in line else under_way)
         outcome.findings += _findings(line, under_way)
         outcome.facts += [line["fact"]] if "fact" in line else []
-    outcome.findings += _reaching_out(ending)
+    outcome.findings += reaching_out(ending)
     if ending.how and not ending.out_of_time:
         severity = Severity.WARNING if under_way in MISTAKES else Severity.ERROR
         outcome.findings.append(Finding(RULES.get(under_way, OTHER_RULE), severity, _obituary(ending, under_way)))
@@ -263,11 +263,18 @@ def _findings(line: Mapping[str, Any], under_way: str) -> Iterator[Finding]:
         yield error("8", f"{under_way.capitalize()} cannot be tried: the library does not export {line['missing']}.")
 
 
-def _reaching_out(ending: Ending) -> Iterator[Finding]:
-    """Report what a binary did besides computing: calls that were denied, files, lines in the channel of the check."""
+def reaching_out(ending: Ending) -> Iterator[Finding]:
+    """Report what a binary did besides computing: calls that were denied, files, lines in the channel of the check.
+
+    Parameters
+    ----------
+    ending
+        Ending of the child process that called the binary.
+    """
     asked: dict[str, list[str]] = {}
     for call, function in ending.denied.items():
-        what = f"{shown(function) or 'The binary'} asks the system for {meaning(call)}"
+        who = function if function.startswith("fmi2") else "The binary"
+        what = f"{shown(who)} asks the system for {meaning(call)}"
         asked.setdefault(what, []).append(call)
     for what, calls in asked.items():
         yield warning(REACHING_OUT, f"{what} ({', '.join(sorted(calls))}); a check denies it.")

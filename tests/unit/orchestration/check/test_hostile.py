@@ -28,7 +28,6 @@ FOUND: dict[str, tuple[str, Severity, str]] = {
     "runs": ("18", WARNING, "fmi2DoStep asks the system for another process or program"),
     "becomes": ("18", WARNING, r"fmi2DoStep asks the system for another process or program \(execve\)"),
     "connects": ("18", WARNING, r"fmi2DoStep asks the system for a socket \(socket\); a check denies it"),
-    "chmods": ("18", WARNING, r"another owner, mode or time of a file \(chmod\)"),
     "prints": ("9", WARNING, "The binary writes to standard output: "),
     "forges": ("18", ERROR, "writes to descriptors that it did not open: to the check's own report"),
     "eats": ("11", ERROR, "fmi2DoStep dies of SIGABRT during the experiment 'stepping'"),
@@ -45,7 +44,7 @@ FOUND: dict[str, tuple[str, Severity, str]] = {
     "overwrites": ("17", ERROR, "fmi2SetReal writes into the values, which it is given to read"),
     "renumbers": ("17", ERROR, "fmi2SetReal writes into the value references, which it is given to read"),
 }
-NEEDS_SECCOMP = ("forks", "kills", "owns", "outlives", "runs", "becomes", "connects", "chmods")
+NEEDS_SECCOMP = ("forks", "kills", "owns", "outlives", "runs", "becomes", "connects")
 ESCAPED = "adaptimp-escaped"  # how the files begin that the library tries to write outside
 
 
