@@ -16,7 +16,7 @@ from orchestration.check import interface
 from orchestration.check.dynamic import supervision as dynamic
 from orchestration.check.findings import Finding, Report, Severity, capped
 from orchestration.check.interface import Role
-from orchestration.check.static import archive_rules, binary_rules, description_rules, structure_rules
+from orchestration.check.static import archive_rules, binary_rules, description_rules, structure_rules, variable_rules
 from orchestration.check.static.binary_rules import host_library
 from orchestration.errors import ArchiveError
 from orchestration.sandbox.missing import require_file
@@ -34,6 +34,9 @@ STATIC = (
     description_rules.limits_hold,
     description_rules.experiment_makes_sense,
     description_rules.capabilities_agree,
+    variable_rules.time_is_one_variable,
+    variable_rules.aliases_agree,
+    variable_rules.attributes_are_for_co_simulation,
     structure_rules.indices_exist,
     structure_rules.outputs_are_complete,
     structure_rules.initial_unknowns_are_complete,
