@@ -14,7 +14,7 @@ from orchestration.check import Report, Severity, check
 from orchestration.cli.codes import ExitCode
 from orchestration.cli.output import output, watched
 from orchestration.cli.settings import setting_of
-from orchestration.errors import ArchiveError, SystemDescriptionError
+from orchestration.errors import ArchiveError, SystemDescriptionError, printable
 from orchestration.paper.closed_loop import in_loop, paper_loop
 from orchestration.paper.roles import ROLES, role_named
 
@@ -35,7 +35,7 @@ def run_check(path: Path, role: str | None = None, json: bool = False, mapping: 
         names = dict(map(setting_of("--map"), mapping))
         wanted = ROLES.values() if role is None else role_named(role)
         with watched() as line:
-            line.begin(f"examining {path.name}")
+            line.begin(f"examining {printable(path.name)}")
             report = check(path, wanted, mapping=names, trial=in_loop(paper_loop))
     except (ArchiveError, SystemDescriptionError, OSError) as error:
         if json:

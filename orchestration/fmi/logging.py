@@ -14,11 +14,12 @@ from functools import cache
 from typing import Any
 from weakref import WeakValueDictionary
 
-from orchestration.errors import ArchiveError
+from orchestration.errors import ArchiveError, printable
 from orchestration.fmi.fmpy_files import fmpy_file
 from orchestration.fmi.signatures import Allocate, Callbacks, Free, Logger
 
 KEPT_MESSAGES = 5
+LONGEST_TEXT = 2000  # characters of a text that are kept
 _PROXIES = {
     "linux": ("linux64", "logging.so"),
     "darwin": ("darwin64", "logging.dylib"),
@@ -31,6 +32,10 @@ class Messages(deque[str]):
 
     def __init__(self, most: int | None = KEPT_MESSAGES) -> None:
         super().__init__(maxlen=most)
+
+    def append(self, text: str, /) -> None:
+        """Keep a text as one line that is safe to show; only the first characters of a long text are kept."""
+        super().append(printable(text, LONGEST_TEXT))
 
     def last(self) -> str:
         """Return the newest text as a part of a sentence."""

@@ -25,7 +25,7 @@ from typing import Any
 
 import numpy as np
 
-from orchestration.errors import SystemDescriptionError
+from orchestration.errors import SystemDescriptionError, printable
 from orchestration.fmi.given import a_path, require_type, shown
 from orchestration.master.algorithm import ALGORITHMS, Algorithm, find_algorithm
 from orchestration.master.changes import Changes
@@ -322,7 +322,7 @@ def _report_unconnected(system: System, options: Options, given: Collection[str]
     inputs = [name for name in system.unconnected_inputs() if name not in given]
     if not inputs:
         return
-    msg = f"Unconnected inputs keep their start values: {', '.join(inputs)}."
+    msg = printable(f"Unconnected inputs keep their start values: {', '.join(inputs)}.")
     if options.strict:
         msg = f"{msg} Connect them, or run without strict."
         raise SystemDescriptionError(msg)
