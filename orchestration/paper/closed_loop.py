@@ -19,6 +19,7 @@ from adaptimp_files.temporary_folder import temporary_folder
 from orchestration.check import Candidate, Trial
 from orchestration.check.dynamic.supervision import most_memory, reaching_out
 from orchestration.check.findings import Finding, error, note, shown, warning
+from orchestration.check.rules import LOOP
 from orchestration.errors import OrchestrationError
 from orchestration.paper.built_fmus import fmus
 from orchestration.paper.numbers import TORQUE_LIMITS
@@ -27,7 +28,6 @@ from orchestration.paper.scenarios import VARIANTS
 from orchestration.sandbox.process import Ending, work
 from orchestration.system.system import System
 
-LOOP = "loop"  # in the place of a rule's number
 TIMEOUT = 120.0  # s; the first run of a machine compiles the loop
 STEP = 1e-4  # s, of the loop
 REDUNDANT_LIMIT = 1e4  # N.m, far above what three joints of the redundant arm need
