@@ -13,10 +13,6 @@ from collections.abc import Iterable
 from pathlib import Path
 from time import perf_counter
 
-from adaptimp_files.cache_folder import cache_folder, is_trusted, writable_cache
-from adaptimp_files.sealed_file import read_sealed, write_sealed
-from adaptimp_files.temporary_folder import temporary_folder
-from adaptimp_files.whole_file import write_whole
 from adaptimp_fmu.codegen import (
     EQUATIONS_SOURCE,
     GUID_PLACEHOLDER,
@@ -27,6 +23,10 @@ from adaptimp_fmu.codegen import (
 )
 from adaptimp_fmu.description import model_description
 from adaptimp_fmu.documentation import documentation
+from adaptimp_fmu.files.cache_folder import cache_folder, is_trusted, writable_cache
+from adaptimp_fmu.files.sealed_file import read_sealed, write_sealed
+from adaptimp_fmu.files.temporary_folder import temporary_folder
+from adaptimp_fmu.files.whole_file import write_whole
 from adaptimp_fmu.icon import png
 from adaptimp_fmu.model import Model
 from adaptimp_fmu.toolchain import Platform, compile_library, host_platform, identity

@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     )
     from orchestration.fmi.fmu import Fmu
     from orchestration.master.algorithm import Algorithm, Correction, StepControl, Tolerance
+    from orchestration.master.fmu_messages import FmuWarning
     from orchestration.master.form import FormalityWarning
     from orchestration.master.options import Crossings, Options
     from orchestration.master.pacing import Pace
@@ -53,6 +54,7 @@ _HOME = {
     "Correction": "master.algorithm",
     "Crossings": "master.options",
     "Fmu": "fmi.fmu",
+    "FmuWarning": "master.fmu_messages",
     "FormalityWarning": "master.form",
     "InitializationError": "errors",
     "Ledger": "analysis.energy",
@@ -92,6 +94,7 @@ __all__ = [
     "Correction",
     "Crossings",
     "Fmu",
+    "FmuWarning",
     "FormalityWarning",
     "InitializationError",
     "Ledger",

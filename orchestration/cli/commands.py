@@ -6,7 +6,7 @@ from pathlib import Path
 from rich.table import Column, Table
 from rich.text import Text
 
-from adaptimp_files.cache_folder import let_matplotlib_write
+from adaptimp_fmu.files.cache_folder import let_matplotlib_write
 from orchestration.cli.output import output, watched
 from orchestration.cli.places import require_folder, written
 from orchestration.errors import SystemDescriptionError

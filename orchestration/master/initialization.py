@@ -2,12 +2,15 @@
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
 from orchestration.errors import InitializationError
+from orchestration.fmi.blame import blaming
 from orchestration.fmi.codes import ONE_INSTANCE, REAL, WORST_ACCEPTED, accepted
+from orchestration.fmi.experiment import UNKNOWN, Experiment
 from orchestration.fmi.instance import Instance
 from orchestration.fmi.library import needed_to_run
 from orchestration.fmi.start_values import by_time
@@ -22,6 +25,8 @@ from orchestration.sandbox.archive import unpacked
 from orchestration.stages import stage
 from orchestration.system.system import Component, System
 
+MOST_WHOLE = 500
+"""Connections up to which a system is solved whole if it has an algebraic loop; a bigger one without what settles."""
 LONG_CHAIN = 20
 """Components in a row, at the least, that are passed through in their order: a pass moves values by one component."""
 
@@ -48,11 +53,11 @@ def opened(system: System) -> Iterator[list[Instance]]:
         for component in system.components:
             path, alone = component.description.path, component.description.can(ONE_INSTANCE)
             key = (path, component.name if alone else "")
-            if key not in folders:  # a copy of the library has a memory of its own
-                with stage(f"unpacking {path.name}", f"unpacked {path}"):
-                    folders[key] = stack.enter_context(unpacked(path, needed_to_run))
-            folder = folders[key]
-            instance = Instance.open(component.name, component.description, folder)
+            with blaming(f"{component.name}: {path.name}", path):
+                if key not in folders:  # a copy of the library has a memory of its own
+                    with stage(f"unpacking {path.name}", f"unpacked {path.name} of {component.name}"):
+                        folders[key] = stack.enter_context(unpacked(path, needed_to_run))
+                instance = Instance.open(component.name, component.description, folders[key])
             stack.callback(instance.close)
             if component.name in scales:
                 instance.scale_inputs(scales[component.name])
@@ -75,6 +80,8 @@ def initialize(
     assembly: Assembly,
     t0: float,
     series: tuple[np.ndarray, float] | None = None,
+    *,
+    experiment: Experiment = UNKNOWN,
 ) -> None:
     """Set start values, propagate outputs to inputs in initialization mode, and leave this mode.
 
@@ -96,6 +103,9 @@ def initialize(
     series
         Table of time series, whose inputs get their values for the first step, and the length of this step, s. None
         without series.
+    experiment
+        Stop time and tolerance that the FMUs are told. An FMU is told the tolerance of its own default experiment if
+        no other is given.
 
     Raises
     ------
@@ -105,7 +115,7 @@ def initialize(
     counted = f"{len(instances)} component{'s' if len(instances) != 1 else ''} of {system.name}"
     with stage(f"initializing {counted}", f"initialized {counted}"):
         for component, instance in zip(system.components, instances, strict=True):
-            _start(component, instance, t0)
+            _start(component, instance, t0, experiment)
         if series is not None:
             give(series[0], t0, series[1])
         _propagate(system, instances, assembly)
@@ -114,11 +124,13 @@ def initialize(
         _get_all(instances, assembly)
 
 
-def _start(component: Component, instance: Instance, t0: float) -> None:
+def _start(component: Component, instance: Instance, t0: float, experiment: Experiment) -> None:
     """Set the start values of a component, and enter initialization mode."""
     before, within = by_time(component.description, component.start)
     set_values(component, instance, before)
-    instance.set_up(t0)
+    if experiment.tolerance is None:
+        experiment = replace(experiment, tolerance=component.description.experiment.tolerance)
+    instance.set_up(t0, experiment)
     instance.call("fmi2EnterInitializationMode")
     set_values(component, instance, within)
 
@@ -169,13 +181,18 @@ def _propagate(system: System, instances: Sequence[Instance], assembly: Assembly
             return
         moved = _behind(plan)
 
+    if len(plan.real_links) <= MOST_WHOLE:
+        moved = range(len(instances))
+    ranges = [np.arange(*plan.table[i, [Column.FIRST_REAL, Column.END_REAL]]) for i in moved]
+    chosen = np.concatenate([np.empty(0, np.int64), *ranges])
+
     def evaluate(i: int | None) -> None:
-        for k in range(len(instances)) if i is None else (i,):
+        for k in moved if i is None else (i,):
             row = plan.table[k]
             copy_links(plan.discrete_links, row[Column.FIRST_DISCRETE], row[Column.END_DISCRETE], plan.discretes)
             _exchange(instances[k], plan, k)
 
-    solve_loops(system.name, assembly, evaluate)
+    solve_loops(system.name, assembly, evaluate, chosen)
     settled = plan.discretes.copy()
     evaluate(None)
     if not _same(settled, plan.discretes):

@@ -14,8 +14,8 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from adaptimp_files.cache_folder import cache_folder
-from adaptimp_files.temporary_folder import temporary_folder
+from adaptimp_fmu.files.cache_folder import cache_folder
+from adaptimp_fmu.files.temporary_folder import temporary_folder
 from orchestration.check import Candidate, Trial
 from orchestration.check.dynamic.supervision import most_memory, reaching_out
 from orchestration.check.findings import Finding, error, note, shown, warning

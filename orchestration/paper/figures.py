@@ -14,7 +14,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from adaptimp_files.whole_file import whole_file
+from adaptimp_fmu.files.whole_file import whole_file
 from orchestration.paper.measure import ESTIMATE, at_ticks, contact
 from orchestration.paper.numbers import TORQUE_LIMITS, TORQUE_SHARE, TRUE_M2, WALL_OFFSET
 from orchestration.paper.scenarios import SCENARIOS

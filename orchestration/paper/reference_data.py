@@ -19,7 +19,7 @@ import numpy as np
 from fmpy.util import read_csv
 
 import fmus
-from adaptimp_files.whole_file import write_whole
+from adaptimp_fmu.files.whole_file import write_whole
 from orchestration.paper.built_fmus import built
 from orchestration.paper.stimuli import STIMULI, Stimulus
 

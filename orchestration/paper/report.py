@@ -5,8 +5,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from adaptimp_files.temporary_folder import temporary_folder
-from adaptimp_files.whole_file import write_whole
+from adaptimp_fmu.files.temporary_folder import temporary_folder
+from adaptimp_fmu.files.whole_file import write_whole
 from orchestration.paper.built_fmus import fmus
 from orchestration.paper.claims.cache import claims_of
 from orchestration.paper.claims.claim import Claim

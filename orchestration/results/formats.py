@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from adaptimp_files.whole_file import SUFFIX as UNFINISHED
+from adaptimp_fmu.files.whole_file import SUFFIX as UNFINISHED
 from orchestration.errors import OrchestrationError
 from orchestration.results.columns import Columns
 from orchestration.results.csv_file import read_csv, write_csv

@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path, PurePosixPath
 
-from adaptimp_files.temporary_folder import temporary_folder
+from adaptimp_fmu.files.temporary_folder import temporary_folder
 from orchestration.errors import ArchiveError
 from orchestration.sandbox.missing import require_file
 

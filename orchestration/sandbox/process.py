@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any, cast
 
-from adaptimp_files.cache_folder import VARIABLE, cache_folder
+from adaptimp_fmu.files.cache_folder import VARIABLE, cache_folder
 from orchestration.sandbox.channel import KEY_BYTES, Receiver
 from orchestration.sandbox.confinement import end, environment, starting
 from orchestration.sandbox.leftovers import empty, files_in

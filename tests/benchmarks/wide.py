@@ -61,9 +61,10 @@ def description(width: int, parameters: int, *, direct: bool) -> str:
     unknowns = "".join(
         f'<Unknown index="{width + i + 1}" dependencies="{i + 1 if direct else ""}"/>' for i in range(width)
     )
+    guid = f"{'direct' if direct else 'wide'}-{width}-{parameters}"
     return (
         '<?xml version="1.0" encoding="UTF-8"?>'
-        f'<fmiModelDescription fmiVersion="2.0" modelName="Wide" guid="{"direct" if direct else "wide"}-{width}-{parameters}">'
+        f'<fmiModelDescription fmiVersion="2.0" modelName="Wide" guid="{guid}">'
         f'<CoSimulation modelIdentifier="Wide" {_FLAGS}/><ModelVariables>{"".join(rows)}</ModelVariables>'
         f"<ModelStructure><Outputs>{unknowns}</Outputs><InitialUnknowns>{unknowns}</InitialUnknowns></ModelStructure>"
         "</fmiModelDescription>"

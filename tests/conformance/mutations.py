@@ -36,7 +36,7 @@ AT_ONCE = 2
 WIDTH = 180  # characters of the table
 LONGEST = 600.0  # s; the control takes about 60
 MODELS = ("ForceSensor", "CraigAdaptiveImpedance", "Actuator", "Plant")
-COPIED = ("adaptimp_files", "adaptimp_fmu", "fmus", "orchestration", "tests/conformance")
+COPIED = ("adaptimp_fmu", "fmus", "orchestration", "tests/conformance")
 COPIED_FILES = (
     *("LICENSE", "pyproject.toml"),
     *(

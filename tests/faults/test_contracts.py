@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[2]
-PACKAGES = ("orchestration", "fmus", "adaptimp_fmu", "adaptimp_files")
+PACKAGES = ("orchestration", "fmus", "adaptimp_fmu")
 KERNEL = "orchestration/master/kernel/coupling.py"
 LATER = "def later() -> None:\n    import orchestration.fmi.units"
 # What is planted where, the contract that breaks, and what its report names.
@@ -34,7 +34,12 @@ PLANTED = {
         "toolchain",
         ".findings",
     ),
-    "a toolchain in the files": ("adaptimp_files/locks.py", "import adaptimp_fmu.names", "packages", "adaptimp_files"),
+    "a toolchain in the files": (
+        "adaptimp_fmu/files/locks.py",
+        "import adaptimp_fmu.names",
+        "files",
+        "adaptimp_fmu.files",
+    ),
     "a master in the equations": ("fmus/plant.py", "import orchestration.master.options", "packages", "fmus.plant"),
 }
 

@@ -18,7 +18,7 @@ PICTURE = ROOT / "docs" / "images" / "architecture.svg"
 WIDTH, MARGIN, GAP = 1080, 24, 14  # px
 LINE, PADDING = 17, 12  # px
 CHARACTER = 6.2  # px of width that a character of the small text takes
-FILLS = {"orchestration": "#e8eef7", "fmus": "#e6f4e6", "adaptimp_fmu": "#f8e9e9", "adaptimp_files": "#f5f0e1"}
+FILLS = {"orchestration": "#e8eef7", "fmus": "#e6f4e6", "adaptimp_fmu": "#f8e9e9"}
 STYLE = """
 text { font-family: system-ui, "Segoe UI", "DejaVu Sans", sans-serif; fill: #1d2733; }
 .package { font-size: 17px; font-weight: 700; } .room { font-size: 14px; font-weight: 700; }

@@ -8,7 +8,7 @@ from importlib.metadata import packages_distributions
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
-PACKAGES = ("adaptimp_files", "adaptimp_fmu", "fmus", "orchestration")
+PACKAGES = ("adaptimp_fmu", "fmus", "orchestration")
 WITHOUT_IMPORT = {"ziglang"}  # run as `python -m ziglang`
 FOR_TESTS = {"pytest"}  # orchestration.fmi.testing is for people who have it
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from adaptimp_files.temporary_folder import temporary_folder
+from adaptimp_fmu.files.temporary_folder import temporary_folder
 from orchestration.check.dynamic.experiments import BASE, MANY_LIVES, ONLY_ONCE, chosen
 from orchestration.check.findings import Finding, Severity, error, listed, note, shown, warning
 from orchestration.check.static.archive_rules import Package

@@ -14,10 +14,10 @@ from dataclasses import asdict
 from pathlib import Path
 from tempfile import NamedTemporaryFile
 
-from adaptimp_files.cache_folder import cache_folder, writable_cache
+from adaptimp_fmu.files.cache_folder import cache_folder, writable_cache
 from orchestration.paper.claims.claim import Claim
 
-PACKAGES = ("adaptimp_files", "adaptimp_fmu", "fmus", "orchestration")
+PACKAGES = ("adaptimp_fmu", "fmus", "orchestration")
 LIBRARIES = ("casadi", "numba", "numpy", "fmpy")
 
 

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from adaptimp_files import cache_folder as module
 from adaptimp_fmu import default_cache
+from adaptimp_fmu.files import cache_folder as module
 
 MODEL = """from adaptimp_fmu import SampledModel
 model = SampledModel("Gain", "Multiplies")

@@ -7,8 +7,8 @@ that another user wrote, count as missing, so that they are made anew.
 import hashlib
 from pathlib import Path
 
-from adaptimp_files.cache_folder import is_trusted
-from adaptimp_files.whole_file import whole_file
+from adaptimp_fmu.files.cache_folder import is_trusted
+from adaptimp_fmu.files.whole_file import whole_file
 
 SEAL_BYTES = hashlib.sha256().digest_size
 
@@ -24,7 +24,7 @@ def write_sealed(path: Path, content: bytes) -> None:
     Examples
     --------
     >>> from pathlib import Path
-    >>> from adaptimp_files.sealed_file import read_sealed, write_sealed
+    >>> from adaptimp_fmu.files.sealed_file import read_sealed, write_sealed
     >>> write_sealed(Path("kept"), b"machine code")
     >>> read_sealed(Path("kept"))
     b'machine code'
@@ -40,7 +40,7 @@ def read_sealed(path: Path) -> bytes | None:
     Examples
     --------
     >>> from pathlib import Path
-    >>> from adaptimp_files.sealed_file import read_sealed, write_sealed
+    >>> from adaptimp_fmu.files.sealed_file import read_sealed, write_sealed
     >>> write_sealed(Path("damaged"), b"machine code")
     >>> whole = Path("damaged").read_bytes()
     >>> Path("damaged").write_bytes(whole[:-1])

@@ -12,7 +12,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import IO
 
-from adaptimp_files.locks import lock_of_dead_owner, locked_new_file
+from adaptimp_fmu.files.locks import lock_of_dead_owner, locked_new_file
 
 SUFFIX = ".part"
 LONGEST_NAME = 255  # bytes of a file name on most file systems
@@ -44,7 +44,7 @@ class Draft:
     Examples
     --------
     >>> from pathlib import Path
-    >>> from adaptimp_files.whole_file import Draft
+    >>> from adaptimp_fmu.files.whole_file import Draft
     >>> draft = Draft(Path("letter.txt"))
     >>> draft.file.write(b"Dear reader")
     11
@@ -102,7 +102,7 @@ def whole_file(path: Path) -> Iterator[IO[bytes]]:
     Examples
     --------
     >>> from pathlib import Path
-    >>> from adaptimp_files.whole_file import whole_file
+    >>> from adaptimp_fmu.files.whole_file import whole_file
     >>> with whole_file(Path("numbers.txt")) as file:
     ...     written = file.write(b"1 2 3")
     >>> Path("numbers.txt").read_bytes()
@@ -123,7 +123,7 @@ def write_whole(path: Path, content: bytes) -> None:
     Examples
     --------
     >>> from pathlib import Path
-    >>> from adaptimp_files.whole_file import write_whole
+    >>> from adaptimp_fmu.files.whole_file import write_whole
     >>> write_whole(Path("claims.json"), b"[]")
     >>> Path("claims.json").read_bytes()
     b'[]'

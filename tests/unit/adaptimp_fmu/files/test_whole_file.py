@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from adaptimp_files import cache_folder
-from adaptimp_files.sealed_file import SEAL_BYTES, read_sealed, write_sealed
-from adaptimp_files.whole_file import LONGEST_NAME, Draft, whole_file, write_whole
+from adaptimp_fmu.files import cache_folder
+from adaptimp_fmu.files.sealed_file import SEAL_BYTES, read_sealed, write_sealed
+from adaptimp_fmu.files.whole_file import LONGEST_NAME, Draft, whole_file, write_whole
 
 WITH_LOCKS = pytest.mark.skipif(sys.platform == "win32", reason="Windows has no SIGKILL and no locks of this kind")
 WITH_OWNERS = pytest.mark.skipif(not hasattr(os, "getuid"), reason="only POSIX has owners and modes of files")
@@ -47,7 +47,7 @@ def test_two_writers_give_the_later_one_whole(tmp_path: Path) -> None:
 @WITH_LOCKS
 def test_the_draft_of_a_killed_process_goes_with_the_next_write(tmp_path: Path) -> None:
     program = (
-        "import os, signal, sys; from pathlib import Path; from adaptimp_files.whole_file import Draft;"
+        "import os, signal, sys; from pathlib import Path; from adaptimp_fmu.files.whole_file import Draft;"
         " Draft(Path(sys.argv[1])); os.kill(os.getpid(), signal.SIGKILL)"
     )
     subprocess.run([sys.executable, "-c", program, str(tmp_path / "x")], check=False)

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from adaptimp_files import sealed_file, temporary_folder, whole_file
+from adaptimp_fmu.files import sealed_file, temporary_folder, whole_file
 from tests.unit.examples import failures
 
 EXAMPLES = {

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import platformdirs
 
-from adaptimp_files.temporary_folder import folder_until_exit
+from adaptimp_fmu.files.temporary_folder import folder_until_exit
 
 VARIABLE = "ADAPTIMP_CACHE"
 

@@ -13,7 +13,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from adaptimp_files.locks import lock_of_dead_owner, locked_new_file
+from adaptimp_fmu.files.locks import lock_of_dead_owner, locked_new_file
 
 PREFIX, LOCK = "adaptimp-", ".lock"
 _RANDOM = 6  # bytes in the name of a folder
@@ -44,7 +44,7 @@ def temporary_folder(place: Path | None = None) -> Iterator[Path]:
 
     Examples
     --------
-    >>> from adaptimp_files.temporary_folder import temporary_folder
+    >>> from adaptimp_fmu.files.temporary_folder import temporary_folder
     >>> with temporary_folder() as folder:
     ...     written = (folder / "x.txt").write_text("for a moment")
     >>> folder.exists()
@@ -70,7 +70,7 @@ def sweep(place: Path) -> None:
     Examples
     --------
     >>> from pathlib import Path
-    >>> from adaptimp_files.temporary_folder import sweep
+    >>> from adaptimp_fmu.files.temporary_folder import sweep
     >>> Path("adaptimp-0123456789ab").mkdir()
     >>> Path("adaptimp-0123456789ab.lock").touch()  # of a process that was killed: nobody has the lock
     >>> sweep(Path())
@@ -114,7 +114,8 @@ def _claimed(place: Path) -> Path:
             _present[folder] = descriptor, os.getpid()
             try:
                 folder.mkdir(0o700)
-                folder.chmod(0o700)  # whatever the mask of the process
+                if folder.stat().st_mode & 0o700 != 0o700:  # by the mask of the process
+                    folder.chmod(0o700)
             except BaseException:
                 _remove(folder)
                 raise

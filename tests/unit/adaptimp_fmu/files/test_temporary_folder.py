@@ -7,15 +7,15 @@ from pathlib import Path
 
 import pytest
 
-from adaptimp_files import temporary_folder as module
-from adaptimp_files.temporary_folder import remove_all, sweep, temporary_folder
+from adaptimp_fmu.files import temporary_folder as module
+from adaptimp_fmu.files.temporary_folder import remove_all, sweep, temporary_folder
 
 PATIENCE = 120.0  # s that another process may take to start on a machine that is busy
 WITH_LOCKS = pytest.mark.skipif(sys.platform == "win32", reason="Windows has no SIGKILL and no locks of this kind")
 OWNER = """
 import sys
 from pathlib import Path
-from adaptimp_files.temporary_folder import temporary_folder
+from adaptimp_fmu.files.temporary_folder import temporary_folder
 with temporary_folder(Path(sys.argv[1])) as folder:
     (folder / "inside").mkdir()
     (folder / "inside" / "x").write_text("x")
@@ -116,7 +116,7 @@ def test_a_process_that_was_forked_leaves_the_folder_of_its_parent(tmp_path: Pat
     program = """
 import os, sys
 from pathlib import Path
-from adaptimp_files.temporary_folder import remove_all, temporary_folder
+from adaptimp_fmu.files.temporary_folder import remove_all, temporary_folder
 with temporary_folder(Path(sys.argv[1])) as folder:
     if os.fork() == 0:
         remove_all()

@@ -1,1 +1,0 @@
-"""Tests of the package `adaptimp_files`, one module at a time."""
