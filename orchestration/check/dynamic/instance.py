@@ -191,7 +191,8 @@ class Instance:
         return self.get(self.binary.names("output"))
 
     def _said(self) -> str:
-        return f' ("{shown(self.messages[-1], LONGEST_MESSAGE)}")' if self.messages else ""
+        said = "".join(self.messages[-1:])  # without the status, which the call returns anyway
+        return f' ("{shown(said, LONGEST_MESSAGE)}")' if said else ""
 
 
 def reals(numbers: Sequence[float]) -> Any:
