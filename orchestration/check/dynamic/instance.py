@@ -191,7 +191,7 @@ class Instance:
         return self.get(self.binary.names("output"))
 
     def _said(self) -> str:
-        said = "".join(self.messages[-1:])  # without the status, which the call returns anyway
+        said = "".join(self.messages[-1]) if self.messages else ""  # without the status, which the call returns
         return f' ("{shown(said, LONGEST_MESSAGE)}")' if said else ""
 
 

@@ -118,7 +118,7 @@ def test_what_is_not_promised_is_not_tried(library: Path, tmp_path: Path) -> Non
 
 def test_a_hang_costs_one_timeout_and_ends(library: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """One worker waits in vain, no later one tries the same again, and none is left behind."""
-    started, endings = [], []
+    started, endings, patience = [], [], hasty()
 
     class Recorded(subprocess.Popen[bytes]):
         def __init__(self, *arguments: Any, **options: Any) -> None:
@@ -131,7 +131,7 @@ def test_a_hang_costs_one_timeout_and_ends(library: Path, tmp_path: Path, monkey
 
     monkeypatch.setattr(subprocess, "Popen", Recorded)
     monkeypatch.setattr(supervision, "work", recorded)
-    check(misbehaving(library, tmp_path / "wrong.fmu", "hang"), timeout=hasty())
-    assert [ending.how for ending in endings].count(f"does not return within {hasty():g} s") == 1
+    check(misbehaving(library, tmp_path / "wrong.fmu", "hang"), timeout=patience)
+    assert [ending.how for ending in endings].count(f"does not return within {patience:g} s") == 1
     assert len(started) == len(endings)
     assert all(worker.returncode is not None for worker in started)
