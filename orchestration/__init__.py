@@ -30,6 +30,7 @@ if TYPE_CHECKING:
         UnknownNameError,
     )
     from orchestration.fmi.fmu import Fmu
+    from orchestration.fmi.isolation import Isolation
     from orchestration.master.algorithm import Algorithm, Correction, StepControl, Tolerance
     from orchestration.master.fmu_messages import FmuWarning
     from orchestration.master.form import FormalityWarning
@@ -42,6 +43,7 @@ if TYPE_CHECKING:
     from orchestration.paper.ready import scenario
     from orchestration.results.comparison import ColumnDifference, Comparison, compare
     from orchestration.results.result import Result
+    from orchestration.sandbox.guard import ProcessChangedWarning
     from orchestration.system.system import Component, Connection, System
 
 _HOME = {
@@ -57,11 +59,13 @@ _HOME = {
     "FmuWarning": "master.fmu_messages",
     "FormalityWarning": "master.form",
     "InitializationError": "errors",
+    "Isolation": "fmi.isolation",
     "Ledger": "analysis.energy",
     "Options": "master.options",
     "OrchestrationError": "errors",
     "Pace": "master.pacing",
     "PowerBond": "analysis.energy",
+    "ProcessChangedWarning": "sandbox.guard",
     "Result": "results.result",
     "RunInterrupted": "errors",
     "SignalError": "errors",
@@ -97,11 +101,13 @@ __all__ = [
     "FmuWarning",
     "FormalityWarning",
     "InitializationError",
+    "Isolation",
     "Ledger",
     "Options",
     "OrchestrationError",
     "Pace",
     "PowerBond",
+    "ProcessChangedWarning",
     "Result",
     "RunInterrupted",
     "SignalError",

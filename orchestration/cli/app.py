@@ -24,6 +24,7 @@ from orchestration.cli.options import (
     FmuStopTime,
     FmuTolerance,
     Input,
+    Isolate,
     Json,
     Mapping,
     Pace,
@@ -35,7 +36,7 @@ from orchestration.cli.options import (
     SystemName,
     Variant,
 )
-from orchestration.cli.output import never_fail_on_characters, output
+from orchestration.cli.output import never_fail_on_characters, output, require_streams
 from orchestration.cli.outside import RunCommand
 from orchestration.cli.program import (
     MESSAGES,
@@ -228,6 +229,7 @@ def run(
         ),
     ] = False,
     allow_stale_inputs: StaleInputs = False,
+    isolate: Isolate = None,
     allow_nan: AllowNan = False,
     json: Json = False,
 ) -> None:
@@ -254,6 +256,7 @@ def run(
             strict=strict,
             assumptions=assumptions,
             allow_stale_inputs=allow_stale_inputs,
+            isolate=tuple(isolate or ()),
             allow_nan=allow_nan,
             fmu_tolerance=fmu_tolerance,
             fmu_stop_time=fmu_stop_time,
@@ -366,17 +369,25 @@ def main() -> None:
     from orchestration.errors import OrchestrationError
 
     output.reset()
-    never_fail_on_characters()
     try:
+        require_streams()
+        never_fail_on_characters()
         with warnings.catch_warnings():
             warnings.showwarning = output.warn
             app()
     except (OrchestrationError, OSError) as error:
         if output.debug:
             traceback.print_exception(error)
-        output.error(f"Error: {error}")
+        output.error(f"Error: {_said(error)}")
         sys.exit(exit_code_of(error))
     except Exception:
         traceback.print_exc()
         output.error("Error: this is a fault of adaptimp; please report it with the lines above.")
         sys.exit(ExitCode.FAULT)
+
+
+def _said(error: Exception) -> str:
+    """The text of an error; an error of the operating system without its number."""
+    if isinstance(error, OSError) and error.strerror:
+        return f"{error.filename}: {error.strerror}." if error.filename else f"{error.strerror}."
+    return str(error)

@@ -59,6 +59,15 @@ SampleTime = Annotated[
     float | None,
     typer.Option(metavar="H", help="Communication step and every sample_time, s.", rich_help_panel=TIME),
 ]
+Isolate = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--isolate",
+        metavar="[COMP,...]",
+        help="Run the FMUs of these components, or of all, in processes of their own; repeatable.",
+        rich_help_panel=CARE,
+    ),
+]
 Input = Annotated[
     list[str] | None,
     typer.Option(

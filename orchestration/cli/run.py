@@ -9,6 +9,7 @@ from pathlib import Path
 
 from orchestration.cli.algorithms import AlgorithmRequest
 from orchestration.cli.assumptions import print_assumptions
+from orchestration.cli.isolation import isolation_of
 from orchestration.cli.output import output, watched, width
 from orchestration.cli.outside import OutsideRequest
 from orchestration.cli.report import RunReport
@@ -62,6 +63,7 @@ class RunRequest:
     fmu_tolerance: float | None = None
     fmu_stop_time: bool = True
     json: bool = False
+    isolate: Sequence[str] = ()
     outside: OutsideRequest = field(default_factory=OutsideRequest)
 
 
@@ -133,6 +135,7 @@ def _options(request: RunRequest, system: System, line: ProgressLine) -> Options
         ratios=numbers("--ratio", request.ratios, int),
         crossings=Crossings(request.crossings),
         progress=line.steps,
+        isolate=isolation_of(request.isolate),
         **request.outside.options(lambda text: start_value(text, system)),
     )
 
@@ -140,7 +143,8 @@ def _options(request: RunRequest, system: System, line: ProgressLine) -> Options
 def _run(
     simulation: Simulation, destination: Destination, report: RunReport, line: ProgressLine, *, judged: bool
 ) -> None:
-    """Make the steps, and write the rows."""
+    """Make the steps, and write the rows before the FMUs are called for the last time: they may crash then."""
+    saved = False
     try:
         with simulation:
             report.compile_seconds = simulation.compile_seconds
@@ -152,17 +156,20 @@ def _run(
             if result.status == ENDED:
                 report.status, report.message = result.status, result.message
                 output.remark(f"Notice: {result.message}")
+            line.begin("writing the rows")
+            simulation.complete()
+            destination.complete(result, report)
+            saved = True
     except SimulationError as error:
         _tell_messages(error.result, report)
-        destination.partial(error.result, report, "before the failure")
+        if not saved:
+            destination.partial(error.result, report, "before the failure")
         raise
     except RunInterrupted as interrupt:
         line.end()
         output.remark("Interrupted: the run was stopped.")
         destination.partial(interrupt.result, report, "before that")
         raise
-    line.begin("writing the rows")
-    destination.complete(result, report)
 
 
 def _tell_messages(result: RecordedRows | None, report: RunReport) -> None:
@@ -193,8 +200,12 @@ def _judge(simulation: Simulation, report: RunReport) -> None:
     judged = system.set(simulation.first_inputs), report.step, simulation.algorithm
     try:
         _require_few(n)
-        if not is_stable(*judged):
-            report.warnings.append(str(stability(*judged)) if n <= MOST_EXPLAINED else _unstable(simulation, report))
+        isolation = simulation.options.isolation
+        if not is_stable(*judged, isolation=isolation):
+            told = (
+                str(stability(*judged, isolation=isolation)) if n <= MOST_EXPLAINED else _unstable(simulation, report)
+            )
+            report.warnings.append(told)
             output.remark(f"Warning: {report.warnings[-1]}")
     except OrchestrationError as error:
         report.notices.append(f"no verdict on stability: {error}")

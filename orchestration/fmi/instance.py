@@ -5,6 +5,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from adaptimp_fmu.files.temporary_folder import runs_nothing
 from orchestration.errors import ArchiveError, InitializationError, SystemDescriptionError
 from orchestration.fmi.codes import (
     BOOLEAN,
@@ -28,6 +29,7 @@ from orchestration.fmi.units import Linear
 
 if TYPE_CHECKING:
     from orchestration.fmi.input_scaling import ScaledInputs
+    from orchestration.sandbox.remote import RemoteProcess
 
 MOST_FUNCTIONS = 6
 """How many missing functions a message names."""
@@ -89,12 +91,24 @@ class Instance:
         arguments = (name.encode(), CO_SIMULATION, guid, resources, pointer, 0, 1)  # invisible, with logging
         self._handle: int | None = self._call("fmi2Instantiate", *arguments)
         if not self._handle:
-            msg = f"{name}: fmi2Instantiate failed; {self.messages.last()}."
+            how = library.ending or "failed"
+            msg = f"{name}: fmi2Instantiate {how}; {self.messages.last()}."
             raise InitializationError(msg)
 
     @classmethod
-    def open(cls, name: str, description: Description, folder: Path, *, messages: Messages | None = None) -> "Instance":
+    def open(
+        cls,
+        name: str,
+        description: Description,
+        folder: Path,
+        *,
+        messages: Messages | None = None,
+        process: "RemoteProcess | None" = None,
+    ) -> "Instance":
         """Load the library of an unpacked FMU and create an instance.
+
+        The library is loaded in `process`, if there is one, which ends with the instance; see
+        `orchestration.fmi.remote_library`.
 
         Raises
         ------
@@ -103,7 +117,7 @@ class Instance:
         InitializationError
             If fmi2Instantiate returns no instance.
         """
-        library = _loaded(name, description, folder.absolute())
+        library = _loaded(name, description, folder.absolute(), process)
         resources = (folder.absolute() / "resources").as_uri()
         try:
             instance = cls(library, name, (description.guid, resources), messages=messages)
@@ -123,6 +137,11 @@ class Instance:
     def component(self) -> int:
         """Address of the instance, for functions that `address` gave."""
         return self.scaled.component if self.scaled else self._handle or 0
+
+    @property
+    def isolated(self) -> bool:
+        """Whether the FMU lives in a process of its own."""
+        return self.library.isolated
 
     @property
     def handle(self) -> int:
@@ -171,9 +190,10 @@ class Instance:
         return None if self.library.lacks([function]) else self._call(function, self._handle, kind, answer)
 
     def failure(self, function: str, status: int, where: str = "") -> str:
-        """Return a sentence that names a call, its status and the messages of this call."""
+        """Return a sentence that names a call, how it ended, and the messages of this call."""
         function, self.failed_in = self.failed_in or function, ""
-        return f"{self.name}: {function} returned {status_name(status)}{where}; {self.messages.last()}."
+        how = self.library.ending or f"returned {status_name(status)}"
+        return f"{self.name}: {function} {how}{where}; {self.messages.last()}."
 
     def set(self, kind: str, references: Sequence[int], values: Sequence[Any]) -> int:
         """Set variables of a type by value reference, texts as bytes; returns the fmi2Status."""
@@ -267,13 +287,16 @@ class Instance:
         return result
 
 
-def _loaded(name: str, description: Description, folder: Path) -> Library:
+def _loaded(name: str, description: Description, folder: Path, process: "RemoteProcess | None") -> Library:
     """Load the library for this machine in an unpacked FMU; it has all functions that a run may call."""
     try:
-        library = Library(library_path(folder, description))
+        path = library_path(folder, description)
+        library = Library(path) if process is None else _remote(path, process)
     except OSError as error:
         said = str(error).replace(f"{folder}/", "").rstrip(".")  # the folder is a temporary one
         msg = f"{name}: {description.path.name} cannot be loaded: {said}."
+        if runs_nothing(folder):
+            msg += f" Nothing can be run from {folder.parent} (noexec), so set TMPDIR to another folder."
         raise ArchiveError(msg) from error
     if missing := library.lacks(needed_functions(description)):
         library.close()
@@ -281,6 +304,12 @@ def _loaded(name: str, description: Description, folder: Path) -> Library:
         msg = f"{name}: {description.path.name} cannot be loaded: its library does not export {functions}."
         raise ArchiveError(msg)
     return library
+
+
+def _remote(path: Path, process: "RemoteProcess") -> Library:
+    from orchestration.fmi.remote_library import RemoteLibrary
+
+    return RemoteLibrary(path, process)
 
 
 def c_references(numbers: Iterable[int]) -> Any:

@@ -108,6 +108,10 @@ class Library:
         If the library, or one that it needs, cannot be loaded.
     """
 
+    isolated = False
+    ending = ""
+    """How the process of the library ended, such as ``died of SIGSEGV``; empty if it is this process."""
+
     def __init__(self, path: Path) -> None:
         self.path = path
         self._dll: ctypes.CDLL | None = ctypes.CDLL(str(path))

@@ -17,6 +17,7 @@ from orchestration.master.options import Options
 from orchestration.master.outside import Outside
 from orchestration.master.step_arrays import Experiment, Layout, layout
 from orchestration.master.time_grid import Grid
+from orchestration.sandbox.guard import Guard
 from orchestration.system.system import System
 
 
@@ -49,6 +50,7 @@ def flat_run(
     *,
     options: Options,
     outside: Outside,
+    guard: Guard | None = None,
 ) -> FlatRun:
     """Flatten a system with its instances, initialize the instances, and lay out the arrays of a run.
 
@@ -65,7 +67,8 @@ def flat_run(
     watch = CallWatch(assembly.plan.table, instances)
     table = outside.inputs.table(assembly.driven)
     first = None if table is None else (table, float(grid.lengths[0]))
-    initialize(system, instances, assembly, start, first, experiment=_experiment(grid, options))
+    told = _experiment(grid, options)
+    initialize(system, instances, assembly, start, first, experiment=told, guard=guard)
     addresses = None if table is None else (series.address(), table.ctypes.data)
     operations = operations_of_step(assembly.plan, sequential=algorithm.exchange == SEQUENTIAL, series=addresses)
     arrays = layout(system, instances, assembly, algorithm, Experiment.of(grid, options), table)

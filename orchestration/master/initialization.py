@@ -12,7 +12,9 @@ from orchestration.fmi.blame import blaming
 from orchestration.fmi.codes import ONE_INSTANCE, REAL, WORST_ACCEPTED, accepted
 from orchestration.fmi.experiment import UNKNOWN, Experiment
 from orchestration.fmi.instance import Instance
+from orchestration.fmi.isolation import Isolation
 from orchestration.fmi.library import needed_to_run
+from orchestration.fmi.remote_library import start_process
 from orchestration.fmi.start_values import by_time
 from orchestration.fmi.units import Linear
 from orchestration.master.algebraic_loops import solve_loops
@@ -21,7 +23,10 @@ from orchestration.master.flatten import Assembly
 from orchestration.master.kernel.codes import CALL_NAMES, Column
 from orchestration.master.kernel.flat_system import Plan, copy_links, get_outputs, set_inputs
 from orchestration.master.kernel.series import give
+from orchestration.master.safeguard import exposed
 from orchestration.sandbox.archive import unpacked
+from orchestration.sandbox.guard import Guard
+from orchestration.sandbox.remote import RemoteProcess
 from orchestration.stages import stage
 from orchestration.system.system import Component, System
 
@@ -32,8 +37,11 @@ LONG_CHAIN = 20
 
 
 @contextmanager
-def opened(system: System) -> Iterator[list[Instance]]:
+def opened(system: System, isolation: Isolation | None = None, guard: Guard | None = None) -> Iterator[list[Instance]]:
     """Instantiate every component of a system; the end of the context frees all instances.
+
+    The FMUs of components that the isolation covers live in processes of their own. What others change in this
+    process is put back.
 
     Yields
     ------
@@ -50,19 +58,41 @@ def opened(system: System) -> Iterator[list[Instance]]:
     with ExitStack() as stack:
         folders: dict[tuple[Path, str], Path] = {}
         instances, scales = [], _scales(system)
+        processes = stack.enter_context(_processes(system, isolation))
+        guard = guard or Guard()
         for component in system.components:
             path, alone = component.description.path, component.description.can(ONE_INSTANCE)
             key = (path, component.name if alone else "")
+            process = processes.get(component.name)
             with blaming(f"{component.name}: {path.name}", path):
                 if key not in folders:  # a copy of the library has a memory of its own
                     with stage(f"unpacking {path.name}", f"unpacked {path.name} of {component.name}"):
                         folders[key] = stack.enter_context(unpacked(path, needed_to_run))
-                instance = Instance.open(component.name, component.description, folders[key])
-            stack.callback(instance.close)
+                with guard.over([component.name] if process is None else [], "while it was loaded and instantiated"):
+                    instance = Instance.open(component.name, component.description, folders[key], process=process)
+            stack.callback(_close, instance, guard)
             if component.name in scales:
                 instance.scale_inputs(scales[component.name])
             instances.append(instance)
         yield instances
+
+
+def _close(instance: Instance, guard: Guard) -> None:
+    with guard.over(exposed([instance]), "while it was freed"):
+        instance.close()
+
+
+@contextmanager
+def _processes(system: System, isolation: Isolation | None) -> Iterator[dict[str, RemoteProcess]]:
+    """Start the processes of isolated components side by side, because each takes a while; by component name."""
+    with ExitStack() as stack:
+        started = {}
+        for component in system.components if isolation is not None else ():
+            if isolation is not None and isolation.covers(component.name):
+                process = start_process(isolation, len(component.description.variables))
+                stack.callback(process.close)
+                started[component.name] = process
+        yield started
 
 
 def _scales(system: System) -> dict[str, dict[int, Linear]]:
@@ -81,6 +111,7 @@ def initialize(
     t0: float,
     series: tuple[np.ndarray, float] | None = None,
     *,
+    guard: Guard | None = None,
     experiment: Experiment = UNKNOWN,
 ) -> None:
     """Set start values, propagate outputs to inputs in initialization mode, and leave this mode.
@@ -103,6 +134,8 @@ def initialize(
     series
         Table of time series, whose inputs get their values for the first step, and the length of this step, s. None
         without series.
+    guard
+        Puts back what an FMU changes in this process.
     experiment
         Stop time and tolerance that the FMUs are told. An FMU is told the tolerance of its own default experiment if
         no other is given.
@@ -114,14 +147,17 @@ def initialize(
     """
     counted = f"{len(instances)} component{'s' if len(instances) != 1 else ''} of {system.name}"
     with stage(f"initializing {counted}", f"initialized {counted}"):
+        guard = guard or Guard()
         for component, instance in zip(system.components, instances, strict=True):
-            _start(component, instance, t0, experiment)
-        if series is not None:
-            give(series[0], t0, series[1])
-        _propagate(system, instances, assembly)
-        for instance in instances:
-            instance.call("fmi2ExitInitializationMode")
-        _get_all(instances, assembly)
+            with guard.over(exposed([instance]), "while it was initialized"):
+                _start(component, instance, t0, experiment)
+        with guard.over(exposed(instances), "while it was initialized"):
+            if series is not None:
+                give(series[0], t0, series[1])
+            _propagate(system, instances, assembly)
+            for instance in instances:
+                instance.call("fmi2ExitInitializationMode")
+            _get_all(instances, assembly)
 
 
 def _start(component: Component, instance: Instance, t0: float, experiment: Experiment) -> None:

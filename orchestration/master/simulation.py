@@ -10,7 +10,7 @@ from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
 from types import TracebackType
-from typing import TYPE_CHECKING, Self
+from typing import Self
 
 import numpy as np
 
@@ -20,7 +20,6 @@ from orchestration.errors import (
     RunInterrupted,
     SimulationError,
 )
-from orchestration.fmi.codes import WORST_ACCEPTED
 from orchestration.fmi.deferred import raise_kept
 from orchestration.fmi.given import a_number, require_type
 from orchestration.fmi.instance import Instance
@@ -42,17 +41,16 @@ from orchestration.master.options import Options
 from orchestration.master.outside import Outside
 from orchestration.master.provenance import told_afterwards
 from orchestration.master.recorder import Recorder, Sink, any_value, not_finite
+from orchestration.master.safeguard import over_steps, terminate
 from orchestration.master.saving import Saving, choices
 from orchestration.master.setting import set_in_run
 from orchestration.master.snapshot import Snapshot, identity
+from orchestration.master.streaming import Streaming
 from orchestration.master.time_grid import Grid
 from orchestration.results.columns import ENDED, FAILED, INTERRUPTED
-from orchestration.results.formats import require_parquet
 from orchestration.results.result import Result
+from orchestration.sandbox.guard import Guard
 from orchestration.system.system import System
-
-if TYPE_CHECKING:
-    from orchestration.master.row_file import RowFile
 
 _CHUNK_VALUES = 2**17  # recorded in a chunk: they are checked while they are in the processor's cache
 
@@ -115,15 +113,14 @@ class Simulation:
         self.system, self.grid, self.algorithm, self.options = system, grid, algorithm, options
         self._outside = outside or Outside()
         self._metadata = dict(metadata or {})
-        self._path: Path | None = None
+        self._streaming = Streaming()
         self._varies = algorithm.control is not None or bool(options.crossings.outputs)  # the number of rows
         self._plain = algorithm.plain and not options.crossings.outputs and not options.slow
         self._fault = any_value if options.allow_nan else not_finite
         self._changes: list[list[float | str]] = []  # time, variable, value
         self._ended = ""  # a sentence, once a component has ended the simulation
         self._changed_at = -1  # point at which scheduled changes were made last
-        self._stream: RowFile | None = None
-        self._stack = ExitStack()
+        self._stack, self._guard = ExitStack(), Guard()
         self._chunks = Chunks()
         self._block = Block(system.name)
 
@@ -135,10 +132,11 @@ class Simulation:
     def __enter__(self) -> Self:
         """Open and initialize the components, record row 0, and compile the loop."""
         with ExitStack() as stack:
-            self._instances: list[Instance] = stack.enter_context(opened(self.system))
+            instances = opened(self.system, self.options.isolation, self._guard)
+            self._instances: list[Instance] = stack.enter_context(instances)
             report_libraries(self._instances, strict=self.options.strict)
             run = (self.system, self._instances, self.algorithm, self.grid)
-            self._flat = flat_run(*run, options=self.options, outside=self._outside)
+            self._flat = flat_run(*run, options=self.options, outside=self._outside, guard=self._guard)
             self._assembly, self._layout = self._flat.assembly, self._flat.layout
             self._state = self._layout.coupling.state
             stack.callback(lambda: self._layout.free(self._instances))
@@ -146,12 +144,12 @@ class Simulation:
             self._units, self._texts = self._assembly.units | self._outside.units, self._assembly.texts
             every_column = (*self._columns, *self._texts.columns)
             known = None if self._varies else self.grid.n // self.options.every + 1
-            if known is not None and self._path is None:
+            if known is not None and self._streaming.path is None:
                 require_memory(self.system.name, self.grid.n, known, len(every_column))
             self._recorder = Recorder(len(every_column), known, self._sink(stack))
             known_by = choices(self.algorithm, self.options, self._outside.inputs)
             name = identity(self.system, every_column, self.grid.times, known_by)
-            parts = (self._instances, self._assembly, self._layout, self._recorder)
+            parts = (self._instances, self._assembly, self._layout, self._recorder, self.grid.n)
             self._saving = Saving(self.system.name, name, *parts)
             stack.callback(self._saving.free)
             times, rows = self._recorder.room()
@@ -187,8 +185,7 @@ class Simulation:
 
     def stream_to(self, path: Path) -> None:
         """Write rows to a .parquet file instead of keeping them; call this before the ``with`` block begins."""
-        require_parquet(path)
-        self._path = path
+        self._streaming.to(path)
 
     @property
     def first_inputs(self) -> dict[str, float]:
@@ -240,7 +237,8 @@ class Simulation:
                 self._apply_changes()
                 reach = self._outside.reach(self.grid, int(self._state.interval), last)
                 self._chunks.begin()
-                self._run_plain(reach) if self._plain else self._run_general(reach)
+                with over_steps(self._instances, self._guard, self.time):
+                    self._run_plain(reach) if self._plain else self._run_general(reach)
                 self._chunks.end()
                 raise_kept()
                 self._texts.forget([self._assembly.plan.discretes], self._recorder.parts)
@@ -313,15 +311,9 @@ class Simulation:
         return self._metadata | self._outside.described() | told | kept_messages(self._instances)
 
     def _sink(self, stack: ExitStack) -> Sink | None:
-        if self._path is None:
-            return None
-        from orchestration.master.row_file import RowFile
-
         ticks = {"steps_per_tick": self.steps_per_tick, "sample_times": self.system.sample_times}
-        about = {"metadata": self._metadata | self._outside.inputs.described(), **ticks}
-        self._stream = RowFile.of(self._path, self._columns, self._units, self._texts, about)
-        stack.enter_context(self._stream.file)
-        return self._stream
+        metadata = self._metadata | self._outside.inputs.described()
+        return self._streaming.sink(stack, self._columns, self._units, self._texts, metadata=metadata, **ticks)
 
     def _apply_changes(self) -> None:
         """Make the changes that are due at the present communication point, once."""
@@ -388,13 +380,11 @@ class Simulation:
         message = failure_message(failure, where, self._layout, self._instances, self._assembly)
         raise SimulationError(message, self._broken_off(FAILED, message))
 
-    def _terminate(self) -> None:
+    def complete(self) -> None:
+        """Complete the file that rows are streamed to, before the FMUs are called for the last time; once is enough."""
         self._recorder.flush()
-        if self._stream is not None:
-            self._stream.file.metadata |= self._described()
-            if self._ended:
-                self._stream.file.status, self._stream.file.message = ENDED, self._ended
-        for instance in self._instances:
-            status = instance.status("fmi2Terminate")
-            if status > WORST_ACCEPTED:
-                raise SimulationError(instance.failure("fmi2Terminate", status), self.result())
+        self._streaming.complete(self._described(), self._ended)
+
+    def _terminate(self) -> None:
+        self.complete()
+        terminate(self._instances, self._guard, self.result)

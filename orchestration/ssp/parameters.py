@@ -131,9 +131,9 @@ class _Bindings:
             for arrival in self.wiring.arrivals(element.path, name):
                 yield arrival, element.connectors[name][1]
         else:
-            for head, child in element.children.items():  # a name of an element may have dots, too
-                if name.startswith(f"{head}."):
-                    yield from self._targets(child, name.removeprefix(f"{head}."))
+            for place in (i for i, letter in enumerate(name) if letter == "."):  # an element's name may have dots, too
+                if name[:place] in element.children:
+                    yield from self._targets(element.children[name[:place]], name[place + 1 :])
 
     def _converted(
         self, parameter: _Parameter, unit: UnitDefinition | None, arrival: Arrival, *, relative: bool

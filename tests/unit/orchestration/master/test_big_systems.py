@@ -124,3 +124,9 @@ def test_a_jacobian_that_does_not_fit_is_refused(fmus: dict[bool, Path], monkeyp
         with pytest.raises(SystemDescriptionError, match=words), prepare(system, 4 * STEP, algorithm="newton"):
             pass
         simulate(system, stop_time=4 * STEP, algorithm="iterative", record=())
+
+
+def test_a_warning_does_not_name_thousands_of_inputs(tmp_path: Path) -> None:
+    system = wide_system(wide_fmu(tmp_path, 60), "chain", Size(1, 60))
+    with pytest.warns(UnconnectedInputWarning, match=r": c0\.u\[1\], .*, c0\.u\[50\], and 10 more\.$"):
+        prepare(system, STEP)

@@ -102,6 +102,18 @@ def test_faults_of_form_are_told_and_read_over(tmp_path: Path, strange: dict[str
     )
 
 
+@pytest.mark.parametrize("source", ["./resources/Decay.fmu", "resources\\Decay.fmu", "resources/%44ecay.fmu"])
+def test_sources_are_found_however_they_are_written(plain: Path, source: str) -> None:
+    package = edited(plain, SSD_FILE, lambda text: text.replace('"resources/Decay.fmu"', f'"{source}"'))
+    assert System.read(package).connections == System.read(plain).connections
+
+
+def test_a_path_of_windows_does_not_lead_outside(plain: Path) -> None:
+    package = edited(plain, SSD_FILE, lambda text: text.replace('"resources/Decay.fmu"', '"..\\..\\Decay.fmu"'))
+    with pytest.raises(ArchiveError, match="is missing or leads outside the package"):
+        System.read(package)
+
+
 def test_ssp_2_means_the_same_where_fmi_2_does(plain: Path) -> None:
     old, new = System.read(plain), System.read(second(plain))
     assert (new.connections, new["a"].start, new.notices) == (old.connections, {"z_start": 4.0}, ())
