@@ -1,13 +1,53 @@
 """Errors of the orchestration package.
 
-Every message names the subject, the place and both values, and says what to do.
+Every message names the subject, the place and both values, and says what to do. Messages hold names and texts of
+strangers, so what could move a terminal's cursor, hide a word or make a line of its own is shown as an escape.
 """
 
+import re
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
 
 if TYPE_CHECKING:
     import numpy as np
+
+
+LONGEST_MESSAGE = 10_000  # characters of an error's message
+# Controls, invisible characters, and those that turn the direction of writing or begin a line.
+_UNSAFE = re.compile(
+    r"[\x00-\x1f\x7f-\x9f\xad\u061c\u180e\u200b-\u200f\u2028-\u202e\u2060-\u206f\ufeff\ufff9-\ufffb"
+    r"\ud800-\udfff\U000e0000-\U000e007f]"
+)
+
+
+def printable(text: object, most: int | None = None) -> str:
+    r"""Return a text of a stranger for a message: one line, without characters that a terminal obeys.
+
+    Parameters
+    ----------
+    text
+        Object whose text is shown.
+    most
+        Number of characters from which on the text is cut; None cuts nothing.
+
+    Examples
+    --------
+    >>> from orchestration.errors import printable
+    >>> print(printable("fine\x1b[2J\nError: forged"))
+    fine\x1b[2J\nError: forged
+    """
+    whole = str(text) if most is None else str(text)[: most + 1]
+    safe = _UNSAFE.sub(_as_escape, whole)
+    return safe if most is None or len(safe) <= most else f"{safe[: most - 3]}..."
+
+
+def printable_lines(text: str) -> str:
+    """Return a text of several lines without characters that a terminal obeys, but for tabs and the ends of lines."""
+    return _UNSAFE.sub(lambda found: found[0] if found[0] in "\n\t" else _as_escape(found), text)
+
+
+def _as_escape(found: "re.Match[str]") -> str:
+    return found[0].encode("unicode_escape").decode()
 
 
 class RecordedRows(Protocol):
@@ -64,6 +104,10 @@ class OrchestrationError(Exception):
     0.0001 3001 rows
     0.0003 SystemDescriptionError
     """
+
+    def __init__(self, *arguments: object) -> None:
+        safe = (printable(a, LONGEST_MESSAGE) if isinstance(a, str) else a for a in arguments)
+        super().__init__(*safe)
 
 
 class UnknownNameError(OrchestrationError, KeyError):

@@ -3,11 +3,12 @@
     report = check(Path("X.fmu"))
     report.failed, report.findings, report.facts
 
-Rules have numbers: 1 to 8 are about files, 9 to 16 about calls. The calls are made in a process of their own, so
-every file gets a report, even one that crashes. The caller gives the roles, and a trial that runs the FMU in its role.
+Rules have numbers: 1 to 8 are about files, 9 to 18 about calls; `orchestration.check.rules` lists them. The calls are
+made in a confined process of their own, so every file gets a report, even one that crashes. The caller gives the roles,
+and a trial that runs the FMU in its role.
 """
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -15,7 +16,7 @@ from orchestration.check import interface
 from orchestration.check.dynamic import supervision as dynamic
 from orchestration.check.findings import Finding, Report, Severity, capped
 from orchestration.check.interface import Role
-from orchestration.check.static import archive_rules, binary_rules, description_rules, structure_rules
+from orchestration.check.static import archive_rules, binary_rules, description_rules, structure_rules, variable_rules
 from orchestration.check.static.binary_rules import host_library
 from orchestration.errors import ArchiveError
 from orchestration.sandbox.missing import require_file
@@ -33,6 +34,9 @@ STATIC = (
     description_rules.limits_hold,
     description_rules.experiment_makes_sense,
     description_rules.capabilities_agree,
+    variable_rules.time_is_one_variable,
+    variable_rules.aliases_agree,
+    variable_rules.attributes_are_for_co_simulation,
     structure_rules.indices_exist,
     structure_rules.outputs_are_complete,
     structure_rules.initial_unknowns_are_complete,
@@ -76,6 +80,7 @@ def check(
     mapping: Mapping[str, str] | None = None,
     trial: Trial | None = None,
     timeout: float = dynamic.TIMEOUT,
+    total: float = dynamic.TOTAL,
 ) -> Report:
     """Examine an FMU file and report every rule that it breaks.
 
@@ -89,7 +94,9 @@ def check(
     trial
         Function that runs the FMU in its role at the end, if the FMU has a role and could be run.
     timeout
-        Longest time of an experiment, s.
+        Longest time of a call into the FMU, s.
+    total
+        Longest time of all experiments, s. What could not be tried within it is a fact of the report.
 
     Raises
     ------
@@ -113,15 +120,23 @@ def check(
         findings += capped(interface.interface_is_kept(document, taken))
     if not host_library(package):
         return _report(path, taken, findings, ["The binary was not run."])
-    outcome = dynamic.experiment_on(package, timeout)
+    outcome = dynamic.experiment_on(package, timeout, total)
     findings += outcome.findings
-    facts = list(outcome.facts)
+    facts = [*outcome.facts, *_not_confined(outcome.confinement)]
     if taken is not None and trial is not None:
         failed = any(finding.severity == Severity.ERROR for finding in findings)
         more, measured = trial(Candidate(path, taken, interface.count(document, taken), mapping, failed))
         findings += more
         facts += measured
-    return _report(path, taken, findings, facts)
+    return _report(path, taken, findings, facts, outcome.confinement)
+
+
+def _not_confined(measures: Sequence[str]) -> Iterator[str]:
+    """Yield a sentence about what the system does not keep a binary from; nothing if no process has begun."""
+    if measures and "folders" not in measures:
+        yield "This system does not keep the binary from changing files; check unknown FMUs elsewhere."
+    if measures and "calls" not in measures:
+        yield "This system does not keep the binary from the network and from other processes."
 
 
 def _require_readable(path: Path) -> None:
@@ -133,8 +148,10 @@ def _require_readable(path: Path) -> None:
         raise ArchiveError(msg) from failed
 
 
-def _report(path: Path, role: Role | None, findings: list[Finding], facts: list[str]) -> Report:
+def _report(
+    path: Path, role: Role | None, findings: list[Finding], facts: list[str], confinement: Sequence[str] = ()
+) -> Report:
     """Report the findings, the worst first and each once."""
     order = list(Severity)
     once = sorted(dict.fromkeys(findings), key=lambda finding: order.index(finding.severity))
-    return Report(path, None if role is None else role.name, tuple(once), tuple(facts))
+    return Report(path, None if role is None else role.name, tuple(once), tuple(facts), tuple(confinement))

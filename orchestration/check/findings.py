@@ -11,6 +11,8 @@ from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
 
+from orchestration.errors import printable
+
 MOST_ALIKE = 8  # findings that one rule may add; the rest are counted
 LONGEST_NAME = 80  # characters of a stranger's name or value that are shown
 ROLE = "role"  # in the place of a rule's number: the interface of a role
@@ -40,6 +42,10 @@ class Finding:
     severity: Severity
     message: str
 
+    def __post_init__(self) -> None:
+        """Make the message safe to show; it may hold texts of the FMU."""
+        object.__setattr__(self, "message", printable(self.message))
+
 
 @dataclass(frozen=True)
 class Report:
@@ -51,12 +57,19 @@ class Report:
         Name of the role whose interface was compared; None if no interface was compared.
     facts
         Sentences about what was measured or not examined.
+    confinement
+        Measures that confined the binary; see `orchestration.sandbox.confinement`.
     """
 
     path: Path
     role: str | None = None
     findings: tuple[Finding, ...] = ()
     facts: tuple[str, ...] = ()
+    confinement: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        """Make the facts safe to show; they may hold texts of the FMU."""
+        object.__setattr__(self, "facts", tuple(map(printable, self.facts)))
 
     @property
     def failed(self) -> bool:
@@ -71,7 +84,7 @@ class Report:
         """Return one line with the file, its role, and the number of findings of each severity."""
         counts = ", ".join(f"{n} {s}{'' if n == 1 else 's'}" for s in Severity if (n := self.count(s)))
         role = f", {self.role}" if self.role else ""
-        return f"{self.path.name}{role}: {counts or 'no findings'}"
+        return f"{printable(self.path.name)}{role}: {counts or 'no findings'}"
 
     def json(self) -> str:
         """Return the whole report as a JSON object."""
@@ -80,6 +93,7 @@ class Report:
             "role": self.role,
             "findings": [{"rule": f.rule, "severity": f.severity, "message": f.message} for f in self.findings],
             "facts": list(self.facts),
+            "confinement": list(self.confinement),
             **{f"{severity}s": self.count(severity) for severity in Severity},
         }
         return json.dumps(content, indent=2)
@@ -117,9 +131,7 @@ def capped(findings: Iterable[Finding]) -> list[Finding]:
 
 def shown(text: object, most: int = LONGEST_NAME) -> str:
     """Return a text from an unknown FMU for use in a message: printable, and short."""
-    printable = str(text)[: most + 1].encode(errors="backslashreplace").decode()
-    printable = "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in printable)
-    return printable if len(printable) <= most else f"{printable[: most - 3]}..."
+    return printable(text, most)
 
 
 def listed(names: Sequence[str]) -> str:

@@ -4,6 +4,7 @@ import json as formats
 
 from orchestration.cli.output import output, width
 from orchestration.cli.tables import side_by_side
+from orchestration.errors import printable
 from orchestration.fmi.codes import BOOLEAN
 from orchestration.system.system import System
 
@@ -23,11 +24,11 @@ def print_assumptions(system: System, *, json: bool) -> None:
     for path in sorted(system.assumptions):
         reasons.setdefault(system.assumptions[path], []).append(f"{path} = {_value(system, path)}")
     if not reasons:
-        output.data(f"{system.name}: nothing is marked as assumed.")
+        output.data(f"{printable(system.name)}: nothing is marked as assumed.")
         return
     rows = [(values, reason.removeprefix("assumed: ")) for reason, values in reasons.items()]
     output.data(side_by_side(rows, width()) + "\n")
-    output.data(f"{system.name}: {len(system.assumptions)} assumed values")
+    output.data(f"{printable(system.name)}: {len(system.assumptions)} assumed values")
 
 
 def _value(system: System, path: str) -> str:

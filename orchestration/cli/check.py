@@ -11,10 +11,11 @@ from rich.table import Column, Table
 from rich.text import Text
 
 from orchestration.check import Report, Severity, check
+from orchestration.check.rules import PAGE, rule_of
 from orchestration.cli.codes import ExitCode
 from orchestration.cli.output import output, watched
 from orchestration.cli.settings import setting_of
-from orchestration.errors import ArchiveError, SystemDescriptionError
+from orchestration.errors import ArchiveError, SystemDescriptionError, printable
 from orchestration.paper.closed_loop import in_loop, paper_loop
 from orchestration.paper.roles import ROLES, role_named
 
@@ -35,7 +36,7 @@ def run_check(path: Path, role: str | None = None, json: bool = False, mapping: 
         names = dict(map(setting_of("--map"), mapping))
         wanted = ROLES.values() if role is None else role_named(role)
         with watched() as line:
-            line.begin(f"examining {path.name}")
+            line.begin(f"examining {printable(path.name)}")
             report = check(path, wanted, mapping=names, trial=in_loop(paper_loop))
     except (ArchiveError, SystemDescriptionError, OSError) as error:
         if json:
@@ -51,10 +52,14 @@ def run_check(path: Path, role: str | None = None, json: bool = False, mapping: 
 
 def _print(report: Report) -> None:
     if report.findings:
-        table = Table("rule", "severity", Column("finding", overflow="fold"), show_edge=False)
+        more = [Column("what to do", overflow="fold")] if output.verbose else []
+        table = Table("rule", "severity", Column("finding", overflow="fold"), *more, show_edge=False)
         for finding in report.findings:
-            table.add_row(finding.rule, Text(finding.severity, COLOURS[finding.severity]), finding.message)
+            rule = rule_of(finding.rule, finding.severity)
+            advice = ["" if rule is None else rule.remedy] if output.verbose else []
+            table.add_row(finding.rule, Text(finding.severity, COLOURS[finding.severity]), finding.message, *advice)
         output.show(table)
+        output.show(f"{PAGE} explains the rules; --verbose says what to do.")
     for fact in report.facts:
         output.show(fact)
     output.show(report.summary())

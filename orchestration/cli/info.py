@@ -10,7 +10,7 @@ from orchestration.cli.output import output, watched, width
 from orchestration.cli.signals import signal_table
 from orchestration.cli.systems import FMU, is_package, named_fmu, named_system
 from orchestration.cli.tables import definitions, table
-from orchestration.errors import UnknownNameError
+from orchestration.errors import UnknownNameError, printable
 from orchestration.fmi.codes import (
     DIFFERENTIATES,
     INTERPOLATES,
@@ -79,7 +79,7 @@ def _fmu_text(facts: Mapping[str, Any], width: int) -> Iterator[str]:
         "cannot": "be instantiated twice in a process" if ONE_INSTANCE in facts["capabilities"] else "",
         "default experiment": _times(experiment),
     }
-    yield f"{facts['name']}: FMI 2.0 FMU for co-simulation"
+    yield f"{printable(facts['name'])}: FMI 2.0 FMU for co-simulation"
     yield definitions([(key, value) for key, value in about.items() if value], width, "  ")
     for causality in SHOWN:
         rows = _variables([v for v in facts["variables"] if v["causality"] == causality])
@@ -136,7 +136,7 @@ def _system_text(facts: Mapping[str, Any], width: int) -> Iterator[str]:
     counts = f"{len(facts['components'])} components, {len(facts['connections'])} connections"
     given = {key: value for key, value in facts["experiment"].items() if value is not None}
     times = _times({key: value for key, value in given.items() if key != "start" or value != 0})
-    yield f"System {facts['name']}: {counts}" + (f"; {times}" if times else "")
+    yield f"System {printable(facts['name'])}: {counts}" + (f"; {times}" if times else "")
     rows = [
         (c["name"], c["model"], _sampling(c), *(str(c[kind]) for kind in ("inputs", "outputs", "parameters")))
         for c in facts["components"]
@@ -188,7 +188,7 @@ def _sampling(component: Mapping[str, Any]) -> str:
 def _result_text(facts: Mapping[str, Any], width: int) -> Iterator[str]:
     span = "" if facts["rows"] == 0 else f", t = {facts['start_time']:g} to {facts['stop_time']:g} s"
     state = "" if facts["status"] == "complete" else f", {facts['status']}: {facts['message']}"
-    yield f"{facts['file']}: {facts['rows']} rows{span}, {len(facts['signals'])} columns{state}"
+    yield f"{printable(facts['file'])}: {facts['rows']} rows{span}, {len(facts['signals'])} columns{state}"
     plain = [(key, value) for key, value in facts["metadata"].items() if len(value) <= LONGEST]
     if plain:
         yield definitions(plain, width, "  ")

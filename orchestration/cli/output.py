@@ -13,7 +13,7 @@ from io import TextIOWrapper
 from threading import current_thread, main_thread
 from typing import TYPE_CHECKING, Any, TextIO
 
-from orchestration.errors import SystemDescriptionError
+from orchestration.errors import SystemDescriptionError, printable, printable_lines
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -103,7 +103,7 @@ def width() -> int:
 def _write(text: str, stream: TextIO) -> None:
     """Write a line; click would write UTF-8 to a stream that asks for ASCII."""
     with _writing(stream):
-        stream.write(f"{text}\n")
+        stream.write(f"{printable_lines(text)}\n")
         stream.flush()
 
 
@@ -185,7 +185,7 @@ class _Listener(logging.Handler):
         """Show what begins, or say what was done; the line belongs to the main thread."""
         shows = current_thread() is main_thread()
         if record.levelno == logging.DEBUG and shows:
-            self._line.begin(record.getMessage())
+            self._line.begin(printable(record.getMessage()))
         elif record.levelno == logging.INFO:
             if shows:
                 self._line.end()

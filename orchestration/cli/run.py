@@ -23,6 +23,7 @@ from orchestration.errors import (
     RunInterrupted,
     SimulationError,
     SystemDescriptionError,
+    printable,
 )
 from orchestration.master.capabilities import check_tolerances
 from orchestration.master.options import Crossings
@@ -108,7 +109,8 @@ def _prepared(request: RunRequest, report: RunReport, line: ProgressLine) -> Sim
         system = system.ordered(request.order)
     check_tolerances(system, algorithm)
     report.step, report.order = system.run_step(request.step), [component.name for component in system.components]
-    output.say(f"{system.name}: {algorithm.name}, order {_ordered(report.order)}, step {report.step:g} s")
+    order = _ordered(report.order)
+    output.say(printable(f"{system.name}: {algorithm.name}, order {order}, step {report.step:g} s"))
     simulation = prepare(system, request.stop, report.step, algorithm, options=_options(request, system, line))
     report.start_time, report.stop_time = (float(simulation.grid.times[i]) for i in (0, -1))
     return simulation

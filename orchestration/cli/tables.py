@@ -11,6 +11,8 @@ from collections.abc import Iterator, Sequence
 from itertools import zip_longest
 from textwrap import wrap
 
+from orchestration.errors import printable
+
 GAP = "  "
 LEAST = 24  # columns for a text that is folded
 
@@ -36,6 +38,7 @@ def table(
     together
         How many cells of a row stand in the first line of its paragraph, where the table is too wide.
     """
+    rows = [[printable(cell) for cell in row] for row in rows]
     widths = [max(len(cell) for cell in column) for column in zip(head, *rows, strict=True)]
     fixed = sum(widths[:-1]) + len(GAP) * (len(head) - 1)
     right = [name in numbers for name in head]
@@ -53,6 +56,7 @@ def table(
 
 def definitions(rows: Sequence[tuple[str, str]], width: int, indent: str = "") -> str:
     """Names with a text each, which is folded beside or below its name."""
+    rows = [(printable(name), printable(text)) for name, text in rows]
     longest = max((len(name) for name, _ in rows), default=0)
     lines: list[str] = []
     for name, text in rows:
@@ -68,6 +72,7 @@ def definitions(rows: Sequence[tuple[str, str]], width: int, indent: str = "") -
 
 def side_by_side(rows: Sequence[tuple[Sequence[str], str]], width: int) -> str:
     """Lines with a text each, which is folded beside or below them; rows are apart by an empty line."""
+    rows = [([printable(line) for line in lines], printable(text)) for lines, text in rows]
     longest = max((len(line) for lines, _ in rows for line in lines), default=0)
     place = longest + len(GAP)
     parts: list[str] = []

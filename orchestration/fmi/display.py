@@ -4,6 +4,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from html import escape
 from typing import TYPE_CHECKING
 
+from orchestration.errors import printable
 from orchestration.fmi.names import arrays
 
 if TYPE_CHECKING:
@@ -21,7 +22,7 @@ class Variables(dict[str, "Variable"]):
 
     def __repr__(self) -> str:
         """Number of variables, and the first names."""
-        return f"<{len(self)} variables: {listed(list(self), 8)}>"
+        return printable(f"<{len(self)} variables: {listed(list(self), 8)}>")
 
     def _repr_html_(self) -> str:
         return variables_html(self, {})
@@ -74,7 +75,7 @@ def _values(values: Sequence[float | str | None]) -> str:
 def html_table(head: Sequence[str], rows: Iterable[Sequence[object]], most: int = MOST_ROWS) -> str:
     """A table; texts are escaped, numbers aligned right."""
     rows = list(rows)
-    cells = "".join(f"<th>{escape(text)}</th>" for text in head)
+    cells = "".join(f"<th>{escaped(text)}</th>" for text in head)
     body = "".join(f"<tr>{''.join(map(_cell, row))}</tr>" for row in rows[:most])
     rest = f'<tr><td colspan="{len(head)}">and {len(rows) - most} more</td></tr>' if len(rows) > most else ""
     return f"<table><thead><tr>{cells}</tr></thead><tbody>{body}{rest}</tbody></table>"
@@ -89,4 +90,9 @@ def listed(names: Sequence[str], most: int = 4) -> str:
 def _cell(value: object) -> str:
     if isinstance(value, float):
         return f'<td align="right">{value + 0.0:.6g}</td>'
-    return f"<td>{escape(str(value))}</td>"
+    return f"<td>{escaped(str(value))}</td>"
+
+
+def escaped(text: str) -> str:
+    """A text of a stranger as a part of a page: neither markup nor characters that hide or turn what follows."""
+    return escape(printable(text))

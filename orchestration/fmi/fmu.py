@@ -18,7 +18,6 @@ import struct
 from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, field
-from html import escape
 from os import PathLike
 from types import TracebackType
 from typing import Any, Self
@@ -26,11 +25,11 @@ from weakref import finalize
 
 import numpy as np
 
-from orchestration.errors import InitializationError, SignalError, SimulationError
+from orchestration.errors import InitializationError, SignalError, SimulationError, printable
 from orchestration.fmi.arrays import Signals, Value
 from orchestration.fmi.codes import Status, accepted
 from orchestration.fmi.description import Variable, read_description
-from orchestration.fmi.display import Variables, variables_html
+from orchestration.fmi.display import Variables, escaped, variables_html
 from orchestration.fmi.experiment import Experiment
 from orchestration.fmi.given import a_number, a_path, require_type
 from orchestration.fmi.instance import Instance
@@ -139,12 +138,12 @@ class Fmu:
 
     def __repr__(self) -> str:
         state = f"at t = {self.time:.12g} s" if self._instance.is_open else "closed"
-        return f"<Fmu {self.name} {state}>"
+        return printable(f"<Fmu {self.name} {state}>")
 
     def _repr_html_(self) -> str:
         state = f"at t = {self.time:.12g} s" if self._instance.is_open else "closed"
         table = variables_html(self.variables, {})
-        return f"<div><p><b>FMU {escape(self.name)}</b> {state}; {escape(self.path.name)}</p>{table}</div>"
+        return f"<div><p><b>FMU {escaped(self.name)}</b> {state}; {escaped(self.path.name)}</p>{table}</div>"
 
     @property
     def variables(self) -> Mapping[str, Variable]:

@@ -15,7 +15,7 @@ from functools import cache
 from typing import Any
 from weakref import WeakValueDictionary
 
-from orchestration.errors import ArchiveError
+from orchestration.errors import ArchiveError, printable
 from orchestration.fmi.codes import Status, status_name
 from orchestration.fmi.deferred import keep
 from orchestration.fmi.fmpy_files import fmpy_file
@@ -25,6 +25,7 @@ KEPT_MESSAGES = 100
 """Number of messages that an instance keeps of a whole run."""
 FIRST_SHOWN, LAST_SHOWN = 20, 20
 """Number of messages of one call that a sentence shows: those at its beginning, and those at its end."""
+LONGEST_TEXT = 2000  # characters of a text that are kept
 _PROXIES = {
     "linux": ("linux64", "logging.so"),
     "darwin": ("darwin64", "logging.dylib"),
@@ -39,8 +40,8 @@ class Message(str):
     status: int
 
     def __new__(cls, text: str, status: int = 0) -> "Message":
-        """Make a text with a status."""
-        made = super().__new__(cls, text)
+        """Make a text with a status: one line that is safe to show, of a long text the beginning."""
+        made = super().__new__(cls, printable(text, LONGEST_TEXT))
         made.status = status
         return made
 
@@ -82,6 +83,7 @@ class Messages(deque[str]):
         if listener is not None:
             self.begin_call()
             listener()
+        text = text if isinstance(text, Message) else Message(text)
         super().append(text)
         self.total += 1
         (self._first if len(self._first) < FIRST_SHOWN else self._last).append(text)

@@ -4,7 +4,7 @@ import warnings
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from orchestration.errors import SystemDescriptionError
+from orchestration.errors import SystemDescriptionError, printable
 from orchestration.fmi.instance import Instance
 from orchestration.system.system import System
 
@@ -56,7 +56,7 @@ def _report(found: Iterable[tuple[Path, Sequence[str]]], *, strict: bool) -> Non
             continue
         first = sentences[0] if len(sentences[0]) <= _LONGEST else f"{sentences[0][:_LONGEST]}..."
         more = f" ({len(sentences)} such faults; `adaptimp check` lists them)" if len(sentences) > 1 else ""
-        msg = f"{path.name} breaks a rule of FMI that no step needs: {first}{more}"
+        msg = printable(f"{path.name} breaks a rule of FMI that no step needs: {first}{more}")
         if strict:
             raise SystemDescriptionError(msg)
         warnings.warn(msg, FormalityWarning, stacklevel=5)

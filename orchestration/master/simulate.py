@@ -26,7 +26,7 @@ from typing import Any
 
 import numpy as np
 
-from orchestration.errors import SystemDescriptionError
+from orchestration.errors import SystemDescriptionError, printable
 from orchestration.fmi.display import listed
 from orchestration.fmi.given import a_path, require_type, shown
 from orchestration.fmi.isolation import Isolation
@@ -366,7 +366,7 @@ def _report_unconnected(system: System, options: Options, given: Collection[str]
     inputs = [name for name in system.unconnected_inputs() if name not in given]
     if not inputs:
         return
-    msg = f"Unconnected inputs keep their start values: {listed(inputs, MOST_LISTED)}."
+    msg = printable(f"Unconnected inputs keep their start values: {listed(inputs, MOST_LISTED)}.")
     if options.strict:
         msg = f"{msg} Connect them, or run without strict."
         raise SystemDescriptionError(msg)

@@ -1,11 +1,10 @@
 """How results look in a notebook: short HTML tables."""
 
-from html import escape
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from orchestration.fmi.display import html_table
+from orchestration.fmi.display import escaped, html_table
 from orchestration.fmi.names import arrays, base_name
 from orchestration.results.columns import COMPLETE
 
@@ -22,7 +21,7 @@ def result_html(result: "Result") -> str:
     ]
     rows += [(name, "", "", f"last: {texts[-1]}" if len(texts) else "") for name, texts in result.texts.items()]
     span = f", t = {result.time[0]:g} to {result.time[-1]:g} s" if len(result.time) else ""
-    state = "" if result.status == COMPLETE else f"<p>{escape(result.status)}: {escape(result.message)}</p>"
+    state = "" if result.status == COMPLETE else f"<p>{escaped(result.status)}: {escaped(result.message)}</p>"
     head = f"<p><b>Result</b>: {len(result.time)} rows{span}</p>"
     return f"<div>{head}{state}{html_table(('column', 'unit', 'min', 'max'), rows)}</div>"
 

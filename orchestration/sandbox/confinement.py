@@ -11,7 +11,7 @@ What a system does not offer is left out: the caller decides what to say about i
 | memory, file size, files, time | limits of addresses, a file's bytes, open files, processor time | not on Windows |
 | privileges | no capabilities of root, and none by starting a program | Linux |
 | folders | files are made, changed and removed below chosen folders only (Landlock) | Linux 5.13 |
-| calls | no sockets, programs, signals to others, mounts (seccomp) | Linux on x86-64 and ARM |
+| calls | no sockets, programs, signals to others, mounts; modes of files stay (seccomp) | Linux on x86-64 and ARM |
 | told | the parent learns which of these calls were tried | Linux 5.7 |
 """
 

@@ -19,35 +19,6 @@ _CALL, _CALL_BYTES = struct.Struct("=QII i"), 80  # identity of the call, thread
 _REFUSAL = struct.Struct("=QqiI")
 MOST_AT_ONCE = 1000
 
-MEANING = {
-    **dict.fromkeys(("socket",), "a socket"),
-    **dict.fromkeys(("execve", "execveat", "fork", "vfork", "clone"), "another process or program"),
-    **dict.fromkeys(
-        (
-            *("kill", "tgkill", "tkill", "rt_sigqueueinfo", "rt_tgsigqueueinfo", "pidfd_open", "pidfd_send_signal"),
-            *("fcntl", "setsid", "setpgid", "prctl", "setpriority", "ioprio_set", "prlimit64"),
-        ),
-        "power over another process, or over its own limits",
-    ),
-    **dict.fromkeys(
-        (
-            *("ptrace", "process_vm_readv", "process_vm_writev", "process_madvise", "process_mrelease", "kcmp"),
-            *("pidfd_getfd", "migrate_pages", "move_pages", "shmget", "shmat", "msgget", "semget", "mq_open"),
-        ),
-        "the memory of another process",
-    ),
-    **dict.fromkeys(
-        (
-            *("mknod", "mknodat", "chmod", "fchmod", "fchmodat", "fchmodat2", "chown", "fchown", "lchown", "fchownat"),
-            *("utime", "utimes", "futimesat", "utimensat", "setxattr", "lsetxattr", "fsetxattr", "setxattrat"),
-            *("removexattr", "lremovexattr", "fremovexattr", "removexattrat"),
-        ),
-        "another owner, mode or time of a file",
-    ),
-}
-"""What a denied call asks for, as the end of a sentence."""
-OTHER_MEANING = "a change of the system"
-
 
 class Denials:
     """The parent's end of the report of denied calls; a context manager that closes what it opened.

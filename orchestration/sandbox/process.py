@@ -132,6 +132,7 @@ def work(
     memory: int | None = None,
     total: float | None = None,
     writable: Sequence[Path] = (),
+    cache: Path | None = None,
 ) -> Ending:
     """Run a job in a confined child process, wait for its end, and end all that it has started.
 
@@ -152,6 +153,8 @@ def work(
         Longest time of the job in all, s; None sets no limit.
     writable
         Further folders below which the child may change files.
+    cache
+        The child's folder of caches; by default that of this process, which the child can read.
     """
     key, home, trace, printed = secrets.token_bytes(KEY_BYTES), folder / HOME, folder / "trace", folder / "printed"
     home.mkdir(exist_ok=True)
@@ -162,7 +165,7 @@ def work(
     given["time"] = None if total is None else total * (os.cpu_count() or 1) + LONGEST_START
     with _denials() as denials:
         given["denials"] = None if denials is None else denials.teller
-        process = _started(home, () if denials is None else (denials.teller,))
+        process = _started(home, cache or cache_folder(), () if denials is None else (denials.teller,))
         orders, reports = (cast("IO[bytes]", pipe) for pipe in (process.stdin, process.stdout))
         try:
             receiver = Receiver(reports, key)
@@ -190,7 +193,7 @@ def _denials() -> "Iterator[Denials | None]":
         yield found
 
 
-def _started(home: Path, passed: Sequence[int]) -> subprocess.Popen[bytes]:
+def _started(home: Path, cache: Path, passed: Sequence[int]) -> subprocess.Popen[bytes]:
     """Start the child, which waits for its plan."""
     path = os.pathsep.join(filter(None, (ROOT, os.environ.get("PYTHONPATH"))))
     return subprocess.Popen[bytes](
@@ -199,7 +202,7 @@ def _started(home: Path, passed: Sequence[int]) -> subprocess.Popen[bytes]:
         stdout=subprocess.PIPE,
         stderr=subprocess.DEVNULL,
         cwd=home,
-        env=environment(home, {"PYTHONPATH": path, VARIABLE: str(cache_folder())}),
+        env=environment(home, {"PYTHONPATH": path, VARIABLE: str(cache)}),
         pass_fds=passed,
         **starting(),
     )

@@ -1,7 +1,9 @@
 """A seccomp filter that denies a process the system calls by which it would reach out of itself.
 
-Denied are sockets, programs, other processes and their memory, mounts, modules, clocks, owners, permissions and
-times of files. What a library needs to compute is allowed: threads, memory, files, signals within the process.
+Denied are sockets, programs, other processes and their memory, mounts, modules, clocks. What a library needs to
+compute is allowed: threads, memory, files, signals within the process. Changes of owners, permissions and times of
+files are ignored.
+
 A denied call fails with EPERM, as for a user without the right, so that the caller can go on. Where the kernel can
 tell another process of denied calls (Linux 5.7), that process gives the answer; see `orchestration.sandbox.denials`.
 
@@ -95,6 +97,9 @@ DENIED: dict[str, tuple[int | None, int | None]] = {
     "open_by_handle_at": (304, 265),
     "mknod": (133, None),
     "mknodat": (259, 33),
+}
+# Calls that do nothing and succeed: Landlock does not confine them to folders, and programs that make a file need them.
+IGNORED: dict[str, tuple[int | None, int | None]] = {
     "chmod": (90, None),
     "fchmod": (91, 52),
     "fchmodat": (268, 53),
@@ -203,6 +208,10 @@ def _program(machine: str, process: int, refusal: int) -> Iterator[Instruction]:
         if (number := numbers[column]) is not None:
             yield _EQUAL, 0, 1, number
             yield refuse
+    for numbers in IGNORED.values():
+        if (number := numbers[column]) is not None:
+            yield _EQUAL, 0, 1, number
+            yield _RETURN, 0, 0, _ERROR  # 0: success
     number = {name: numbers[column] for name, numbers in JUDGED.items()}
     yield _EQUAL, 0, 1, number["clone3"]  # its flags are behind an address; C libraries then take clone
     yield _RETURN, 0, 0, _ERROR | errno.ENOSYS

@@ -1,10 +1,10 @@
 """How systems look: one line of text, and for notebooks tables with a drawing of the loop."""
 
 from collections.abc import Mapping, Sequence
-from html import escape
 from typing import TYPE_CHECKING
 
-from orchestration.fmi.display import html_table, listed, variables_html
+from orchestration.errors import printable
+from orchestration.fmi.display import escaped, html_table, listed, variables_html
 from orchestration.fmi.names import base_name
 
 if TYPE_CHECKING:
@@ -30,12 +30,12 @@ def component_line(component: "Component") -> str:
         for name, value in component.start.items()
     ]
     given = f", {listed(start)}" if start else ""
-    return f"<Component {component.name}: {description.model_name}, {counts}{given}>"
+    return printable(f"<Component {component.name}: {description.model_name}, {counts}{given}>")
 
 
 def component_html(component: "Component") -> str:
     """The variables of a component with unit, causality, and the start value that is in force."""
-    head = f"<b>{escape(component.name)}</b>: {escape(component.description.model_name)}, {_sampling(component)}"
+    head = f"<b>{escaped(component.name)}</b>: {escaped(component.description.model_name)}, {_sampling(component)}"
     return f"<div><p>{head}</p>{variables_html(component.description.variables, component.start)}</div>"
 
 
@@ -49,7 +49,7 @@ def system_line(system: "System") -> str:
     ]
     given = f", {', '.join(times)}" if times else ""
     counts = f"{len(names)} components ({listed(names, 6)}), {len(system.connections)} connections"
-    return f"<System {system.name}: {counts}{given}>"
+    return printable(f"<System {system.name}: {counts}{given}>")
 
 
 def system_html(system: "System") -> str:
@@ -62,7 +62,7 @@ def system_html(system: "System") -> str:
         if value != c.variable(name).start
     ]
     parts = [
-        f"<p><b>System {escape(system.name)}</b></p>",
+        f"<p><b>System {escaped(system.name)}</b></p>",
         system_svg(system.components, system.connections),
         html_table(("component", "model", "sampling"), components),
         html_table(("start value", "value", "unit", "FMU's own"), start) if start else "",
@@ -94,7 +94,7 @@ def system_svg(components: "Sequence[Component]", connections: "Sequence[Connect
 
 def _box(component: "Component", x: float, y: float) -> str:
     middle = x + WIDTH / 2
-    name, model = escape(component.name[:16]), escape(component.description.model_name[:24])
+    name, model = escaped(component.name[:16]), escaped(component.description.model_name[:24])
     return (
         f'<rect x="{x}" y="{y}" width="{WIDTH}" height="{HEIGHT}" rx="5" fill="#e8eef7" stroke="#8796a8"/>'
         f'<text x="{middle}" y="{y + 18}" text-anchor="middle" font-size="13" fill="#1d2733">{name}</text>'
@@ -120,7 +120,7 @@ def _arrow(ends: tuple[int, int], names: Sequence[str], top: float) -> str:
         text += -3 if forwards else 11
     return (
         f'<path d="{path}" fill="none" stroke="currentColor" opacity="0.7" marker-end="url(#tip)"/>'
-        f'<text x="{middle}" y="{text}" text-anchor="middle" font-size="10" fill="currentColor">{escape(label)}</text>'
+        f'<text x="{middle}" y="{text}" text-anchor="middle" font-size="10" fill="currentColor">{escaped(label)}</text>'
     )
 
 

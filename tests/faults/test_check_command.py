@@ -24,7 +24,7 @@ def test_a_good_controller_drives_the_papers_loop(fmu_folder: Path, capsys: Capt
     report = json.loads(capsys.readouterr().out)
     assert report["findings"] == []
     assert report["role"] == "controller"
-    assert report["facts"][-1].startswith("Closed loop of 0.2 s: max |x - x_v| = ")
+    assert report["facts"][-4].startswith("Closed loop of 1.2 s: max |x - x_v| = ")
 
 
 def test_names_are_mapped(fmu_folder: Path, tmp_path: Path, adaptimp: Command) -> None:
@@ -56,7 +56,7 @@ def test_a_controller_with_other_names(fmu_folder: Path, tmp_path: Path, capsys:
     assert run_check(path, None, True, ["tau_cmd=Torque", "q=JointAngle"]) == 0
     report = json.loads(capsys.readouterr().out)
     assert (report["role"], report["findings"]) == ("controller", [])
-    assert report["facts"][-1].startswith("Closed loop of 0.2 s")
+    assert report["facts"][-1].startswith("Closed loop of 1.2 s")
     assert run_check(path, None, False, ["tau_cmd"]) == 2
     assert "--map tau_cmd: NAME=VALUE is needed" in capsys.readouterr().err
 

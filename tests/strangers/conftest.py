@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.faults.cli import Command, runner
 from tests.sharing import made_once
 from tests.strangers.fmus import compiled, description, packed
 
@@ -33,3 +34,10 @@ def stranger(libraries: dict[str, Path], tmp_path: Path) -> Stranger:
         return packed(tmp_path / f"{name}.fmu", libraries[library], xml, entries)
 
     return make
+
+
+@pytest.fixture
+def adaptimp(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> Command:
+    """The command line, run in the test's own folder."""
+    monkeypatch.chdir(tmp_path)
+    return runner(monkeypatch, capsys)

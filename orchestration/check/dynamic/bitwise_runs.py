@@ -15,13 +15,21 @@ Yield = Iterator[Finding | str]  # what an experiment yields: findings, and sent
 def moves(binary: Binary) -> bool:
     """Whether the FMU accepts inputs that differ a little from their start values; found out once."""
     if "moves" not in binary.plan:
-        try:
-            trace(binary, moved=True)
-        except RefusedError:
-            binary.plan["moves"] = False
-        else:
-            binary.plan["moves"] = True
+        if binary.plan["once"]:  # there is no instance to find it out; the experiment that does so has failed
+            return False
+        find_out_whether_it_moves(binary)
     return binary.plan["moves"]
+
+
+def find_out_whether_it_moves(binary: Binary) -> None:
+    """Try inputs that differ a little from their start values in a fresh instance, and keep what came of it."""
+    try:
+        rows = trace(binary, moved=True)
+    except RefusedError:
+        binary.plan["moves"] = False
+    else:
+        binary.plan["moves"] = True
+        keep(binary, rows)
 
 
 def trace(binary: Binary, moved: bool, seed: int = 1) -> Rows:
@@ -29,6 +37,21 @@ def trace(binary: Binary, moved: bool, seed: int = 1) -> Rows:
     with Instance(binary) as instance:
         instance.initialize()
         return run(instance, moved, seed, first=True)
+
+
+def fresh_rows(binary: Binary, moved: bool) -> Rows:
+    """Return the outputs of a fresh instance: those that were kept, or else those of a new instance."""
+    if "rows" in binary.plan:
+        return [tuple(row) for row in binary.plan["rows"]]
+    rows = trace(binary, moved)
+    keep(binary, rows)
+    return rows
+
+
+def keep(binary: Binary, rows: Rows) -> None:
+    """Keep the outputs of a fresh instance for later processes, where each of them can make one instance only."""
+    if binary.plan["once"]:
+        binary.plan["rows"] = rows
 
 
 def run(instance: Instance, moved: bool, seed: int = 1, *, first: bool = False) -> Rows:

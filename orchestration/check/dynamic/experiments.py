@@ -8,19 +8,30 @@ from collections.abc import Callable, Mapping
 
 from orchestration.check.dynamic import call_experiments as calls
 from orchestration.check.dynamic import state_experiments as states
-from orchestration.check.dynamic.bitwise_runs import STEPS, Yield, infinite, moves, trace
+from orchestration.check.dynamic.bitwise_runs import (
+    STEPS,
+    Yield,
+    find_out_whether_it_moves,
+    fresh_rows,
+    infinite,
+    keep,
+    moves,
+    trace,
+)
 from orchestration.check.dynamic.derivatives import derivatives
-from orchestration.check.dynamic.instance import Binary, Instance
-from orchestration.check.findings import error, listed, shown, warning
+from orchestration.check.dynamic.instance import Binary, Instance, RefusedError
+from orchestration.check.findings import error, listed, note, shown, warning
 from orchestration.fmi.codes import DIFFERENTIATES, SAVES_STATE, SERIALIZES_STATE
 
 LIVES = 50
 MANY_LIVES = f"{LIVES} lives"
 VARIABLE_STEP, ONLY_ONCE = "canHandleVariableCommunicationStepSize", "canBeInstantiatedOnlyOncePerProcess"
+USUAL_STEPS = (1e-2, 0.1, 1.0, 1e-4, 1 / 60)  # s, tried where neither the description nor a thousandth of a run helps
 SAME_CALLS = (
     "Two fresh instances give different outputs for the same calls: random numbers without a seed, or memory that"
     " instances share. Nothing can be replayed, so states were not compared."
 )
+KEPT_INPUTS = "Inputs were kept at their start values: a step with inputs 1 % off them fails."
 Experiment = Callable[[Binary], Yield]
 
 
@@ -50,6 +61,7 @@ def initialization(binary: Binary) -> Yield:
 
 def stepping(binary: Binary) -> Yield:
     """Try rule 11: the FMU makes steps on the start values of its inputs, and outputs stay finite."""
+    yield from _step_length(binary)
     with Instance(binary) as instance:
         instance.initialize()
         for _ in range(STEPS):
@@ -60,14 +72,54 @@ def stepping(binary: Binary) -> Yield:
                 return
 
 
+def _step_length(binary: Binary) -> Yield:
+    """Find a step that the FMU takes, if its description proposes none."""
+    guessed, refusal = binary.plan["step"], ""
+    if binary.plan["step_proposed"] or binary.plan["once"]:
+        return
+    for step in (guessed, *USUAL_STEPS):
+        with Instance(binary) as instance:
+            instance.initialize()
+            try:
+                instance.step(step)
+            except RefusedError as refused:
+                refusal = refusal or str(refused)
+                continue
+        if step != guessed:
+            binary.plan["step"] = step
+            said = f"The description proposes no step, and a step of {guessed:g} s is refused"
+            yield note("11", f"{said}; steps of {step:g} s were tried.")
+        return
+    tried = ", ".join(f"{step:g}" for step in (guessed, *USUAL_STEPS))
+    yield error("11", f"The description proposes no step, and steps of {tried} s are refused: {refusal}")
+
+
 def repetition(binary: Binary) -> Yield:
     """Try rule 13: the same calls give the same outputs, which later comparisons need."""
     moved = moves(binary)
-    if trace(binary, moved) != trace(binary, moved):
+    if fresh_rows(binary, moved) != trace(binary, moved):
         yield warning("13", SAME_CALLS)
         binary.plan["random"] = True
     if not moved:
-        yield "Inputs were kept at their start values: a step with inputs 1 % off them fails."
+        yield KEPT_INPUTS
+
+
+def moving(binary: Binary) -> Yield:
+    """Run a fresh instance and keep its outputs, for processes that can make one instance only."""
+    find_out_whether_it_moves(binary)
+    if not moves(binary):
+        yield KEPT_INPUTS
+
+
+def second_run(binary: Binary) -> Yield:
+    """Try rule 13: the same calls give the same outputs in another process."""
+    known = "rows" in binary.plan
+    rows = trace(binary, moves(binary))
+    if not known:
+        keep(binary, rows)
+    elif rows != fresh_rows(binary, moved=True):
+        yield warning("13", SAME_CALLS)
+        binary.plan["random"] = True
 
 
 def termination(binary: Binary) -> Yield:
@@ -99,6 +151,7 @@ FURTHER: Mapping[str, Experiment] = {
     "reset": states.reset,
     "rollback": states.rollback,
     "serialization": states.serialization,
+    "early restoring": states.early_restoring,
     "torn state": states.torn_state,
     "split steps": states.splitting,
     "two instances": states.instances,
@@ -115,18 +168,25 @@ FURTHER: Mapping[str, Experiment] = {
 _NEEDS = {
     "rollback": SAVES_STATE,
     "serialization": SERIALIZES_STATE,
+    "early restoring": SERIALIZES_STATE,
     "torn state": SERIALIZES_STATE,
     "split steps": VARIABLE_STEP,
     "derivatives": DIFFERENTIATES,
 }
 
 
+_ONE_BY_ONE: Mapping[str, Experiment] = {"first run": moving, "second run": second_run}
+_SEVERAL_INSTANCES = ("repetition", "early restoring", "split steps", "two instances", MANY_LIVES)
+
+
 def chosen(capable: Callable[[str], bool]) -> list[str]:
     """Return the names of the experiments that an FMU's capabilities ask for, in their order."""
     further = [name for name in FURTHER if name not in _NEEDS or capable(_NEEDS[name])]
-    return [*BASE, *(name for name in further if name != "two instances" or not capable(ONLY_ONCE))]
+    if not capable(ONLY_ONCE):
+        return [*BASE, *further]
+    return [name for name in (*BASE, *_ONE_BY_ONE, *further) if name not in _SEVERAL_INSTANCES]
 
 
 def experiment(name: str) -> Experiment:
     """Return the experiment of a name."""
-    return BASE[name] if name in BASE else FURTHER[name]
+    return {**BASE, **_ONE_BY_ONE, **FURTHER}[name]

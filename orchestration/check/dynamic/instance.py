@@ -13,12 +13,12 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 
-from orchestration.check.findings import shown
+from orchestration.check.dynamic.watched_library import LOADING, WatchedLibrary
+from orchestration.check.findings import Finding, shown
 from orchestration.errors import InitializationError
 from orchestration.fmi.codes import BOOLEAN, INTEGER, REAL, accepted, status_name
 from orchestration.fmi.instance import C_TYPES, c_references
 from orchestration.fmi.instance import Instance as Component
-from orchestration.fmi.library import Library
 from orchestration.fmi.logging import Messages
 
 LONGEST_MESSAGE = 300
@@ -41,12 +41,26 @@ class Binary:
     plan
         Facts about the FMU that `orchestration.check.dynamic.supervision` wrote down.
     announce
-        Receives the name of each function before the call.
+        Receives the name of each function before the call, and an empty text after it.
+    tell
+        Receives findings about calls that change what they must not change.
+
+    Raises
+    ------
+    OSError
+        If the library cannot be loaded.
     """
 
-    def __init__(self, plan: dict[str, Any], announce: Callable[[str], None]) -> None:
+    def __init__(
+        self,
+        plan: dict[str, Any],
+        announce: Callable[[str], None],
+        tell: Callable[[Finding], None] = lambda _: None,
+    ) -> None:
         self.plan, self._announce = plan, announce
-        self._library = Library(Path(plan["library"]))
+        announce(LOADING)
+        self._library = WatchedLibrary(Path(plan["library"]), tell, plan.setdefault("told", []))
+        announce("")
         self.variables = {row["name"]: row for row in plan["variables"]}
 
     def lacks(self) -> Sequence[str]:
@@ -101,7 +115,9 @@ class Instance:
         try:
             self.component = binary.create(self.messages, name=f"checked{next(self._numbers)}")
         except InitializationError as refused:
-            msg = f"fmi2Instantiate refuses the GUID of the description{self._said()}."
+            refuses_guid = any("guid" in message.lower() for message in self.messages)
+            what = "refuses the GUID of the description" if refuses_guid else "returns no instance"
+            msg = f"fmi2Instantiate {what}{self._said() or ', and logs no message'}."
             raise RefusedError(msg) from refused
 
     def __enter__(self) -> Self:
@@ -175,7 +191,8 @@ class Instance:
         return self.get(self.binary.names("output"))
 
     def _said(self) -> str:
-        return f' ("{shown(self.messages[-1], LONGEST_MESSAGE)}")' if self.messages else ""
+        said = "".join(self.messages[-1]) if self.messages else ""  # without the status, which the call returns
+        return f' ("{shown(said, LONGEST_MESSAGE)}")' if said else ""
 
 
 def reals(numbers: Sequence[float]) -> Any:

@@ -8,7 +8,7 @@ from orchestration.check.dynamic.instance import Binary, MissingError, RefusedEr
 from orchestration.check.findings import Finding, Severity
 from orchestration.sandbox.worker import Announce, Write
 
-KNOWN = ("random", "moves")
+KNOWN = ("random", "moves", "step", "rows")
 
 
 def run_experiments(plan: Mapping[str, Any], write: Write, announce: Announce) -> None:
@@ -17,14 +17,17 @@ def run_experiments(plan: Mapping[str, Any], write: Write, announce: Announce) -
     The lines that it writes tell which experiment begins and ends, what the experiment found or measured, and what
     later experiments need to know. If an experiment of `BASE` fails, it is the last one.
     """
-    announce("loading the library")
+    facts = {**plan, "told": list(plan["told"])}
+
+    def tell(found: Finding) -> None:
+        write(**_line(found), known={"told": facts["told"]})
+
     try:
-        binary = Binary(dict(plan), announce)
+        binary = Binary(facts, announce, tell)
     except OSError as failed:
         write(begin="loading")
         write(refused=f"the library cannot be loaded: {failed}.")
         return
-    announce("")
     for name in plan["experiments"]:
         write(begin=name)
         failed = False

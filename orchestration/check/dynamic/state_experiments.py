@@ -3,9 +3,9 @@
 import ctypes as ct
 import random
 
-from orchestration.check.dynamic.bitwise_runs import STEPS, Rows, Yield, move, moves, run, same, trace
+from orchestration.check.dynamic.bitwise_runs import STEPS, Rows, Yield, fresh_rows, move, moves, run, same, trace
 from orchestration.check.dynamic.instance import Binary, Instance, RefusedError
-from orchestration.check.findings import warning
+from orchestration.check.findings import note, warning
 from orchestration.fmi.codes import accepted
 
 LARGEST_STATE = 1024**3  # bytes
@@ -14,7 +14,7 @@ LARGEST_STATE = 1024**3  # bytes
 def reset(binary: Binary) -> Yield:
     """Try rule 13: after fmi2Reset an instance behaves like a fresh one, bit by bit."""
     moved = moves(binary)
-    fresh = trace(binary, moved)
+    fresh = fresh_rows(binary, moved)
     with Instance(binary) as instance:
         instance.initialize()
         run(instance, moved, seed=2)
@@ -46,22 +46,49 @@ def rollback(binary: Binary) -> Yield:
 
 
 def serialization(binary: Binary) -> Yield:
-    """Try rule 13: from a serialized state another instance gives the same bits; half of the state is refused."""
+    """Try rule 13: from a serialized state an instance that is initialized gives the same bits."""
     moved = moves(binary)
     with Instance(binary) as instance:
         instance.initialize()
         run(instance, moved)
         blob, time = _serialized(instance), instance.time
         first = [instance.outputs(), *run(instance, moved, seed=3)]
-    with Instance(binary) as other:
-        state = ct.c_void_p()
-        other.call("fmi2DeSerializeFMUstate", blob, len(blob), ct.byref(state))
-        other.call("fmi2SetFMUstate", state)
-        other.call("fmi2FreeFMUstate", ct.byref(state))
-        other.time = time
-        again = [other.outputs(), *run(other, moved, seed=3)]
+        again = _restored(instance, blob, time, moved) if binary.plan["once"] else None
+    if again is None:
+        with Instance(binary) as other:
+            again = _restored(other.initialize(), blob, time, moved)
     if not binary.plan["random"]:
         yield from same(binary, first, again, "13", "With its state deserialized", "in the instance it came from")
+
+
+def early_restoring(binary: Binary) -> Yield:
+    """Try rule 13 more strictly: a serialized state can be set in an instance that is not initialized."""
+    moved = moves(binary)
+    with Instance(binary) as instance:
+        instance.initialize()
+        run(instance, moved)
+        blob, time = _serialized(instance), instance.time
+        first = [instance.outputs(), *run(instance, moved, seed=3)]
+    try:
+        with Instance(binary) as other:
+            again = _restored(other, blob, time, moved)
+    except RefusedError as refused:
+        yield note("13", f"A state can be restored in an initialized instance only. In a fresh one, {refused}")
+        return
+    if not binary.plan["random"]:
+        when = "With its state deserialized in an instance that is not initialized"
+        for found in same(binary, first, again, "13", when, "in the instance it came from"):
+            yield note(found.rule, found.message)
+
+
+def _restored(instance: Instance, blob: bytes, time: float, moved: bool) -> Rows:
+    """Set a serialized state; returns the outputs then and in the steps that follow."""
+    state = ct.c_void_p()
+    instance.call("fmi2DeSerializeFMUstate", blob, len(blob), ct.byref(state))
+    instance.call("fmi2SetFMUstate", state)
+    instance.call("fmi2FreeFMUstate", ct.byref(state))
+    instance.time = time
+    return [instance.outputs(), *run(instance, moved, seed=3)]
 
 
 def torn_state(binary: Binary) -> Yield:

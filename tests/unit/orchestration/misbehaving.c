@@ -3,6 +3,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 #include "fmi2Functions.h"
 
@@ -35,9 +36,22 @@ static fmi2Status said(Unit *unit, const char *format, int number, const char *t
     return fmi2Error;
 }
 
+#ifdef HOSTILE
+#include "hostile.h"
+#else
+#define harm(fault) UNUSED(fault)
+#define harm_inputs(fault, vr, value) UNUSED(fault)
+#endif
+
 static void wait_for_ever(void) {
     volatile int forever = 1;
     while (forever) {
+    }
+}
+
+static void wait_a_while(void) {
+    const clock_t end = clock() + CLOCKS_PER_SEC / 5;
+    while (clock() < end) {
     }
 }
 
@@ -62,6 +76,10 @@ FMI2_Export fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2St
     unit->fault = fault_of_last;
     unit->callbacks = callbacks;
     if (is(unit, "refuse")) return NULL;
+    if (is(unit, "once") && ++lives > 1) {
+        callbacks->logger(callbacks->componentEnvironment, name, fmi2Error, "logStatusError", "There is one already.");
+        return NULL;
+    }
     if (is(unit, "lives") && ++lives > 40) abort();
     if (damaged && ++damaged > 20) abort(); /* long after what damaged it */
     if (is(unit, "stdout")) puts("hello from the FMU"), fflush(stdout);
@@ -125,6 +143,7 @@ FMI2_Export fmi2Status fmi2GetReal(fmi2Component c, const fmi2ValueReference vr[
 
 FMI2_Export fmi2Status fmi2SetReal(fmi2Component c, const fmi2ValueReference vr[], size_t n, const fmi2Real value[]) {
     Unit *unit = c;
+    harm_inputs(unit->fault, vr, value);
     for (size_t i = 0; i < n; i++) {
         if (vr[i] == 0) {
             if (is(unit, "crash on NaN") && isnan(value[i])) abort();
@@ -180,6 +199,7 @@ FMI2_Export fmi2Status fmi2SerializeFMUstate(fmi2Component c, fmi2FMUstate state
 FMI2_Export fmi2Status fmi2DeSerializeFMUstate(fmi2Component c, const fmi2Byte bytes[], size_t size,
                                                fmi2FMUstate *state) {
     if (size != sizeof(Unit) && !is(c, "torn")) return fmi2Error;
+    if (is(c, "early") && !((Unit *)c)->initialized) return fmi2Error;
     *state = calloc(1, sizeof(Unit));
     memcpy(*state, bytes, size);
     return fmi2OK;
@@ -212,7 +232,11 @@ FMI2_Export fmi2Status fmi2DoStep(fmi2Component c, fmi2Real t, fmi2Real h, fmi2B
     }
     if (is(unit, "crash") && unit->k == 2) *(volatile int *)8 = 1;
     if (is(unit, "hang")) wait_for_ever();
+    if (is(unit, "own step") && fabs(h - 0.1) > 1e-9) return fmi2Error;
+    if (is(unit, "no step at all")) return fmi2Error;
+    if (is(unit, "slow")) wait_a_while();
     if (is(unit, "step")) return fmi2Error;
+    harm(unit->fault);
     if (is(unit, "chatter")) for (int i = 0; i < 1000; i++) puts("step");
     if (is(unit, "split") || isnan(unit->u)) unit->k++;
     else unit->k = (int)floor((unit->t + h) / 0.5 + 1e-9);

@@ -16,7 +16,7 @@ from tests.unit.orchestration.checked import PATIENT, assert_found, compiled, ha
 ERROR, WARNING, NOTE = Severity.ERROR, Severity.WARNING, Severity.NOTE
 
 WRONG: dict[str, tuple[str, Severity, str]] = {
-    "refuse": ("9", ERROR, "fmi2Instantiate refuses the GUID of the description"),
+    "refuse": ("9", ERROR, "Instantiation: fmi2Instantiate returns no instance, and logs no message"),
     "exit": ("9", ERROR, "fmi2Instantiate ends the process with exit code 7 during .*'instantiation'"),
     "initialization": ("11", ERROR, r'fmi2EnterInitializationMode returns fmi2Error at t = 0 s \("3 of four"\)'),
     "nan at start": ("11", ERROR, "not finite after initialization with the start values: y = inf"),
@@ -118,7 +118,7 @@ def test_what_is_not_promised_is_not_tried(library: Path, tmp_path: Path) -> Non
 
 def test_a_hang_costs_one_timeout_and_ends(library: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """One worker waits in vain, no later one tries the same again, and none is left behind."""
-    started, endings = [], []
+    started, endings, patience = [], [], hasty()
 
     class Recorded(subprocess.Popen[bytes]):
         def __init__(self, *arguments: Any, **options: Any) -> None:
@@ -131,7 +131,7 @@ def test_a_hang_costs_one_timeout_and_ends(library: Path, tmp_path: Path, monkey
 
     monkeypatch.setattr(subprocess, "Popen", Recorded)
     monkeypatch.setattr(supervision, "work", recorded)
-    check(misbehaving(library, tmp_path / "wrong.fmu", "hang"), timeout=hasty())
-    assert [ending.how for ending in endings].count(f"does not return within {hasty():g} s") == 1
+    check(misbehaving(library, tmp_path / "wrong.fmu", "hang"), timeout=patience)
+    assert [ending.how for ending in endings].count(f"does not return within {patience:g} s") == 1
     assert len(started) == len(endings)
     assert all(worker.returncode is not None for worker in started)

@@ -69,6 +69,35 @@ BROKEN: dict[str, tuple[Edit, str, Severity, str]] = {
         swap('causality="input"', 'causality="input" initial="exact"'),
         *("3", WARNING, r"q\[1\] has initial exact, but is an input"),
     ),
+    "two times": (
+        swap(
+            r'(<ScalarVariable name=)"gravity"',
+            r"""<ScalarVariable name="t" valueReference="9001" causality="independent"><Real/></ScalarVariable>
+            <ScalarVariable name="n" valueReference="9002" causality="independent"><Integer/></ScalarVariable>
+            \1"gravity\"""",
+        ),
+        *("2", ERROR, "t, n are independent variables; there is one time only"),
+    ),
+    "a time that is counted": (
+        swap(
+            r'(<ScalarVariable name=)"gravity"',
+            r"""<ScalarVariable name="n" valueReference="9002" causality="independent"><Integer/></ScalarVariable>
+            \1"gravity\"""",
+        ),
+        *("2", ERROR, "n is an independent variable of type Integer; time is a Real"),
+    ),
+    "two starts of an alias": (
+        swap(r'(name="M\[2\]" valueReference)="\d+"', r'\1="1"'),
+        *("3", ERROR, r"are one variable \(valueReference 1\) with several start values: .*M\[2\] = 2"),
+    ),
+    "two units of an alias": (
+        swap(r'(name="gravity" valueReference)="\d+"', r'\1="1"'),
+        *("5", ERROR, r"gravity are one variable \(valueReference 1\), but have several units: .*m/s2"),
+    ),
+    "reinit": (
+        swap('start="-0.7227342478"', 'start="-0.7227342478" reinit="true"'),
+        *("3", WARNING, r"q\[1\] have the attribute reinit, which is for model exchange only"),
+    ),
     "no start": (
         swap('start="-0.7227342478"', ""),
         *("3", ERROR, r"q\[1\] is an input, but no start value"),
