@@ -17,6 +17,9 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from orchestration.analysis.doctor.diagnose import diagnose
+    from orchestration.analysis.doctor.diagnosis import Diagnosis
+    from orchestration.analysis.doctor.finding import Finding
     from orchestration.analysis.energy import Ledger, PowerBond, ledger
     from orchestration.analysis.stability.verdict import Verdict
     from orchestration.errors import (
@@ -37,6 +40,7 @@ if TYPE_CHECKING:
     from orchestration.master.simulate import UnconnectedInputWarning, prepare, simulate, stream
     from orchestration.master.simulation import Simulation
     from orchestration.master.snapshot import Snapshot
+    from orchestration.master.stiffness import StiffnessWarning
     from orchestration.master.time_series import TimeSeries
     from orchestration.paper.ready import scenario
     from orchestration.results.comparison import ColumnDifference, Comparison, compare
@@ -52,6 +56,8 @@ _HOME = {
     "Connection": "system.system",
     "Correction": "master.algorithm",
     "Crossings": "master.options",
+    "Diagnosis": "analysis.doctor.diagnosis",
+    "Finding": "analysis.doctor.finding",
     "Fmu": "fmi.fmu",
     "FormalityWarning": "master.form",
     "InitializationError": "errors",
@@ -67,6 +73,7 @@ _HOME = {
     "SimulationError": "errors",
     "Snapshot": "master.snapshot",
     "StepControl": "master.algorithm",
+    "StiffnessWarning": "master.stiffness",
     "System": "system.system",
     "SystemDescriptionError": "errors",
     "TimeSeries": "master.time_series",
@@ -75,6 +82,7 @@ _HOME = {
     "Verdict": "analysis.stability.verdict",
     "UnknownNameError": "errors",
     "compare": "results.comparison",
+    "diagnose": "analysis.doctor.diagnose",
     "ledger": "analysis.energy",
     "prepare": "master.simulate",
     "scenario": "paper.ready",
@@ -91,6 +99,8 @@ __all__ = [
     "Connection",
     "Correction",
     "Crossings",
+    "Diagnosis",
+    "Finding",
     "Fmu",
     "FormalityWarning",
     "InitializationError",
@@ -106,6 +116,7 @@ __all__ = [
     "SimulationError",
     "Snapshot",
     "StepControl",
+    "StiffnessWarning",
     "System",
     "SystemDescriptionError",
     "TimeSeries",
@@ -114,6 +125,7 @@ __all__ = [
     "UnknownNameError",
     "Verdict",
     "compare",
+    "diagnose",
     "ledger",
     "prepare",
     "scenario",

@@ -43,6 +43,25 @@ GAIN = 1e-6  # change of a connection's factor for a difference quotient
 MOST_ORDERED = 5  # most components for which all orders are tried
 
 
+@dataclass(frozen=True)
+class Alternative:
+    """Another algorithm, or another order of the components, that is stable at the same step.
+
+    Attributes
+    ----------
+    algorithm
+        Co-simulation algorithm.
+    order
+        Names of the components in the order of stepping; None for the order of the system.
+    radius
+        Spectral radius per step.
+    """
+
+    algorithm: Algorithm
+    order: tuple[str, ...] | None
+    radius: float
+
+
 @dataclass(frozen=True, repr=False)
 class Verdict:
     """Predicted stability of a co-simulation algorithm on a system at a communication step.
@@ -69,6 +88,8 @@ class Verdict:
         Connections with their influence |d radius / d factor|, the largest first.
     advice
         Sentences for the user.
+    better
+        What is stable at this step, if the algorithm is not.
 
     Examples
     --------
@@ -90,6 +111,7 @@ class Verdict:
     largest_stable_step: float | None
     blame: tuple[tuple[Connection, float], ...]
     advice: tuple[str, ...]
+    better: tuple[Alternative, ...] = ()
 
     @property
     def stable(self) -> bool:
@@ -182,9 +204,11 @@ def stability(
         here = examined.judged(coupled, step)
         search = Search(examined, here)
         largest = search.largest()
-        advice = [_limits(search, largest)]
+        advice, better = [_limits(search, largest)], list[Alternative]()
         if not here.stable:
-            advice += _alternatives(examined, coupled, here)
+            for sentence, found in _alternatives(examined, coupled, here):
+                advice.append(sentence)
+                better += [one for one in [found] if one is not None]
     contraction = coupled.contraction(algorithm, step)
     advice += _remarks(system, algorithm, contraction)
     return Verdict(
@@ -192,6 +216,7 @@ def stability(
         *(here.radius, here.threshold, contraction, largest),
         blame=_blame(coupled, algorithm, step),
         advice=tuple(advice),
+        better=tuple(better),
     )
 
 
@@ -241,8 +266,8 @@ def _limits(search: Search, largest: float | None) -> str:
     return f"Steps up to {largest:.3g} s, {largest / h:.3g} times this one, are stable."
 
 
-def _alternatives(examined: Examined, coupled: Coupled, here: Point) -> Iterator[str]:
-    """Sentences on algorithms that are stable at this step, or else on the algorithm that grows least."""
+def _alternatives(examined: Examined, coupled: Coupled, here: Point) -> Iterator[tuple[str, Alternative | None]]:
+    """Algorithms that are stable at this step, with a sentence each; or else a sentence on the one that grows least."""
     h, algorithm = here.step, examined.algorithm
     if algorithm.exchange == SEQUENTIAL and algorithm.correction is None:
         yield from _orders(examined, coupled, here)
@@ -255,12 +280,13 @@ def _alternatives(examined: Examined, coupled: Coupled, here: Point) -> Iterator
     tried = [(radius_of(full, other, h), other) for other in others]
     good = [(radius, other) for radius, other in tried if radius <= 1 + max(here.threshold, FLOOR)]
     for radius, other in good[:3]:
-        yield f"{_named(other, full, h)} is stable at this step (radius 1 {radius - 1:+.3g})."
+        sentence = f"{_named(other, full, h)} is stable at this step (radius 1 {radius - 1:+.3g})."
+        yield sentence, Alternative(other, None, radius)
     if not good:
         radius, other = min(tried, key=lambda pair: pair[0])
         if radius - 1 < 0.9 * (here.radius - 1):
             rate = math.log(radius) / h
-            yield f"{_named(other, full, h)} grows least at this step, by {rate:.3g} 1/s (radius 1 {radius - 1:+.3g})."
+            yield f"{_named(other, full, h)} grows least at this step, by {rate:.3g} 1/s (radius 1 {radius - 1:+.3g}).", None
 
 
 def _named(algorithm: Algorithm, coupled: Coupled, h: float) -> str:
@@ -270,8 +296,8 @@ def _named(algorithm: Algorithm, coupled: Coupled, h: float) -> str:
     return f"{name} with order {algorithm.order}"
 
 
-def _orders(examined: Examined, coupled: Coupled, here: Point) -> Iterator[str]:
-    """Sentence on the best order of the components, if that order is much better than the given order."""
+def _orders(examined: Examined, coupled: Coupled, here: Point) -> Iterator[tuple[str, Alternative | None]]:
+    """Best order of the components, if it is much better than the given order, with a sentence."""
     names = [model.name for model in coupled.models]
     if len(names) > MOST_ORDERED:
         return
@@ -281,8 +307,10 @@ def _orders(examined: Examined, coupled: Coupled, here: Point) -> Iterator[str]:
     ]
     radius, order = min(trials)
     if radius - 1 < 0.5 * (here.radius - 1) - here.threshold:
-        listed = ", ".join(names[i] for i in order)
-        yield f"The order {listed} has a radius of 1 {radius - 1:+.3g}."
+        named = tuple(names[i] for i in order)
+        stable = radius <= 1 + max(here.threshold, FLOOR)
+        found = Alternative(examined.algorithm, named, radius) if stable else None
+        yield f"The order {', '.join(named)} has a radius of 1 {radius - 1:+.3g}.", found
 
 
 def _remarks(system: System, algorithm: Algorithm, contraction: float | None) -> Iterator[str]:

@@ -1,0 +1,75 @@
+"""What is examined: a system with an algorithm, a step and a stop time, and how a user asks for other ones."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+from orchestration.master.algorithm import ALGORITHMS, Algorithm
+from orchestration.system.system import System
+
+
+@dataclass(frozen=True)
+class Case:
+    """A run that is examined, and the changes of it that advice proposes.
+
+    Attributes
+    ----------
+    system
+        System, with its components in the order of stepping.
+    step, stop_time
+        Communication step and stop time, s.
+    algorithm
+        Co-simulation algorithm.
+    order
+        Names of the components if an order was proposed; None for that of the system.
+    sample_time
+        Sampling period of all components that was proposed, s; None for those that the system has.
+    values
+        Start values that were proposed, by ``component.variable``.
+    """
+
+    system: System
+    step: float
+    stop_time: float
+    algorithm: Algorithm
+    order: tuple[str, ...] | None = None
+    sample_time: float | None = None
+    values: Mapping[str, float] = field(default_factory=dict)
+
+    def but(self, **changes: Any) -> "Case":
+        """The case with some attributes changed."""
+        return replace(self, **changes)
+
+    @property
+    def n(self) -> int:
+        """Number of steps."""
+        return max(1, round(self.stop_time / self.step))
+
+
+Spelling = Callable[[Case], str]
+"""A function that says how a user runs a case."""
+
+
+def in_python(case: Case) -> str:
+    """The call of `orchestration.simulate` that runs a case; the system is called ``system``."""
+    subject = "system"
+    if case.values:
+        subject += f".set({dict(case.values)!r})"
+    if case.sample_time is not None:
+        subject += f".with_sample_time({case.sample_time:g})"
+    words = [subject, f"stop_time={case.stop_time:.12g}", f"step={case.step:.12g}"]
+    if case.algorithm.name != "gauss-seidel" or not case.algorithm.plain:
+        words.append(f"algorithm={_algorithm(case.algorithm)}")
+    if case.order is not None:
+        words.append(f"order={list(case.order)!r}")
+    return f"simulate({', '.join(words)})"
+
+
+def _algorithm(algorithm: Algorithm) -> str:
+    """An algorithm as Python."""
+    known = ALGORITHMS.get(algorithm.name)
+    if known == algorithm:
+        return repr(algorithm.name)
+    if known is not None and replace(known, order=algorithm.order) == algorithm:
+        return f"replace(ALGORITHMS[{algorithm.name!r}], order={algorithm.order})"
+    return repr(algorithm)

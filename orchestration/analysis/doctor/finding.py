@@ -1,0 +1,60 @@
+"""A finding of an examination: what was seen, how bad it is, and what to do about it."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from enum import StrEnum
+from typing import Any
+
+
+class Severity(StrEnum):
+    """How bad a finding is, the worst first.
+
+    An error says that the results are wrong or that there are none. A warning says that they may be wrong. A note is
+    worth knowing.
+    """
+
+    ERROR = "error"
+    WARNING = "warning"
+    NOTE = "note"
+
+
+@dataclass(frozen=True)
+class Finding:
+    """Something that an examination has found.
+
+    Attributes
+    ----------
+    id
+        Word that names the kind of finding, such as ``stability``; docs/doctor.md lists them.
+    severity
+        How bad it is.
+    subject
+        Component, variable or connection that it is about; the name of the system if it is about the whole.
+    sentence
+        What was found, with the numbers that matter.
+    figures
+        These numbers by name, in SI units.
+    advice
+        What to do, as a sentence; empty if there is nothing to do.
+    command
+        Command or Python expression that does it; empty if there is none.
+    """
+
+    id: str
+    severity: Severity
+    subject: str
+    sentence: str
+    figures: Mapping[str, Any] = field(default_factory=dict)
+    advice: str = ""
+    command: str = ""
+
+
+def listed(names: "list[str] | tuple[str, ...]", most: int = 4) -> str:
+    """The first names of a list as text, and how many others there are."""
+    shown = ", ".join(names[:most])
+    return shown if len(names) <= most else f"{shown} and {len(names) - most} more"
+
+
+def percent(share: float) -> str:
+    """A share as text: 0.3 %, 12 %, 2.1e-05 %."""
+    return f"{100 * share:.2g} %" if share < 1 else f"{100 * share:.3g} %"

@@ -1,0 +1,119 @@
+"""Findings on stability: how much deviations grow over the run, and whether the run bears that out."""
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from orchestration.analysis.doctor.case import Case, Spelling
+from orchestration.analysis.doctor.finding import Finding, Severity, percent
+from orchestration.analysis.doctor.study import Kind, Study
+from orchestration.analysis.stability.verdict import Verdict
+
+LITTLE, MUCH = 0.1, 10.0  # growth over a run that is a note, and from which on it is an error
+CERTAIN = 1e16  # growth after which rounding errors would be as large as the signals
+SMALL = 0.01  # error, as a share of the range, with which a run is accepted
+ALIKE = 10.0  # factor by which the signals of a run that stays bounded may grow from its first to its second half
+
+
+def stability_findings(case: Case, verdict: Verdict, study: Study, spell: Spelling) -> Iterator[Finding]:
+    """Findings from the predicted stability and from the runs that were made.
+
+    A growth of less than a tenth over the run is a note, one of more than ten times an error. A prediction is an
+    approximation near one instant, so the runs have the last word.
+    """
+    growth = _growth(verdict, case.stop_time)
+    culprit = verdict.blame[0][0] if verdict.blame else None
+    figures = {
+        "radius": verdict.radius,
+        "growth_rate": verdict.growth_rate,
+        "growth": growth,
+        "largest_stable_step": _number(verdict.largest_stable_step),
+        "culprit": str(culprit) if culprit else None,
+    }
+    subject = f"{culprit.source}.{culprit.output}" if culprit else case.system.name
+    at = f"{verdict.algorithm} with a step of {case.step:g} s"
+    if verdict.stable:
+        yield Finding("stability", Severity.NOTE, subject, f"{at} is stable. {verdict.advice[0]}", figures)
+        return
+    over = f"a small deviation grows {_words(growth)} over {case.stop_time:g} s"
+    blamed = f" The signal that matters most is {culprit}." if culprit else ""
+    if growth < LITTLE:
+        said = f"{at} adds a little: {over}. {verdict.advice[0]}"
+        yield Finding("stability", Severity.NOTE, subject, said, figures)
+        return
+    if contradicted(growth, study):
+        said = (
+            f"Near t = 0 the system, taken as linear, grows by {verdict.growth_rate:.3g} 1/s, but the run does not: its"
+            " signals stay in their range. The prediction holds at that instant only, and the system has moved on"
+            " before the growth shows."
+        )
+        yield Finding("stability", Severity.NOTE, subject, said, figures)
+        return
+    severity = Severity.ERROR if growth >= MUCH or study.failure else Severity.WARNING
+    if severity is Severity.ERROR and accepted(study, case):
+        severity = Severity.WARNING
+    said = f"{at} is unstable: {over}.{blamed}"
+    yield Finding("stability", severity, subject, said, figures, *_advice(case, verdict, spell))
+
+
+def _growth(verdict: Verdict, stop_time: float) -> float:
+    """Share by which a deviation grows over a run: 0.003 stands for 0.3 %."""
+    exponent = verdict.growth_rate * stop_time
+    return math.expm1(exponent) if exponent < 700 else math.inf
+
+
+def _words(growth: float) -> str:
+    if growth < 1:
+        return f"by {percent(growth)}"
+    return f"{growth + 1:.3g} times" if growth < CERTAIN else "without bound"
+
+
+def _number(value: float | None) -> float | None:
+    return value if value is not None and math.isfinite(value) else None
+
+
+def contradicted(growth: float, study: Study) -> bool:
+    """Whether the run shows that a predicted growth does not take place.
+
+    With such a growth rounding errors alone would leave every range. The signals of the run do not leave theirs, and
+    smaller steps change them by ever less.
+    """
+    if growth < CERTAIN or study.failure or study.result is None or not study.signals:
+        return False
+    rows = study.result.rows
+    half = len(rows) // 2
+    first, second = (np.abs(part).max(axis=0) for part in (rows[: half + 1], rows[half:]))
+    bounded = bool((second <= ALIKE * first + 1e-300).all())
+    return bounded and all(signal.kind in (Kind.ORDER, Kind.EXACT) for signal in study.signals)
+
+
+def accepted(study: Study, case: Case) -> bool:
+    """Whether the runs with halved steps agree until the stop time."""
+    complete = study.until > (1 - 1e-9) * case.stop_time and not study.failure and bool(study.signals)
+    return complete and all(signal.relative < SMALL for signal in study.signals)
+
+
+def _advice(case: Case, verdict: Verdict, spell: Spelling) -> tuple[str, str]:
+    """What to do about an instability, as a sentence and as a command."""
+    if verdict.better:
+        better = verdict.better[0]
+        changed = case.but(algorithm=better.algorithm, order=better.order)
+        what = f"{better.algorithm.name} with inputs of order {better.algorithm.order}"
+        if better.order is not None:
+            what = f"the order {', '.join(better.order)}"
+        elif better.algorithm == case.algorithm:
+            what = "this order"
+        return f"At this step {what} is stable.", spell(changed)
+    largest = _number(verdict.largest_stable_step)
+    if largest is None:
+        return verdict.advice[0], ""
+    step = _round_down(largest)
+    sampled = bool(case.system.sample_times)
+    return f"Use a step of at most {largest:.3g} s.", spell(case.but(step=step, sample_time=step if sampled else None))
+
+
+def _round_down(step: float) -> float:
+    """A step with one digit, below a given one, s."""
+    decade = 10.0 ** math.floor(math.log10(step))
+    return float(f"{math.floor(step / decade * (1 + 1e-9)) * decade:.0e}")
