@@ -116,7 +116,7 @@ def _of(component: Component, step: float) -> Iterator[Stiffness]:
     worst = max(_springs(component), default=None)
     if worst is not None and worst[0] * sub_step > LIMIT:
         rate, stiffness, inertia = worst
-        named = (_named(component, name) for name in (stiffness, inertia))
+        named = _named(component, stiffness), _named(component, inertia)
         yield Stiffness(component.name, *named, rate, sub_step, _rounded_down(ADVISED / rate))
 
 

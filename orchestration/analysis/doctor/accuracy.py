@@ -5,20 +5,22 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from orchestration.analysis.doctor.case import Case, Spelling
-from orchestration.analysis.doctor.finding import Finding, Severity, listed, percent
+from orchestration.analysis.doctor.finding import Finding, Severity, counted, listed, percent
 from orchestration.analysis.doctor.study import Kind, SignalError, Study
 
 SMALL, LARGE = 0.01, 0.1  # error as a share of the range: above them a warning, an error
 SCATTERED = 0.2  # difference of runs whose error has no order, as a share of the range, above which it is a warning
 UNCLEAR = (Kind.JUMPS, Kind.NONE)
 SEEN = 1e-4  # largest difference as a share of the range, below which it does not matter whether there is an order
+APART = 1.0  # difference of runs, as a share of the range, beyond which they have nothing in common
 MOST_COUNTED = 200  # most steps by which a step is divided in advice
 
 
 def accuracy_findings(case: Case, study: Study, spell: Spelling) -> Iterator[Finding]:
-    """Findings on a run that fails, on signals with an order, and on signals without one."""
+    """Findings on runs that fail or are not complete, on signals whose error has an order, and on those without one."""
     if study.failure:
-        yield Finding("run", Severity.ERROR, case.system.name, f"The run fails: {study.failure}", {"until": study.until})
+        said = f"The run fails: {study.failure}"
+        yield Finding("run", Severity.ERROR, case.system.name, said, {"until": study.until})
         return
     if study.cause:
         said = f"Only {len(study.steps)} of 3 runs with halved steps were made, for {_sentence(study.cause)}"
@@ -26,11 +28,23 @@ def accuracy_findings(case: Case, study: Study, spell: Spelling) -> Iterator[Fin
     elif study.until < (1 - 1e-9) * case.stop_time:
         said = f"The study of the step covers the first {study.until:.4g} s of {case.stop_time:g} s, within its budget."
         yield Finding("study", Severity.NOTE, case.system.name, said, {"until": study.until})
+    if study.signals and study.signals[0].relative > APART:
+        yield _apart(case, study.signals[0])
+        return
     yield from _with_order(case, [s for s in study.signals if s.kind is Kind.ORDER], spell)
     yield from _without_order(case, [s for s in study.signals if s.kind in UNCLEAR and s.relative_largest > SEEN])
     if study.signals and all(signal.kind is Kind.EXACT for signal in study.signals):
         said = "Halving the step changes no signal: the coupling makes no error beyond rounding."
         yield Finding("accuracy", Severity.NOTE, case.system.name, said)
+
+
+def _apart(case: Case, worst: SignalError) -> Finding:
+    """Finding on runs that have nothing in common."""
+    said = (
+        f"Runs with the steps {case.step:g} s and {case.step / 2:g} s have nothing in common: {worst.name} differs by"
+        f" {worst.relative:.3g} times its range (root mean square)."
+    )
+    return Finding("accuracy", Severity.ERROR, worst.name, said, _figures(worst))
 
 
 def _with_order(case: Case, signals: list[SignalError], spell: Spelling) -> Iterator[Finding]:
@@ -40,7 +54,11 @@ def _with_order(case: Case, signals: list[SignalError], spell: Spelling) -> Iter
     order = worst.order or 1.0
     severity = _graded(worst.relative)
     others = [signal.name for signal in signals[1:] if signal.relative > SMALL]
-    more = f" So are {listed(others)}." if others and severity is not Severity.NOTE else ""
+    more = (
+        f" So {'is' if len(others) == 1 else 'are'} {listed(others)}."
+        if others and severity is not Severity.NOTE
+        else ""
+    )
     said = (
         f"{worst.name} is off by {percent(worst.relative)} of its range (root mean square; at most"
         f" {percent(worst.relative_largest)}), an error of order {order:.1f} in the step.{more}"
@@ -61,9 +79,9 @@ def _without_order(case: Case, signals: list[SignalError]) -> Iterator[Finding]:
     sampled = [s for s in signals if not case.system.component(s.name.partition(".")[0]).continuous]
     reason = "noise, switching or chatter decides them, or they jump at instants that depend on the step"
     said = (
-        f"Smaller steps do not bring {len(signals)} signals together: {listed([s.name for s in signals])}. Between the"
-        f" steps {case.step:g} s and {case.step / 2:g} s {worst.name} differs by {percent(worst.relative)} of its range"
-        f" (root mean square). No order is to be seen there: {reason}. Trust their averages, and not single values."
+        f"Smaller steps do not bring {counted(len(signals), 'signal')} together: {listed([s.name for s in signals])}."
+        f" Between the steps {case.step:g} s and {case.step / 2:g} s {worst.name} differs by"
+        f" {percent(worst.relative)} of its range (root mean square). No order is to be seen there: {reason}. Trust their averages, and not single values."
     )
     figures = {**_figures(worst), "signals": [s.name for s in signals], "sampled": len(sampled)}
     severity = Severity.WARNING if worst.relative > SCATTERED else Severity.NOTE

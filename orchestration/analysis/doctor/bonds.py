@@ -37,8 +37,7 @@ def power_bonds(system: System) -> list[PowerBond]:
             back = [
                 c
                 for c in system.connections
-                if (c.source, c.target) == (effort.target, effort.source)
-                and _is(system, c, EFFORTS_AND_FLOWS[kind][1])
+                if (c.source, c.target) == (effort.target, effort.source) and _is(system, c, EFFORTS_AND_FLOWS[kind][1])
             ]
             back = [c for c in back if _index(c.output) == _index(effort.output)] if len(back) > 1 else back
             if len(back) == 1:

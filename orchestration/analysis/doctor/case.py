@@ -1,7 +1,7 @@
 """What is examined: a system with an algorithm, a step and a stop time, and how a user asks for other ones."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import MISSING, dataclass, field, fields, is_dataclass, replace
 from typing import Any
 
 from orchestration.master.algorithm import ALGORITHMS, Algorithm
@@ -66,10 +66,17 @@ def in_python(case: Case) -> str:
 
 
 def _algorithm(algorithm: Algorithm) -> str:
-    """An algorithm as Python."""
-    known = ALGORITHMS.get(algorithm.name)
-    if known == algorithm:
-        return repr(algorithm.name)
-    if known is not None and replace(known, order=algorithm.order) == algorithm:
-        return f"replace(ALGORITHMS[{algorithm.name!r}], order={algorithm.order})"
-    return repr(algorithm)
+    """An algorithm as Python: its name, or a call with what differs from the defaults."""
+    return repr(algorithm.name) if ALGORITHMS.get(algorithm.name) == algorithm else _call(algorithm)
+
+
+def _call(value: Any) -> str:
+    """A call that makes a dataclass, without the arguments that have their defaults."""
+    if not is_dataclass(value):
+        return repr(value)
+    given = []
+    for one in fields(value):
+        default = one.default_factory() if one.default_factory is not MISSING else one.default
+        if getattr(value, one.name) != default:
+            given.append(f"{one.name}={_call(getattr(value, one.name))}")
+    return f"{type(value).__name__}({', '.join(given)})"

@@ -13,7 +13,7 @@ import warnings
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from orchestration.analysis.doctor.accuracy import accuracy_findings
+from orchestration.analysis.doctor.accuracy import APART, accuracy_findings
 from orchestration.analysis.doctor.bonds import energy_findings
 from orchestration.analysis.doctor.case import Case, Spelling, in_python
 from orchestration.analysis.doctor.diagnosis import Diagnosis, sorted_by_severity
@@ -24,7 +24,7 @@ from orchestration.analysis.doctor.stability import stability_findings
 from orchestration.analysis.doctor.study import Study, study
 from orchestration.analysis.doctor.wiring import delay_findings, loop_findings
 from orchestration.analysis.stability.verdict import Verdict, stability
-from orchestration.errors import InitializationError, OrchestrationError, SystemDescriptionError
+from orchestration.errors import InitializationError, OrchestrationError
 from orchestration.fmi.given import positive, require_type
 from orchestration.master.algorithm import Algorithm, find_algorithm
 from orchestration.master.stiffness import SUB_STEP, stiff_components
@@ -99,13 +99,11 @@ def diagnose(
         case = None if fitting is None else asked.but(step=fitting)
     if case is not None:
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # findings say the same, and more
+            warnings.simplefilter("ignore", UserWarning)  # findings say the same, and more
             made = study(case, budget)
             findings += _of_runs(case, made, spell)
         signals = made.signals
-    return Diagnosis(
-        system.name, chosen.name, step, asked.stop_time, sorted_by_severity(findings), signals
-    )
+    return Diagnosis(system.name, chosen.name, step, asked.stop_time, sorted_by_severity(findings), signals)
 
 
 def _examined(case: Case, spell: Spelling) -> Iterator[Finding]:
@@ -125,7 +123,7 @@ def _of_runs(case: Case, made: Study, spell: Spelling) -> Iterator[Finding]:
     else:
         yield verdict
     yield from accuracy_findings(case, made, spell)
-    if made.result is not None and not made.failure:
+    if made.result is not None and made.signals and made.signals[0].relative <= APART:
         yield from energy_findings(case, made.result)
 
 

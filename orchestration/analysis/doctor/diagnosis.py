@@ -7,10 +7,8 @@ from dataclasses import asdict, dataclass
 from html import escape
 from typing import Any
 
-from orchestration.analysis.doctor.finding import Finding, Severity
+from orchestration.analysis.doctor.finding import Finding, Severity, counted
 from orchestration.analysis.doctor.study import SignalError
-
-MOST_SIGNALS = 5  # rows of the table of errors in a text
 
 
 @dataclass(frozen=True, repr=False)
@@ -56,6 +54,11 @@ class Diagnosis:
         """Severity of the worst finding; a note if there is none."""
         return self.findings[0].severity if self.findings else Severity.NOTE
 
+    @property
+    def counts(self) -> str:
+        """Numbers of findings as text, such as ``0 errors, 1 warning, 5 notes``."""
+        return ", ".join(counted(self.count(severity), severity) for severity in Severity)
+
     def count(self, severity: Severity) -> int:
         """Number of findings of a severity."""
         return sum(finding.severity is severity for finding in self.findings)
@@ -83,8 +86,7 @@ class Diagnosis:
 
     def __repr__(self) -> str:
         """System, algorithm, step and number of findings in one line."""
-        counts = ", ".join(_counted(self.count(severity), severity) for severity in Severity)
-        return f"<Diagnosis of {self._what()}: {counts}>"
+        return f"<Diagnosis of {self._what()}: {self.counts}>"
 
     def __str__(self) -> str:
         """Findings as several lines of text."""
@@ -112,10 +114,6 @@ def sorted_by_severity(findings: list[Finding]) -> tuple[Finding, ...]:
     """Findings with the worst first; those of the same severity stay in their order."""
     ranks = {severity: i for i, severity in enumerate(Severity)}
     return tuple(sorted(findings, key=lambda finding: ranks[finding.severity]))
-
-
-def _counted(n: int, severity: Severity) -> str:
-    return f"{n} {severity}{'' if n == 1 else 's'}"
 
 
 def _plain(value: Any) -> Any:

@@ -58,3 +58,8 @@ def listed(names: "list[str] | tuple[str, ...]", most: int = 4) -> str:
 def percent(share: float) -> str:
     """A share as text: 0.3 %, 12 %, 2.1e-05 %."""
     return f"{100 * share:.2g} %" if share < 1 else f"{100 * share:.3g} %"
+
+
+def counted(n: int, thing: str) -> str:
+    """A number of things: 1 signal, 3 signals."""
+    return f"{n} {thing}{'' if n == 1 else 's'}"

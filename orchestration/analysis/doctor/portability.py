@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from orchestration.analysis.doctor.finding import Finding, Severity, listed
+from orchestration.analysis.doctor.finding import Finding, Severity, counted, listed
 from orchestration.fmi.codes import REAL
 from orchestration.system.component import Component
 from orchestration.system.system import Connection, System
@@ -66,8 +66,8 @@ def _without_unit(system: System) -> Iterator[Finding]:
             "missing-units",
             Severity.NOTE,
             found[0],
-            f"One end of {len(found)} connections declares a unit and the other does not, so nothing is checked or"
-            f" converted: {listed(found)}.",
+            f"One end of {counted(len(found), 'connection')} declares a unit and the other does not, so nothing"
+            f" is checked or converted: {listed(found)}.",
             {"connections": found},
             "Declare the units, if one of these is wrong by a factor.",
         )
@@ -80,8 +80,8 @@ def _converted(system: System) -> Iterator[Finding]:
             "conversions",
             Severity.NOTE,
             found[0],
-            f"{len(found)} connections change the number on its way: {listed(found)}; most other tools pass it on as it"
-            " is.",
+            f"{counted(len(found), 'connection')} with another number at each end: {listed(found)}; most other"
+            " tools pass the number on as it is.",
             {"connections": found},
             "Use the same unit at both ends for other tools.",
         )
@@ -94,8 +94,8 @@ def _discrete(system: System) -> Iterator[Finding]:
             "discrete-connections",
             Severity.NOTE,
             found[0],
-            f"{len(found)} connections carry Integers or Booleans: {listed(found)}; tools that move every variable as a"
-            " Real refuse them.",
+            f"{counted(len(found), 'connection')} of Integers or Booleans: {listed(found)}; tools that move"
+            " every variable as a Real refuse them.",
             {"connections": found},
         )
 
@@ -107,8 +107,8 @@ def _input_starts(system: System) -> Iterator[Finding]:
             "input-starts",
             Severity.NOTE,
             found[0],
-            f"{len(found)} connected inputs start away from 0: {listed(found)}; tools that let inputs start with 0 show"
-            " other values before the first step, or fail.",
+            f"{counted(len(found), 'connected input')} away from 0 at the start: {listed(found)}; tools"
+            " that let inputs start with 0 show other values before the first step, or fail.",
             {"inputs": found},
         )
 
@@ -120,8 +120,8 @@ def _parameters(system: System) -> Iterator[Finding]:
             "start-values",
             Severity.NOTE,
             found[0],
-            f"{len(found)} start values belong to the system and not to its FMUs; tools that read no parameter sets of"
-            " SSP packages run with the FMUs' own.",
+            f"{counted(len(found), 'start value')} of the system's own, not of its FMUs: tools that"
+            " read no parameter sets of SSP packages run with the FMUs' own.",
             {"values": len(found)},
         )
 

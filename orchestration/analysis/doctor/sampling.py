@@ -1,5 +1,6 @@
 """How sampling periods fit the communication step and each other."""
 
+import itertools
 import math
 from collections.abc import Iterator
 from fractions import Fraction
@@ -66,7 +67,7 @@ def period_findings(case: Case) -> Iterator[Finding]:
     """Findings on periods that do not divide each other."""
     periods = case.system.sample_times
     ordered = sorted(periods.items(), key=lambda item: item[1])
-    for (fast, short), (slow, long) in zip(ordered, ordered[1:], strict=False):
+    for (fast, short), (slow, long) in itertools.pairwise(ordered):
         ratio = long / short
         if abs(ratio - round(ratio)) <= RATIO_TOLERANCE * ratio:
             continue
@@ -75,8 +76,8 @@ def period_findings(case: Case) -> Iterator[Finding]:
             "sampling-beat",
             Severity.NOTE,
             f"{slow}.sample_time",
-            f"The sampling periods of {fast}, {short:g} s, and {slow}, {long:g} s, do not divide each other: their ticks"
-            f" coincide every {nearest.denominator * long:.6g} s, and the age of what one reads from the other changes"
-            " from tick to tick.",
+            f"The sampling periods of {fast}, {short:g} s, and {slow}, {long:g} s, do not divide each other: their"
+            f" ticks coincide every {nearest.denominator * long:.6g} s, and the age of what one reads from the"
+            " other changes from tick to tick.",
             {"periods": {fast: short, slow: long}, "beat": nearest.denominator * long},
         )

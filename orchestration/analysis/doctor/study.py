@@ -19,10 +19,11 @@ from time import perf_counter
 import numpy as np
 
 from orchestration.analysis.doctor.case import Case
-from orchestration.errors import RecordedRows, SimulationError
+from orchestration.errors import SimulationError
 from orchestration.fmi.codes import REAL
 from orchestration.master.options import Options
 from orchestration.master.simulate import prepare
+from orchestration.results.result import Result
 from orchestration.stages import stage
 
 HALVINGS = 2
@@ -84,7 +85,10 @@ class Study:
     signals
         Errors of all Real outputs, the largest share of the range first; empty with fewer than two runs.
     result
-        Rows of the run with the longest step.
+        Rows of the run with the longest step; None if it failed.
+    spread
+        How many times larger the differences between the first two runs are over the whole run than over its first
+        tenth; infinite if there are none at first, 1 with fewer than two runs.
     failure
         Why that run failed; empty if it did not.
     cause
@@ -94,7 +98,8 @@ class Study:
     steps: tuple[float, ...]
     until: float
     signals: tuple[SignalError, ...]
-    result: RecordedRows | None
+    result: Result | None
+    spread: float = 1.0
     failure: str = ""
     cause: str = ""
 
@@ -112,20 +117,20 @@ def study(case: Case, budget: float) -> Study:
     """
     first = _Attempt(case, 1, budget / 2 ** (HALVINGS + 1))
     rows = first.run(_fitting(case))
-    until = float(rows.time[-1]) if rows is not None else 0.0
-    if first.failure or rows is None:
-        return Study((case.step,), until, (), rows, first.failure)
+    if rows is None:
+        return Study((case.step,), first.reached, (), None, failure=first.failure)
+    until = first.reached
     made, ends, cause = [rows], perf_counter() + budget, ""
     for i in range(1, HALVINGS + 1):
         finer = case.but(step=case.step / 2**i, stop_time=until)
         attempt = _Attempt(finer, 2**i, ends - perf_counter())
         found = attempt.run(until)
-        if found is None or attempt.failure or len(found.time) < len(rows.time):
+        if found is None or len(found.time) < len(rows.time):
             cause = attempt.failure or f"a step of {finer.step:.3g} s takes longer than the budget."
             break
         made.append(found)
     steps = tuple(case.step / 2**i for i in range(len(made)))
-    return Study(steps, until, _errors(case, made), rows, cause=cause)
+    return Study(steps, until, _errors(case, made), rows, _spread(made), cause=cause)
 
 
 @dataclass
@@ -136,9 +141,10 @@ class _Attempt:
     every: int
     time: float
     failure: str = ""
+    reached: float = 0.0
 
-    def run(self, until: float) -> RecordedRows | None:
-        """Run until a time, s, a failure, or the end of the time that the run has."""
+    def run(self, until: float) -> Result | None:
+        """Run until a time, s, or the end of the time that the run has; None after a failure."""
         case = self.case
         run = prepare(case.system, case.stop_time, case.step, case.algorithm, options=Options(every=self.every))
         doing = f"running {case.system.name} with a step of {case.step:.3g} s"
@@ -149,10 +155,12 @@ class _Attempt:
                     run.run(until=float(times[k]))
                     if perf_counter() > limit:
                         break
+                self.reached = run.time
                 return run.result()
         except SimulationError as error:
             self.failure = str(error)
-            return error.result
+            self.reached = 0.0 if error.result is None else float(error.result.time[-1])
+            return None
 
     def _ends(self, until: float, times: np.ndarray) -> list[int]:
         """Indices of communication points at which the clock is read; all rows that are kept fit them."""
@@ -168,7 +176,17 @@ def _fitting(case: Case) -> float:
     return case.stop_time if n == case.n else n * case.step
 
 
-def _errors(case: Case, made: list[RecordedRows]) -> tuple[SignalError, ...]:
+def _spread(made: list[Result]) -> float:
+    """How many times larger the differences of two runs are over the whole run than over its first tenth."""
+    if len(made) < HALVINGS:
+        return 1.0
+    span = np.ptp(made[1].rows, axis=0)
+    apart = np.abs(made[0].rows - made[1].rows)[:, span > 0] / span[span > 0]
+    early = _peak(apart[: max(2, len(apart) // 10)])
+    return _peak(apart) / early if early else math.inf
+
+
+def _errors(case: Case, made: list[Result]) -> tuple[SignalError, ...]:
     """Errors of all Real outputs from two or three runs with the same rows."""
     if len(made) < HALVINGS:
         return ()
@@ -214,8 +232,9 @@ def _order(first: float, second: float) -> float:
 
 
 def _size(values: np.ndarray) -> float:
-    """Root mean square."""
-    return float(np.sqrt(np.mean(np.square(values))))
+    """Root mean square, of numbers whose squares may overflow."""
+    peak = _peak(values)
+    return peak * float(np.sqrt(np.mean(np.square(values / peak)))) if peak else 0.0
 
 
 def _peak(values: np.ndarray) -> float:

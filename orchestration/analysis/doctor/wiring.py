@@ -7,7 +7,7 @@ from functools import cache
 from pathlib import Path
 
 from orchestration.analysis.doctor.case import Case, Spelling
-from orchestration.analysis.doctor.finding import Finding, Severity, listed
+from orchestration.analysis.doctor.finding import Finding, Severity, counted, listed
 from orchestration.fmi.document import OUTPUTS, Document, parsed, read_bytes
 from orchestration.master.algorithm import PARALLEL
 from orchestration.system.system import Component, Connection, System
@@ -45,8 +45,7 @@ def algebraic_loops(system: System) -> list[list[Connection]]:
     for i, c in enumerate(system.connections):
         feeding.setdefault(c.source, []).append(i)
     followers = [
-        [j for j in feeding.get(c.target, ()) if _follows(system, c, system.connections[j])]
-        for c in system.connections
+        [j for j in feeding.get(c.target, ()) if _follows(system, c, system.connections[j])] for c in system.connections
     ]
     groups = [group for group in _strong_groups(followers) if len(group) > 1 or group[0] in followers[group[0]]]
     return [[system.connections[i] for i in sorted(group)] for group in groups]
@@ -173,11 +172,11 @@ def delay_findings(case: Case, spell: Spelling) -> Iterator[Finding]:
     if not any(found.weight):
         return
     parts = [
-        f"{len(connections)} {words}"
+        f"{counted(len(connections), 'signal')} {words}"
         for connections, words in (
-            (found.late, "signals of sampled components are used a tick late"),
-            (found.early, "signals are read by sampled components a step ahead of their tick"),
-            (found.held, "signals between continuous components are held from the start of each step"),
+            (found.late, "from sampled components arrive a tick late"),
+            (found.early, "reach sampled components a step ahead of their tick"),
+            (found.held, "between continuous components are held from the start of each step"),
         )
         if connections
     ]

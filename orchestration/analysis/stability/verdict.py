@@ -90,6 +90,9 @@ class Verdict:
         Sentences for the user.
     better
         What is stable at this step, if the algorithm is not.
+    hidden
+        Components that move so much during the experiment that not all of their states can be told from the motion.
+        Then the radius is rough.
 
     Examples
     --------
@@ -112,6 +115,7 @@ class Verdict:
     blame: tuple[tuple[Connection, float], ...]
     advice: tuple[str, ...]
     better: tuple[Alternative, ...] = ()
+    hidden: tuple[str, ...] = ()
 
     @property
     def stable(self) -> bool:
@@ -211,12 +215,17 @@ def stability(
                 better += [one for one in [found] if one is not None]
     contraction = coupled.contraction(algorithm, step)
     advice += _remarks(system, algorithm, contraction)
+    hidden = tuple(model.name for model in coupled.models if model.map.hidden)
+    if hidden and not here.stable:
+        names = ", ".join(hidden)
+        advice.append(f"The motion of {names} at that instant hides some of its states, so the radius is rough.")
     return Verdict(
         *(system.name, algorithm.name, step, system.stop_time),
         *(here.radius, here.threshold, contraction, largest),
         blame=_blame(coupled, algorithm, step),
         advice=tuple(advice),
         better=tuple(better),
+        hidden=hidden,
     )
 
 
@@ -286,7 +295,10 @@ def _alternatives(examined: Examined, coupled: Coupled, here: Point) -> Iterator
         radius, other = min(tried, key=lambda pair: pair[0])
         if radius - 1 < 0.9 * (here.radius - 1):
             rate = math.log(radius) / h
-            yield f"{_named(other, full, h)} grows least at this step, by {rate:.3g} 1/s (radius 1 {radius - 1:+.3g}).", None
+            yield (
+                f"{_named(other, full, h)} grows least at this step, by {rate:.3g} 1/s (radius 1 {radius - 1:+.3g}).",
+                None,
+            )
 
 
 def _named(algorithm: Algorithm, coupled: Coupled, h: float) -> str:
