@@ -81,7 +81,8 @@ def _without_order(case: Case, signals: list[SignalError]) -> Iterator[Finding]:
     said = (
         f"Smaller steps do not bring {counted(len(signals), 'signal')} together: {listed([s.name for s in signals])}."
         f" Between the steps {case.step:g} s and {case.step / 2:g} s {worst.name} differs by"
-        f" {percent(worst.relative)} of its range (root mean square). No order is to be seen there: {reason}. Trust their averages, and not single values."
+        f" {percent(worst.relative)} of its range (root mean square). No order is to be seen there: {reason}. Trust"
+        " averages, and not single values."
     )
     figures = {**_figures(worst), "signals": [s.name for s in signals], "sampled": len(sampled)}
     severity = Severity.WARNING if worst.relative > SCATTERED else Severity.NOTE

@@ -92,16 +92,17 @@ def diagnose(
     step, chosen = positive("The step", system.run_step(step)), find_algorithm(algorithm)
     asked = Case(system, step, positive("The stop time", system.run_stop_time(stop_time)), chosen)
     findings = list(_examined(asked, spell))
-    fitting = fitting_step(system, step)
-    findings += fit_findings(asked, fitting, spell)
+    fitting = fitting_step(system, step, asked.stop_time)
+    unfit = list(fit_findings(asked, fitting, spell))
+    findings += unfit
     case, signals = asked, ()
-    if any(finding.id == "sampling-period" for finding in findings):
+    if unfit:
         case = None if fitting is None else asked.but(step=fitting)
     if case is not None:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", UserWarning)  # findings say the same, and more
             made = study(case, budget)
-            findings += _of_runs(case, made, spell)
+            findings += list(_of_runs(case, made, spell))
         signals = made.signals
     return Diagnosis(system.name, chosen.name, step, asked.stop_time, sorted_by_severity(findings), signals)
 
@@ -109,7 +110,7 @@ def diagnose(
 def _examined(case: Case, spell: Spelling) -> Iterator[Finding]:
     """Findings that need no run."""
     yield from _stiffness(case, spell)
-    yield from loop_findings(case)
+    yield from loop_findings(case, spell)
     yield from delay_findings(case, spell)
     yield from period_findings(case)
     yield from portability_findings(case.system)

@@ -60,6 +60,6 @@ def percent(share: float) -> str:
     return f"{100 * share:.2g} %" if share < 1 else f"{100 * share:.3g} %"
 
 
-def counted(n: int, thing: str) -> str:
-    """A number of things: 1 signal, 3 signals."""
-    return f"{n} {thing}{'' if n == 1 else 's'}"
+def counted(n: int, thing: str, verb: str = "", verbs: str = "") -> str:
+    """A number of things, and what they do: 1 signal arrives, 3 signals arrive."""
+    return " ".join(filter(None, (str(n), thing, verb) if n == 1 else (str(n), f"{thing}s", verbs)))

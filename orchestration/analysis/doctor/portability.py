@@ -42,12 +42,13 @@ def _relative(system: System) -> Iterator[Finding]:
         offsets = {unit.meaning.offset for unit in units if unit is not None and unit.meaning is not None}
         if output.relative == input_.relative or not offsets - {0.0}:
             continue
-        which = (output.name, input_.name) if output.relative else (input_.name, output.name)
+        ends = [f"{c.source}.{c.output}", f"{c.target}.{c.input}"]
+        difference, absolute = ends if output.relative else reversed(ends)
         yield Finding(
             "relative-quantity",
             Severity.WARNING,
             f"{c.source}.{c.output}",
-            f"{c}: {which[0]} is declared as a difference (relativeQuantity) and {which[1]} as an absolute value, so"
+            f"{difference} is declared as a difference (relativeQuantity) and {absolute} as an absolute value, so"
             f" {output.unit} becomes {input_.unit} without the offset.",
             {"output_unit": output.unit, "input_unit": input_.unit},
             "Declare both ends alike, or give the Connection a factor and an offset.",
@@ -80,8 +81,8 @@ def _converted(system: System) -> Iterator[Finding]:
             "conversions",
             Severity.NOTE,
             found[0],
-            f"{counted(len(found), 'connection')} with another number at each end: {listed(found)}; most other"
-            " tools pass the number on as it is.",
+            f"{counted(len(found), 'connection', 'changes', 'change')} the number on its way: {listed(found)};"
+            " most other tools pass numbers on as they are.",
             {"connections": found},
             "Use the same unit at both ends for other tools.",
         )
@@ -94,8 +95,8 @@ def _discrete(system: System) -> Iterator[Finding]:
             "discrete-connections",
             Severity.NOTE,
             found[0],
-            f"{counted(len(found), 'connection')} of Integers or Booleans: {listed(found)}; tools that move"
-            " every variable as a Real refuse them.",
+            f"{counted(len(found), 'connection', 'carries', 'carry')} Integers or Booleans: {listed(found)};"
+            " tools that move every variable as a Real refuse them.",
             {"connections": found},
         )
 
@@ -107,7 +108,7 @@ def _input_starts(system: System) -> Iterator[Finding]:
             "input-starts",
             Severity.NOTE,
             found[0],
-            f"{counted(len(found), 'connected input')} away from 0 at the start: {listed(found)}; tools"
+            f"{counted(len(found), 'connected input', 'starts', 'start')} away from 0: {listed(found)}; tools"
             " that let inputs start with 0 show other values before the first step, or fail.",
             {"inputs": found},
         )
@@ -120,7 +121,7 @@ def _parameters(system: System) -> Iterator[Finding]:
             "start-values",
             Severity.NOTE,
             found[0],
-            f"{counted(len(found), 'start value')} of the system's own, not of its FMUs: tools that"
+            f"{counted(len(found), 'start value', 'belongs', 'belong')} to the system and not to its FMUs; tools that"
             " read no parameter sets of SSP packages run with the FMUs' own.",
             {"values": len(found)},
         )

@@ -13,23 +13,38 @@ from orchestration.system.sampling import RATIO_TOLERANCE, steps_per_tick
 from orchestration.system.system import System
 
 FINEST = 1000  # by how many times a step may have to be shorter than the given one
+DIGITS = 10**9  # largest denominator of a sampling period as a fraction of a second
 MOST_BEATS = 1000  # most periods after which all ticks should coincide again
 
 
-def fitting_step(system: System, step: float) -> float | None:
-    """The longest step, s, that is not above a given one and divides every sampling period; None if there is none."""
-    periods = [Fraction(period).limit_denominator(10**9) for period in system.sample_times.values() if period > 0]
-    if not periods:
+def fitting_step(system: System, step: float, stop_time: float) -> float | None:
+    """The longest round step, s, of at most a given one that divides every sampling period and the stop time.
+
+    A step is round if it has at most two digits. None if there is no such step within a thousandth of the given one.
+    """
+    common = Fraction(0)
+    for period in system.sample_times.values():
+        common = _common_divisor(common, Fraction(period).limit_denominator(DIGITS))
+    if not common:
         return step
-    common = periods[0]
-    for period in periods[1:]:
-        common = Fraction(
-            math.gcd(common.numerator * period.denominator, period.numerator * common.denominator),
-            common.denominator * period.denominator,
-        )
-    parts = math.ceil(common / Fraction(step) - Fraction(RATIO_TOLERANCE))
-    found = float(common / max(1, parts))
-    return found if found > step / FINEST else None
+    least = math.ceil(common / Fraction(step) - Fraction(RATIO_TOLERANCE))
+    parts = range(max(1, least), FINEST * max(1, least))
+    whole = [n for n in parts if _is_whole(stop_time * n / float(common))]
+    chosen = next((n for n in whole if _is_round(float(common / n))), next(iter(whole), None))
+    return None if chosen is None or float(common / chosen) < step / FINEST else float(common / chosen)
+
+
+def _common_divisor(a: Fraction, b: Fraction) -> Fraction:
+    """Largest number that divides both."""
+    return Fraction(math.gcd(a.numerator * b.denominator, b.numerator * a.denominator), a.denominator * b.denominator)
+
+
+def _is_whole(ratio: float) -> bool:
+    return abs(ratio - round(ratio)) <= RATIO_TOLERANCE * ratio
+
+
+def _is_round(value: float) -> bool:
+    return math.isclose(float(f"{value:.1e}"), value, rel_tol=RATIO_TOLERANCE)
 
 
 def fit_findings(case: Case, fitting: float | None, spell: Spelling) -> Iterator[Finding]:

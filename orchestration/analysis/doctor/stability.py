@@ -6,7 +6,8 @@ from collections.abc import Iterator
 from orchestration.analysis.doctor.case import Case, Spelling
 from orchestration.analysis.doctor.finding import Finding, Severity, listed, percent
 from orchestration.analysis.doctor.study import Kind, Study
-from orchestration.analysis.stability.verdict import Verdict
+from orchestration.analysis.stability.step_limit import FLOOR
+from orchestration.analysis.stability.verdict import Alternative, Verdict
 
 LITTLE, MUCH = 0.1, 10.0  # growth over a run that is a note, and from which on it is an error
 CERTAIN = 1e16  # growth after which rounding errors would be as large as the signals
@@ -33,7 +34,10 @@ def stability_findings(case: Case, verdict: Verdict, study: Study, spell: Spelli
     subject = f"{culprit.source}.{culprit.output}" if culprit else case.system.name
     at = f"{verdict.algorithm} with a step of {case.step:g} s"
     if verdict.stable:
-        yield Finding("stability", Severity.NOTE, subject, f"{at} is stable. {verdict.advice[0]}", figures)
+        said = f"{at} is stable. {verdict.advice[0]}"
+        if verdict.largest_stable_step is None:
+            said = f"{at} is stable as far as can be seen, but no other step that was examined is."
+        yield Finding("stability", Severity.NOTE, subject, said, figures)
         return
     over = f"a small deviation grows {_words(growth)} over {case.stop_time:g} s"
     blamed = f" The signal that matters most is {culprit}." if culprit else ""
@@ -102,21 +106,33 @@ def accepted(study: Study, case: Case) -> bool:
 
 def _advice(case: Case, verdict: Verdict, spell: Spelling) -> tuple[str, str]:
     """What to do about an instability, as a sentence and as a command."""
-    if verdict.better:
-        better = verdict.better[0]
-        changed = case.but(algorithm=better.algorithm, order=better.order)
-        what = f"{better.algorithm.name} with inputs of order {better.algorithm.order}"
-        if better.order is not None:
-            what = f"the order {', '.join(better.order)}"
-        elif better.algorithm == case.algorithm:
-            what = "this order"
-        return f"At this step {what} is stable.", spell(changed)
+    grown = [(_grown(one.radius, case), one) for one in verdict.better]
+    little = [pair for pair in grown if pair[0] < LITTLE]
+    if little:
+        growth, better = little[0]
+        what = _named(better)
+        said = f"At this step {what} is stable." if growth <= 0 else f"At this step {what} grows by {percent(growth)}."
+        return said, spell(case.but(algorithm=better.algorithm, order=better.order))
     largest = _number(verdict.largest_stable_step)
     if largest is None:
         return verdict.advice[0], ""
     step = _round_down(largest)
     sampled = bool(case.system.sample_times)
     return f"Use a step of at most {largest:.3g} s.", spell(case.but(step=step, sample_time=step if sampled else None))
+
+
+def _grown(radius: float, case: Case) -> float:
+    """Share by which a deviation grows over the run with a radius per step; 0 where none is to be seen."""
+    exponent = max(0.0, math.log(max(radius, 1e-300))) * case.n
+    return 0.0 if radius <= 1 + FLOOR else math.expm1(min(exponent, 700.0))
+
+
+def _named(better: Alternative) -> str:
+    """An alternative in words."""
+    if better.order is not None:
+        return f"the order {', '.join(better.order)}"
+    order = better.algorithm.order
+    return f"{better.algorithm.name} with inputs of order {order}" if order else better.algorithm.name
 
 
 def _round_down(step: float) -> float:

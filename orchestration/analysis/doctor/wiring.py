@@ -8,14 +8,15 @@ from pathlib import Path
 
 from orchestration.analysis.doctor.case import Case, Spelling
 from orchestration.analysis.doctor.finding import Finding, Severity, counted, listed
+from orchestration.fmi.codes import SAVES_STATE
 from orchestration.fmi.document import OUTPUTS, Document, parsed, read_bytes
-from orchestration.master.algorithm import PARALLEL
+from orchestration.master.algorithm import ALGORITHMS, PARALLEL
 from orchestration.system.system import Component, Connection, System
 
 MOST_ORDERED = 7  # most components for which all orders are tried
 
 
-def loop_findings(case: Case) -> Iterator[Finding]:
+def loop_findings(case: Case, spell: Spelling) -> Iterator[Finding]:
     """Findings on algebraic loops: cycles of connections through outputs that follow inputs at once."""
     solved = case.algorithm.correction is not None
     for loop in algebraic_loops(case.system):
@@ -31,8 +32,15 @@ def loop_findings(case: Case) -> Iterator[Finding]:
             f"An algebraic loop goes through {listed(through, 6)}: each follows the one before at once, as far as the"
             f" FMUs declare; {consequence}.",
             {"signals": through},
-            "" if solved else "Let newton or iterative solve it.",
+            *(("", "") if solved else _solver(case, spell)),
         )
+
+
+def _solver(case: Case, spell: Spelling) -> tuple[str, str]:
+    """Advice on who solves a loop, with the command if all components can repeat a step."""
+    able = all(c.description.can(SAVES_STATE) for c in case.system.components if c.continuous)
+    advice = "Let newton or iterative solve it."
+    return advice, spell(case.but(algorithm=ALGORITHMS["newton"])) if able else ""
 
 
 def algebraic_loops(system: System) -> list[list[Connection]]:
@@ -172,11 +180,11 @@ def delay_findings(case: Case, spell: Spelling) -> Iterator[Finding]:
     if not any(found.weight):
         return
     parts = [
-        f"{counted(len(connections), 'signal')} {words}"
+        counted(len(connections), "signal", *words)
         for connections, words in (
-            (found.late, "from sampled components arrive a tick late"),
-            (found.early, "reach sampled components a step ahead of their tick"),
-            (found.held, "between continuous components are held from the start of each step"),
+            (found.late, _both("from sampled components", "arrives", "arrive", "a tick late")),
+            (found.early, _both("", "reaches", "reach", "sampled components a step ahead of the tick")),
+            (found.held, _both("between continuous components", "is", "are", "held from the start of each step")),
         )
         if connections
     ]
@@ -192,6 +200,7 @@ def delay_findings(case: Case, spell: Spelling) -> Iterator[Finding]:
         command = spell(case.but(order=tuple(better)))
     elif case.algorithm.exchange == PARALLEL and found.late:
         advice = "gauss-seidel hands new values on within a step."
+        command = spell(case.but(algorithm=ALGORITHMS["gauss-seidel"]))
     yield Finding(
         "delays",
         Severity.WARNING if better is not None and found.weight[0] else Severity.NOTE,
@@ -201,6 +210,11 @@ def delay_findings(case: Case, spell: Spelling) -> Iterator[Finding]:
         advice,
         command,
     )
+
+
+def _both(between: str, verb: str, verbs: str, what: str) -> tuple[str, str]:
+    """What one signal does, and what several signals do."""
+    return " ".join(filter(None, (between, verb, what))), " ".join(filter(None, (between, verbs, what)))
 
 
 def _better_order(case: Case, found: Delays) -> list[str] | None:

@@ -45,7 +45,7 @@ MOST_ORDERED = 5  # most components for which all orders are tried
 
 @dataclass(frozen=True)
 class Alternative:
-    """Another algorithm, or another order of the components, that is stable at the same step.
+    """Another algorithm, or another order of the components, that is stable at the same step or grows less.
 
     Attributes
     ----------
@@ -89,7 +89,7 @@ class Verdict:
     advice
         Sentences for the user.
     better
-        What is stable at this step, if the algorithm is not.
+        What is stable at this step, or at least grows less, if the algorithm is unstable.
     hidden
         Components that move so much during the experiment that not all of their states can be told from the motion.
         Then the radius is rough.
@@ -212,7 +212,7 @@ def stability(
         if not here.stable:
             for sentence, found in _alternatives(examined, coupled, here):
                 advice.append(sentence)
-                better += [one for one in [found] if one is not None]
+                better.append(found)
     contraction = coupled.contraction(algorithm, step)
     advice += _remarks(system, algorithm, contraction)
     hidden = tuple(model.name for model in coupled.models if model.map.hidden)
@@ -275,7 +275,7 @@ def _limits(search: Search, largest: float | None) -> str:
     return f"Steps up to {largest:.3g} s, {largest / h:.3g} times this one, are stable."
 
 
-def _alternatives(examined: Examined, coupled: Coupled, here: Point) -> Iterator[tuple[str, Alternative | None]]:
+def _alternatives(examined: Examined, coupled: Coupled, here: Point) -> Iterator[tuple[str, Alternative]]:
     """Algorithms that are stable at this step, with a sentence each; or else a sentence on the one that grows least."""
     h, algorithm = here.step, examined.algorithm
     if algorithm.exchange == SEQUENTIAL and algorithm.correction is None:
@@ -295,10 +295,9 @@ def _alternatives(examined: Examined, coupled: Coupled, here: Point) -> Iterator
         radius, other = min(tried, key=lambda pair: pair[0])
         if radius - 1 < 0.9 * (here.radius - 1):
             rate = math.log(radius) / h
-            yield (
-                f"{_named(other, full, h)} grows least at this step, by {rate:.3g} 1/s (radius 1 {radius - 1:+.3g}).",
-                None,
-            )
+            named = _named(other, full, h)
+            sentence = f"{named} grows least at this step, by {rate:.3g} 1/s (radius 1 {radius - 1:+.3g})."
+            yield sentence, Alternative(other, None, radius)
 
 
 def _named(algorithm: Algorithm, coupled: Coupled, h: float) -> str:
@@ -308,7 +307,7 @@ def _named(algorithm: Algorithm, coupled: Coupled, h: float) -> str:
     return f"{name} with order {algorithm.order}"
 
 
-def _orders(examined: Examined, coupled: Coupled, here: Point) -> Iterator[tuple[str, Alternative | None]]:
+def _orders(examined: Examined, coupled: Coupled, here: Point) -> Iterator[tuple[str, Alternative]]:
     """Best order of the components, if it is much better than the given order, with a sentence."""
     names = [model.name for model in coupled.models]
     if len(names) > MOST_ORDERED:
@@ -320,9 +319,8 @@ def _orders(examined: Examined, coupled: Coupled, here: Point) -> Iterator[tuple
     radius, order = min(trials)
     if radius - 1 < 0.5 * (here.radius - 1) - here.threshold:
         named = tuple(names[i] for i in order)
-        stable = radius <= 1 + max(here.threshold, FLOOR)
-        found = Alternative(examined.algorithm, named, radius) if stable else None
-        yield f"The order {', '.join(named)} has a radius of 1 {radius - 1:+.3g}.", found
+        sentence = f"The order {', '.join(named)} has a radius of 1 {radius - 1:+.3g}."
+        yield sentence, Alternative(examined.algorithm, named, radius)
 
 
 def _remarks(system: System, algorithm: Algorithm, contraction: float | None) -> Iterator[str]:
