@@ -5,8 +5,13 @@ mass m swings at the rate
 
     omega = sqrt(k / m)
 
-and the method is accurate while omega times the sub-step is small: its error of phase is (omega dt)^4 / 120 per
-radian. Contact at a stiff wall begins during a run, so the state at the start does not show it. The parameters do: the
+and the method is accurate while omega times the sub-step dt is small: its error of phase is (omega dt)^4 / 120 per
+radian. At the wall of the paper's arm, errors are 0.01 to 1 % of the range of a signal at omega dt = 0.32, and 5 to
+10 % at 0.55. Where the communication step h is long, too, the bounces off the wall fall between the samples of the
+controller, and errors grow from bounce to bounce: from omega h = 0.5 on, omega dt = 0.1 is the limit. With 0.05 errors
+stay below 0.1 %.
+
+Contact at a stiff wall begins during a run, so the state at the start does not show it. The parameters do: the
 stiffest parameter in N/m over the lightest in kg, or in N.m/rad over kg.m2, bounds omega.
 """
 
@@ -22,8 +27,9 @@ from orchestration.system.system import System
 
 SUB_STEP = "dt_max"
 """Name of the parameter that tells the longest sub-step, s."""
-LIMIT = 0.32  # omega dt: at a wall, errors here are 0.01 to 1 % of the range of a signal, and 2 to 10 % at 0.55
-ADVISED = 0.2  # omega dt: errors stay below 0.1 % of the range
+WELL_SAMPLED = 0.5  # omega h: above it, a period of the swing has fewer than 13 communication steps
+LIMITS = (0.32, 0.1)  # omega dt, with a swing that is sampled well, and that is not
+ADVISED = 0.05  # omega dt
 SLACK = 1e-6  # by which a step may exceed a whole number of sub-steps
 SPRINGS = (
     ({"kg": 1, "s": -2}, {"kg": 1}),
@@ -44,7 +50,7 @@ class StiffnessWarning(UserWarning):
     ...     warnings.simplefilter("always", StiffnessWarning)
     ...     result = simulate(steel, stop_time=0.1)
     >>> print(caught[0].message)
-    plant: K_f = 1e+08 N/m on m[2] = 1 kg swings at 1e+04 rad/s, ... set plant.dt_max to 2e-05 s or less.
+    plant: K_f = 1e+08 N/m on m[2] = 1 kg swings at 1e+04 rad/s, ... set plant.dt_max to 5e-06 s or less.
     """
 
 
@@ -114,7 +120,7 @@ def _of(component: Component, step: float) -> Iterator[Stiffness]:
         return
     sub_step = step / max(1, math.ceil(step / longest - SLACK))
     worst = max(_springs(component), default=None)
-    if worst is not None and worst[0] * sub_step > LIMIT:
+    if worst is not None and worst[0] * sub_step > LIMITS[worst[0] * step > WELL_SAMPLED]:
         rate, stiffness, inertia = worst
         named = _named(component, stiffness), _named(component, inertia)
         yield Stiffness(component.name, *named, rate, sub_step, _rounded_down(ADVISED / rate))

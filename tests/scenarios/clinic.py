@@ -6,14 +6,14 @@ uv run python -m tests.scenarios.clinic FOLDER    writes the packages
 import re
 import sys
 import zipfile
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import casadi as ca
 
-from adaptimp_fmu import POSITIVE, ContinuousModel, SampledModel, build
+from adaptimp_fmu import POSITIVE, ContinuousModel, Model, SampledModel, build
 from orchestration import System
-
-KELVIN = 273.15  # K at 0 degC
 
 
 def room() -> ContinuousModel:
@@ -91,7 +91,7 @@ def dc_motor() -> ContinuousModel:
 
 
 def speed_controller() -> SampledModel:
-    """A digital PI controller of a speed, with its filter in a component of its own."""
+    """A digital PI controller of a speed."""
     model = SampledModel("SpeedController", "A PI controller", sample_time=5e-3)
     w = model.input("w", 0.0, unit="rad/s", description="Measured speed")
     w_set = model.parameter("w_set", 100.0, unit="rad/s", description="Wanted speed")
@@ -198,18 +198,22 @@ def two_tanks(folder: Path) -> System:
     return _system("two tanks", fmus, wires, 1.0, 120.0).set({"right.h_start": 0.2})
 
 
-def _built(models: dict, folder: Path) -> dict[str, Path]:
+def _built(models: Mapping[str, Callable[[], Model]], folder: Path) -> dict[str, Path]:
     made = {declare: build(declare(), folder) for declare in dict.fromkeys(models.values())}
     return {name: made[declare] for name, declare in models.items()}
 
 
-def _system(name: str, fmus: dict[str, Path], wires: tuple[str, ...], step: float, stop_time: float) -> System:
-    from dataclasses import replace
-
+def _system(name: str, fmus: Mapping[str, Path], wires: Sequence[str], step: float, stop_time: float) -> System:
     return replace(System.of(fmus, name).connect(*wires), step=step, stop_time=stop_time)
 
 
-CASES = {"thermal": thermal, "drive": drive, "sampled": sampled, "quarter-car": quarter_car, "two-tanks": two_tanks}
+CASES: Mapping[str, Callable[[Path], System]] = {
+    "thermal": thermal,
+    "drive": drive,
+    "sampled": sampled,
+    "quarter-car": quarter_car,
+    "two-tanks": two_tanks,
+}
 
 
 def write(folder: Path) -> None:

@@ -41,6 +41,13 @@ class Case:
         return replace(self, **changes)
 
     @property
+    def changed_system(self) -> System:
+        """The system with the proposed start values, sampling period and order."""
+        system = self.system.set(self.values) if self.values else self.system
+        system = system if self.sample_time is None else system.with_sample_time(self.sample_time)
+        return system if self.order is None else system.ordered(self.order)
+
+    @property
     def n(self) -> int:
         """Number of steps."""
         return max(1, round(self.stop_time / self.step))

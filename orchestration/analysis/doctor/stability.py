@@ -1,7 +1,7 @@
 """Findings on stability: how much deviations grow over the run, and whether the run bears that out."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 from orchestration.analysis.doctor.case import Case, Spelling
 from orchestration.analysis.doctor.finding import Finding, Severity, listed, percent
@@ -9,18 +9,33 @@ from orchestration.analysis.doctor.study import Kind, Study
 from orchestration.analysis.stability.step_limit import FLOOR
 from orchestration.analysis.stability.verdict import Alternative, Verdict
 
+Trial = Callable[[Case], str]
+"""A function that says why a case fails; empty if it does not."""
+SHARES = (2, 5, 10, 20, 50, 100)  # of the step that are proposed
 LITTLE, MUCH = 0.1, 10.0  # growth over a run that is a note, and from which on it is an error
 CERTAIN = 1e16  # growth after which rounding errors would be as large as the signals
 TELLING = 1e3  # growth from which on a run shows whether it takes place: errors that add up grow by less
 SMALL = 0.01  # error, as a share of the range, with which a run is accepted
 
 
-def stability_findings(case: Case, verdict: Verdict, study: Study, spell: Spelling) -> Iterator[Finding]:
+def stability_findings(
+    case: Case, judged: tuple[Verdict, float], study: Study, ways: tuple[Trial, Spelling]
+) -> Iterator[Finding]:
     """Findings from the predicted stability and from the runs that were made.
 
     A growth of less than a tenth over the run is a note, one of more than ten times an error. A prediction is an
     approximation near one instant, so the runs have the last word.
+
+    Parameters
+    ----------
+    judged
+        Verdict, and the time of its operating point, s.
+    study
+        Runs with halved steps.
+    ways
+        Functions that say why a changed case fails, and how a user runs it.
     """
+    verdict, instant = judged
     growth = _growth(verdict, case.stop_time)
     culprit = verdict.blame[0][0] if verdict.blame else None
     figures = {
@@ -30,6 +45,7 @@ def stability_findings(case: Case, verdict: Verdict, study: Study, spell: Spelli
         "largest_stable_step": _number(verdict.largest_stable_step),
         "culprit": str(culprit) if culprit else None,
         "hidden": list(verdict.hidden),
+        "instant": instant,
     }
     subject = f"{culprit.source}.{culprit.output}" if culprit else case.system.name
     at = f"{verdict.algorithm} with a step of {case.step:g} s"
@@ -39,6 +55,7 @@ def stability_findings(case: Case, verdict: Verdict, study: Study, spell: Spelli
             said = f"{at} is stable as far as can be seen, but no other step that was examined is."
         yield Finding("stability", Severity.NOTE, subject, said, figures)
         return
+    near = f" near t = {instant:.4g} s" if instant > 0 else ""
     over = f"a small deviation grows {_words(growth)} over {case.stop_time:g} s"
     blamed = f" The signal that matters most is {culprit}." if culprit else ""
     if growth < LITTLE:
@@ -47,16 +64,16 @@ def stability_findings(case: Case, verdict: Verdict, study: Study, spell: Spelli
         return
     if contradicted(growth, study):
         said = (
-            f"Taken as linear near t = 0, {at} would let deviations grow by {verdict.growth_rate:.3g} 1/s. The run does"
-            f" not bear that out: runs with half the step stay together. {_why(verdict)}"
+            f"Taken as linear near t = {instant:.4g} s, {at} would let deviations grow by {verdict.growth_rate:.3g} 1/s."
+            f" The run does not bear that out: runs with half the step stay together. {_why(verdict)}"
         )
         yield Finding("stability", Severity.NOTE, subject, said, figures)
         return
     severity = Severity.ERROR if growth >= MUCH or study.failure else Severity.WARNING
     if severity is Severity.ERROR and accepted(study, case):
         severity = Severity.WARNING
-    said = f"{at} is unstable: {over}.{blamed}"
-    yield Finding("stability", severity, subject, said, figures, *_advice(case, verdict, spell))
+    said = f"{at} is unstable{near}: {over}.{blamed}"
+    yield Finding("stability", severity, subject, said, figures, *_advice(case, verdict, *ways))
 
 
 def _why(verdict: Verdict) -> str:
@@ -104,21 +121,31 @@ def accepted(study: Study, case: Case) -> bool:
     return complete and all(signal.relative < SMALL for signal in study.signals)
 
 
-def _advice(case: Case, verdict: Verdict, spell: Spelling) -> tuple[str, str]:
-    """What to do about an instability, as a sentence and as a command."""
-    grown = [(_grown(one.radius, case), one) for one in verdict.better]
-    little = [pair for pair in grown if pair[0] < LITTLE]
-    if little:
-        growth, better = little[0]
-        what = _named(better)
-        said = f"At this step {what} is stable." if growth <= 0 else f"At this step {what} grows by {percent(growth)}."
-        return said, spell(case.but(algorithm=better.algorithm, order=better.order))
-    largest = _number(verdict.largest_stable_step)
-    if largest is None:
-        return verdict.advice[0], ""
-    step = _round_down(largest)
-    sampled = bool(case.system.sample_times)
-    return f"Use a step of at most {largest:.3g} s.", spell(case.but(step=step, sample_time=step if sampled else None))
+def _advice(case: Case, verdict: Verdict, trial: Trial, spell: Spelling) -> tuple[str, str]:
+    """What to do about an instability, as a sentence and as a command: the first proposal that runs without failure."""
+    for said, changed in _proposals(case, verdict):
+        if not trial(changed):
+            return said, spell(changed)
+    return verdict.advice[0], ""
+
+
+def _proposals(case: Case, verdict: Verdict) -> Iterator[tuple[str, Case]]:
+    """Changes that a verdict proposes, and then shorter steps."""
+    for better in verdict.better:
+        growth = _grown(better.radius, case)
+        if growth < LITTLE:
+            said = f"{_named(better)} is stable" if growth <= 0 else f"{_named(better)} grows by {percent(growth)}"
+            yield f"At this step {said}.", case.but(algorithm=better.algorithm, order=better.order)
+    yield from shorter_steps(case, _number(verdict.largest_stable_step))
+
+
+def shorter_steps(case: Case, largest: float | None = None) -> Iterator[tuple[str, Case]]:
+    """Cases with shorter steps, which are sampling periods too, with a sentence each; `largest` is a bound, s."""
+    for part in (1, *SHARES):
+        step = case.step / part if part > 1 or largest is None else _round_down(largest)
+        if step < case.step and (largest is None or step <= largest):
+            changed = case.but(step=step, sample_time=step if case.system.sample_times else None)
+            yield f"Use a step of {step:.3g} s.", changed
 
 
 def _grown(radius: float, case: Case) -> float:

@@ -19,7 +19,7 @@ from time import perf_counter
 import numpy as np
 
 from orchestration.analysis.doctor.case import Case
-from orchestration.errors import SimulationError
+from orchestration.errors import OrchestrationError, SimulationError
 from orchestration.fmi.codes import REAL
 from orchestration.master.options import Options
 from orchestration.master.simulate import prepare
@@ -133,6 +133,16 @@ def study(case: Case, budget: float) -> Study:
     return Study(steps, until, _errors(case, made), rows, _spread(made), cause=cause)
 
 
+def failure_of(case: Case, budget: float) -> str:
+    """Why a run is refused or fails; empty if it does not fail within a time, s."""
+    attempt = _Attempt(case, 1, budget)
+    try:
+        attempt.run(_fitting(case))
+    except OrchestrationError as error:
+        return str(error)
+    return attempt.failure
+
+
 @dataclass
 class _Attempt:
     """A run with one step, of which every `every`-th row is kept, and which ends when its time, s, is over."""
@@ -146,7 +156,7 @@ class _Attempt:
     def run(self, until: float) -> Result | None:
         """Run until a time, s, or the end of the time that the run has; None after a failure."""
         case = self.case
-        run = prepare(case.system, case.stop_time, case.step, case.algorithm, options=Options(every=self.every))
+        run = prepare(case.changed_system, case.stop_time, case.step, case.algorithm, options=Options(every=self.every))
         doing = f"running {case.system.name} with a step of {case.step:.3g} s"
         try:
             with stage(doing, doing.replace("running", "ran")), run:
