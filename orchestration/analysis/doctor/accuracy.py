@@ -17,10 +17,8 @@ MOST_COUNTED = 200  # most steps by which a step is divided in advice
 
 
 def accuracy_findings(case: Case, study: Study, spell: Spelling) -> Iterator[Finding]:
-    """Findings on runs that fail or are not complete, on signals whose error has an order, and on those without one."""
+    """Findings on a study that is not complete, on signals whose error has an order, and on signals without one."""
     if study.failure:
-        said = f"The run fails: {study.failure}"
-        yield Finding("run", Severity.ERROR, case.system.name, said, {"until": study.until})
         return
     if study.cause:
         said = f"Only {len(study.steps)} of 3 runs with halved steps were made, for {_sentence(study.cause)}"

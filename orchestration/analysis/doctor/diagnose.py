@@ -11,7 +11,6 @@ A run that makes no error message may still be wrong. The examination asks, in t
 
 import warnings
 from collections.abc import Iterator, Sequence
-from contextlib import suppress
 from pathlib import Path
 
 from orchestration.analysis.doctor.accuracy import APART, accuracy_findings
@@ -21,8 +20,8 @@ from orchestration.analysis.doctor.diagnosis import Diagnosis, sorted_by_severit
 from orchestration.analysis.doctor.finding import Finding, Severity
 from orchestration.analysis.doctor.portability import portability_findings
 from orchestration.analysis.doctor.sampling import fit_findings, fitting_step, period_findings
-from orchestration.analysis.doctor.stability import stability_findings
-from orchestration.analysis.doctor.study import SignalError, Study, failure_of, study
+from orchestration.analysis.doctor.stability import Ways, failed_run, stability_findings
+from orchestration.analysis.doctor.study import SignalError, failure_of, study
 from orchestration.analysis.doctor.wiring import delay_findings, loop_findings
 from orchestration.analysis.stability.verdict import Verdict, stability
 from orchestration.errors import InitializationError, OrchestrationError
@@ -34,7 +33,6 @@ from orchestration.system.system import System
 
 BUDGET = 10.0  # s
 TRIALS = 8  # share of the budget that a trial of a proposed change may take
-STEPS_BEFORE = 3  # steps before a failure at which stability is judged once more
 
 
 def diagnose(
@@ -121,40 +119,30 @@ def _examined(case: Case, spell: Spelling) -> Iterator[Finding]:
 def _of_runs(case: Case, budget: float, spell: Spelling) -> tuple[list[Finding], tuple[SignalError, ...]]:
     """Findings from the verdict and from the runs with halved steps, and the errors of the signals."""
     made, findings = study(case, budget), []
-    judged = _judged(case, made)
+    ways = Ways(lambda changed: failure_of(changed, budget / TRIALS), spell)
+    judged = _judged(case)
     if isinstance(judged, Finding):
         findings.append(judged)
     else:
-
-        def trial(changed: Case) -> str:
-            return failure_of(changed, budget / TRIALS)
-
-        findings += stability_findings(case, judged, made, (trial, spell))
+        findings += stability_findings(case, judged, made, ways)
+    if made.failure:
+        unexplained = isinstance(judged, Finding) or judged.stable
+        findings.append(failed_run(case, made, ways if unexplained else None))
     findings += accuracy_findings(case, made, spell)
     if made.result is not None and made.signals and made.signals[0].relative <= APART:
         findings += energy_findings(case, made.result)
     return findings, made.signals
 
 
-def _judged(case: Case, made: Study) -> tuple[Verdict, float] | Finding:
-    """The predicted stability with its instant, s, or a note on why there is none.
-
-    The instant is the start, or just before a failure that the verdict about the start does not explain.
-    """
+def _judged(case: Case) -> Verdict | Finding:
+    """The predicted stability, or a note on why there is none."""
     try:
         with stage("judging the stability of the algorithm", "judged the stability of the algorithm"):
-            first = stability(case.system, case.step, case.algorithm), 0.0
-            if not (made.failure and first[0].stable):
-                return first
-            before = max(0.0, made.until - STEPS_BEFORE * case.step)
+            return stability(case.system, case.step, case.algorithm)
     except InitializationError:
         raise
     except OrchestrationError as error:
         return Finding("stability", Severity.NOTE, case.system.name, f"There is no verdict on stability: {error}")
-    with suppress(OrchestrationError):  # the run to the instant may fail, too
-        later = stability(case.system, case.step, case.algorithm, at=before), before
-        return first if later[0].stable else later
-    return first
 
 
 def _stiffness(case: Case, spell: Spelling) -> Iterator[Finding]:

@@ -1,7 +1,8 @@
 """Findings on stability: how much deviations grow over the run, and whether the run bears that out."""
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
 
 from orchestration.analysis.doctor.case import Case, Spelling
 from orchestration.analysis.doctor.finding import Finding, Severity, listed, percent
@@ -9,8 +10,6 @@ from orchestration.analysis.doctor.study import Kind, Study
 from orchestration.analysis.stability.step_limit import FLOOR
 from orchestration.analysis.stability.verdict import Alternative, Verdict
 
-Trial = Callable[[Case], str]
-"""A function that says why a case fails; empty if it does not."""
 SHARES = (2, 5, 10, 20, 50, 100)  # of the step that are proposed
 LITTLE, MUCH = 0.1, 10.0  # growth over a run that is a note, and from which on it is an error
 CERTAIN = 1e16  # growth after which rounding errors would be as large as the signals
@@ -18,24 +17,32 @@ TELLING = 1e3  # growth from which on a run shows whether it takes place: errors
 SMALL = 0.01  # error, as a share of the range, with which a run is accepted
 
 
-def stability_findings(
-    case: Case, judged: tuple[Verdict, float], study: Study, ways: tuple[Trial, Spelling]
-) -> Iterator[Finding]:
+@dataclass(frozen=True)
+class Ways:
+    """How a proposed change is tried, and how a user makes it.
+
+    Attributes
+    ----------
+    trial
+        Function that says why a case fails; empty if it does not.
+    spell
+        Function that says how a user runs a case.
+    """
+
+    trial: Callable[[Case], str]
+    spell: Spelling
+
+    def that_run(self, proposals: Iterable[tuple[str, Case]]) -> Iterator[tuple[str, str]]:
+        """Proposals that do not fail, as sentences with commands."""
+        return ((said, self.spell(case)) for said, case in proposals if not self.trial(case))
+
+
+def stability_findings(case: Case, verdict: Verdict, study: Study, ways: Ways) -> Iterator[Finding]:
     """Findings from the predicted stability and from the runs that were made.
 
     A growth of less than a tenth over the run is a note, one of more than ten times an error. A prediction is an
     approximation near one instant, so the runs have the last word.
-
-    Parameters
-    ----------
-    judged
-        Verdict, and the time of its operating point, s.
-    study
-        Runs with halved steps.
-    ways
-        Functions that say why a changed case fails, and how a user runs it.
     """
-    verdict, instant = judged
     growth = _growth(verdict, case.stop_time)
     culprit = verdict.blame[0][0] if verdict.blame else None
     figures = {
@@ -45,7 +52,6 @@ def stability_findings(
         "largest_stable_step": _number(verdict.largest_stable_step),
         "culprit": str(culprit) if culprit else None,
         "hidden": list(verdict.hidden),
-        "instant": instant,
     }
     subject = f"{culprit.source}.{culprit.output}" if culprit else case.system.name
     at = f"{verdict.algorithm} with a step of {case.step:g} s"
@@ -55,7 +61,6 @@ def stability_findings(
             said = f"{at} is stable as far as can be seen, but no other step that was examined is."
         yield Finding("stability", Severity.NOTE, subject, said, figures)
         return
-    near = f" near t = {instant:.4g} s" if instant > 0 else ""
     over = f"a small deviation grows {_words(growth)} over {case.stop_time:g} s"
     blamed = f" The signal that matters most is {culprit}." if culprit else ""
     if growth < LITTLE:
@@ -64,7 +69,7 @@ def stability_findings(
         return
     if contradicted(growth, study):
         said = (
-            f"Taken as linear near t = {instant:.4g} s, {at} would let deviations grow by {verdict.growth_rate:.3g} 1/s."
+            f"Taken as linear near t = 0, {at} would let deviations grow by {verdict.growth_rate:.3g} 1/s."
             f" The run does not bear that out: runs with half the step stay together. {_why(verdict)}"
         )
         yield Finding("stability", Severity.NOTE, subject, said, figures)
@@ -72,8 +77,8 @@ def stability_findings(
     severity = Severity.ERROR if growth >= MUCH or study.failure else Severity.WARNING
     if severity is Severity.ERROR and accepted(study, case):
         severity = Severity.WARNING
-    said = f"{at} is unstable{near}: {over}.{blamed}"
-    yield Finding("stability", severity, subject, said, figures, *_advice(case, verdict, *ways))
+    said = f"{at} is unstable: {over}.{blamed}"
+    yield Finding("stability", severity, subject, said, figures, *_advice(case, verdict, ways))
 
 
 def _why(verdict: Verdict) -> str:
@@ -121,12 +126,16 @@ def accepted(study: Study, case: Case) -> bool:
     return complete and all(signal.relative < SMALL for signal in study.signals)
 
 
-def _advice(case: Case, verdict: Verdict, trial: Trial, spell: Spelling) -> tuple[str, str]:
+def failed_run(case: Case, study: Study, ways: Ways | None) -> Finding:
+    """Finding on a run that fails; with ways, it proposes a shorter step with which the run does not fail."""
+    advice = next(ways.that_run(shorter_steps(case)), ("", "")) if ways is not None else ("", "")
+    said = f"The run fails: {study.failure}"
+    return Finding("run", Severity.ERROR, case.system.name, said, {"until": study.until}, *advice)
+
+
+def _advice(case: Case, verdict: Verdict, ways: Ways) -> tuple[str, str]:
     """What to do about an instability, as a sentence and as a command: the first proposal that runs without failure."""
-    for said, changed in _proposals(case, verdict):
-        if not trial(changed):
-            return said, spell(changed)
-    return verdict.advice[0], ""
+    return next(ways.that_run(_proposals(case, verdict)), (verdict.advice[0], ""))
 
 
 def _proposals(case: Case, verdict: Verdict) -> Iterator[tuple[str, Case]]:
