@@ -79,7 +79,10 @@ def test_the_study_agrees_with_the_exact_solution() -> None:
     assert made.steps == (1e-3, 5e-4, 2.5e-4)
     assert made.result is not None
     exact = problem.exact(made.result.time)
-    for signal in made.signals:
+    by_kind = {kind: [s for s in made.signals if s.kind is kind] for kind in Kind}
+    assert [signal.name for signal in by_kind[Kind.EXACT]] == ["wheel.r"]  # the road
+    assert len(by_kind[Kind.ORDER]) == 5
+    for signal in by_kind[Kind.ORDER]:
         assert signal.order == pytest.approx(1.0, abs=0.1)
         # The next term of the error is of order h: some per cent here.
         assert signal.largest == pytest.approx(np.abs(made.result[signal.name] - exact[signal.name]).max(), rel=0.1)
