@@ -21,7 +21,8 @@ def accuracy_findings(case: Case, study: Study, spell: Spelling) -> Iterator[Fin
     if study.failure:
         return
     if study.cause:
-        said = f"Only {len(study.steps)} of 3 runs with halved steps were made, for {_sentence(study.cause)}"
+        made = len(study.steps)
+        said = f"{made} of 3 runs with halved steps {'was' if made == 1 else 'were'} made: {_sentence(study.cause)}"
         yield Finding("study", Severity.NOTE, case.system.name, said, {"steps": list(study.steps)})
     elif study.until < (1 - 1e-9) * case.stop_time:
         said = f"The study of the step covers the first {study.until:.4g} s of {case.stop_time:g} s, within its budget."

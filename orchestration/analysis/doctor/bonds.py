@@ -29,31 +29,29 @@ def power_bonds(system: System) -> list[PowerBond]:
     Where several pairs are possible, as between arrays, those with the same index belong together. Connections whose
     factor is not that of their units are left out, because both ends see different powers.
     """
+    dimensions = [_dimension(system, connection) for connection in system.connections]
+    between: dict[tuple[str, str], list[int]] = {}
+    for i, c in enumerate(system.connections):
+        between.setdefault((c.source, c.target), []).append(i)
     found = []
-    for effort in system.connections:
-        for kind, (dimension, _) in enumerate(EFFORTS_AND_FLOWS):
-            if not _is(system, effort, dimension):
-                continue
-            back = [
-                c
-                for c in system.connections
-                if (c.source, c.target) == (effort.target, effort.source) and _is(system, c, EFFORTS_AND_FLOWS[kind][1])
-            ]
-            back = [c for c in back if _index(c.output) == _index(effort.output)] if len(back) > 1 else back
-            if len(back) == 1:
-                flow = back[0]
-                found.append(PowerBond(f"{effort.source}.{effort.output}", f"{flow.source}.{flow.output}"))
+    for effort, dimension in zip(system.connections, dimensions, strict=True):
+        flows = [flow for one, flow in EFFORTS_AND_FLOWS if one == dimension]
+        opposite = between.get((effort.target, effort.source), ()) if flows else ()
+        back = [system.connections[i] for i in opposite if dimensions[i] in flows]
+        back = [c for c in back if _index(c.output) == _index(effort.output)] if len(back) > 1 else back
+        if len(back) == 1:
+            found.append(PowerBond(f"{effort.source}.{effort.output}", f"{back[0].source}.{back[0].output}"))
     return list(dict.fromkeys(found))
 
 
-def _is(system: System, connection: Connection, dimension: dict[str, int]) -> bool:
-    """Whether a connection carries a quantity of a dimension, unchanged but for the unit."""
+def _dimension(system: System, connection: Connection) -> dict[str, int] | None:
+    """Exponents of the base units, without the radian; None without a unit, or if the factor is another than theirs."""
     source, target = system.component(connection.source), system.component(connection.target)
     output, input_ = source.variable(connection.output), target.variable(connection.input)
     unit = source.description.unit(output) if output.unit else None
-    if unit is None or unit.meaning is None or dict(unit.meaning.without_angle().exponents) != dimension:
-        return False
-    return unit_scale(source, output, target, input_) == connection.scale
+    if unit is None or unit.meaning is None or unit_scale(source, output, target, input_) != connection.scale:
+        return None
+    return dict(unit.meaning.without_angle().exponents)
 
 
 def _index(name: str) -> str:

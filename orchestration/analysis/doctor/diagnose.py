@@ -20,7 +20,7 @@ from orchestration.analysis.doctor.diagnosis import Diagnosis, sorted_by_severit
 from orchestration.analysis.doctor.finding import Finding, Severity
 from orchestration.analysis.doctor.portability import portability_findings
 from orchestration.analysis.doctor.sampling import fit_findings, fitting_step, period_findings
-from orchestration.analysis.doctor.stability import Ways, failed_run, stability_findings
+from orchestration.analysis.doctor.stability import Ways, failed_run, stability_finding
 from orchestration.analysis.doctor.study import SignalError, failure_of, study
 from orchestration.analysis.doctor.wiring import delay_findings, loop_findings
 from orchestration.analysis.stability.verdict import Verdict, stability
@@ -124,7 +124,7 @@ def _of_runs(case: Case, budget: float, spell: Spelling) -> tuple[list[Finding],
     if isinstance(judged, Finding):
         findings.append(judged)
     else:
-        findings += stability_findings(case, judged, made, ways)
+        findings.append(stability_finding(case, judged, made, ways))
     if made.failure:
         unexplained = isinstance(judged, Finding) or judged.stable
         findings.append(failed_run(case, made, ways if unexplained else None))

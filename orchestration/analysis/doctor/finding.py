@@ -38,6 +38,16 @@ class Finding:
         What to do, as a sentence; empty if there is nothing to do.
     command
         Command or Python expression that does it; empty if there is none.
+
+    Examples
+    --------
+    >>> from orchestration import diagnose, scenario
+    >>> steel = scenario("fig2").set({"plant.K_f": 1e8})  # N/m
+    >>> finding = diagnose(steel, stop_time=0.1).findings[0]
+    >>> finding.id, finding.severity.value, finding.subject, finding.advice
+    ('stiffness', 'warning', 'plant.dt_max', 'Set plant.dt_max to 5e-06 s or less.')
+    >>> print(finding.command)
+    simulate(system.set({'plant.dt_max': 5e-06}), stop_time=0.1, step=0.0001)
     """
 
     id: str

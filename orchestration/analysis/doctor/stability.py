@@ -37,8 +37,8 @@ class Ways:
         return ((said, self.spell(case)) for said, case in proposals if not self.trial(case))
 
 
-def stability_findings(case: Case, verdict: Verdict, study: Study, ways: Ways) -> Iterator[Finding]:
-    """Findings from the predicted stability and from the runs that were made.
+def stability_finding(case: Case, verdict: Verdict, study: Study, ways: Ways) -> Finding:
+    """Finding from the predicted stability and from the runs that were made.
 
     A growth of less than a tenth over the run is a note, one of more than ten times an error. A prediction is an
     approximation near one instant, so the runs have the last word.
@@ -54,31 +54,36 @@ def stability_findings(case: Case, verdict: Verdict, study: Study, ways: Ways) -
         "hidden": list(verdict.hidden),
     }
     subject = f"{culprit.source}.{culprit.output}" if culprit else case.system.name
+    severity, said = _graded(case, verdict, study, growth)
+    advice = ("", "")
+    if severity is not Severity.NOTE:
+        said += f" The signal that matters most is {culprit}." if culprit else ""
+        advice = next(ways.that_run(_proposals(case, verdict)), (verdict.advice[0], ""))
+    return Finding("stability", severity, subject, said, figures, *advice)
+
+
+def _graded(case: Case, verdict: Verdict, study: Study, growth: float) -> tuple[Severity, str]:
+    """How bad a prediction is, and what it says."""
     at = f"{verdict.algorithm} with a step of {case.step:g} s"
     if verdict.stable:
-        said = f"{at} is stable. {verdict.advice[0]}"
+        where = " at the start" if study.failure else ""
         if verdict.largest_stable_step is None:
-            said = f"{at} is stable as far as can be seen, but no other step that was examined is."
-        yield Finding("stability", Severity.NOTE, subject, said, figures)
-        return
+            return (
+                Severity.NOTE,
+                f"{at} is stable{where} as far as can be seen, but no other step that was examined is.",
+            )
+        return Severity.NOTE, f"{at} is stable{where}. {verdict.advice[0]}"
     over = f"a small deviation grows {_words(growth)} over {case.stop_time:g} s"
-    blamed = f" The signal that matters most is {culprit}." if culprit else ""
     if growth < LITTLE:
-        said = f"{at} adds a little: {over}. {verdict.advice[0]}"
-        yield Finding("stability", Severity.NOTE, subject, said, figures)
-        return
+        return Severity.NOTE, f"{at} adds a little: {over}. {verdict.advice[0]}"
     if contradicted(growth, study):
         said = (
             f"Taken as linear near t = 0, {at} would let deviations grow by {verdict.growth_rate:.3g} 1/s."
             f" The run does not bear that out: runs with half the step stay together. {_why(verdict)}"
         )
-        yield Finding("stability", Severity.NOTE, subject, said, figures)
-        return
-    severity = Severity.ERROR if growth >= MUCH or study.failure else Severity.WARNING
-    if severity is Severity.ERROR and accepted(study, case):
-        severity = Severity.WARNING
-    said = f"{at} is unstable: {over}.{blamed}"
-    yield Finding("stability", severity, subject, said, figures, *_advice(case, verdict, ways))
+        return Severity.NOTE, said
+    bad = study.failure or (growth >= MUCH and not accepted(study, case))
+    return Severity.ERROR if bad else Severity.WARNING, f"{at} is unstable: {over}."
 
 
 def _why(verdict: Verdict) -> str:
@@ -131,11 +136,6 @@ def failed_run(case: Case, study: Study, ways: Ways | None) -> Finding:
     advice = next(ways.that_run(shorter_steps(case)), ("", "")) if ways is not None else ("", "")
     said = f"The run fails: {study.failure}"
     return Finding("run", Severity.ERROR, case.system.name, said, {"until": study.until}, *advice)
-
-
-def _advice(case: Case, verdict: Verdict, ways: Ways) -> tuple[str, str]:
-    """What to do about an instability, as a sentence and as a command: the first proposal that runs without failure."""
-    return next(ways.that_run(_proposals(case, verdict)), (verdict.advice[0], ""))
 
 
 def _proposals(case: Case, verdict: Verdict) -> Iterator[tuple[str, Case]]:

@@ -120,6 +120,9 @@ def study(case: Case, budget: float) -> Study:
     if rows is None:
         return Study((case.step,), first.reached, (), None, failure=first.failure)
     until = first.reached
+    if case.algorithm.control is not None:
+        cause = f"{case.algorithm.name} chooses its steps itself; its tolerance bounds their error."
+        return Study((case.step,), until, (), rows, cause=cause)
     made, ends, cause = [rows], perf_counter() + budget, ""
     for i in range(1, HALVINGS + 1):
         finer = case.but(step=case.step / 2**i, stop_time=until)
