@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     )
     from orchestration.fmi.fmu import Fmu
     from orchestration.master.algorithm import Algorithm, Correction, StepControl, Tolerance
+    from orchestration.master.fmu_messages import FmuWarning
     from orchestration.master.form import FormalityWarning
     from orchestration.master.options import Crossings, Options
     from orchestration.master.pacing import Pace
@@ -59,6 +60,7 @@ _HOME = {
     "Diagnosis": "analysis.doctor.diagnosis",
     "Finding": "analysis.doctor.finding",
     "Fmu": "fmi.fmu",
+    "FmuWarning": "master.fmu_messages",
     "FormalityWarning": "master.form",
     "InitializationError": "errors",
     "Ledger": "analysis.energy",
@@ -102,6 +104,7 @@ __all__ = [
     "Diagnosis",
     "Finding",
     "Fmu",
+    "FmuWarning",
     "FormalityWarning",
     "InitializationError",
     "Ledger",

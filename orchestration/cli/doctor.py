@@ -130,6 +130,8 @@ class _Shell:
         """The command that runs a case."""
         asked = self.request.asked
         words = ["adaptimp", "run", asked.name]
+        if asked.variant is not None:
+            words += ["--variant", asked.variant]
         if asked.controller is not None:
             words += ["--controller", asked.controller]
         words += [word for text in asked.mapping for word in ("--map", text)]

@@ -19,6 +19,7 @@ from orchestration.cli.options import (
     Step,
     Stop,
     SystemName,
+    Variant,
 )
 from orchestration.cli.program import closing
 
@@ -34,6 +35,7 @@ EPILOG = closing(
 
 def doctor(
     system: SystemName,
+    variant: Variant = None,
     controller: Controller = None,
     map_: Mapping = None,
     set_: Settings = None,
@@ -57,7 +59,7 @@ def doctor(
     raise typer.Exit(
         run_doctor(
             DoctorRequest(
-                asked=SystemRequest(system, controller, tuple(map_ or ()), tuple(set_ or ()), sample_time),
+                asked=SystemRequest(system, controller, tuple(map_ or ()), tuple(set_ or ()), sample_time, variant),
                 algorithm=AlgorithmRequest(algorithm, exchange, input_order),
                 order=order.split(",") if order else None,
                 step=step,

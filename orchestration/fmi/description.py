@@ -4,10 +4,13 @@
 to `orchestration.check`.
 """
 
-from collections.abc import Mapping
+import re
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from pathlib import Path
+
+import numpy as np
 
 from orchestration.errors import ArchiveError, SystemDescriptionError
 from orchestration.fmi.codes import BOOLEAN, CAPABILITIES, INTEGER, REAL, STRING
@@ -24,14 +27,16 @@ from orchestration.fmi.document import (
     read_bytes,
     require_valid,
 )
+from orchestration.fmi.experiment import UNKNOWN, Experiment
 from orchestration.fmi.formalities import RULES
+from orchestration.fmi.names import arrays
 from orchestration.fmi.units import UnitDefinition, defined
 from orchestration.sandbox.archive import screen
 from orchestration.sandbox.missing import require_file
 
 SAMPLE_TIME = "sample_time"
 """Name of the parameter that tells a sampled component's period, s."""
-_VERSIONS = ("1.0", "2.0", "3.0")
+_VERSION = re.compile(r"1\.0|2\.0|3\.\d+([.-].*)?")  # those of FMI 3 may have a patch, or name a draft
 
 
 @dataclass(frozen=True)
@@ -40,6 +45,8 @@ class Variable:
 
     Attributes
     ----------
+    start
+        Start value that the FMU declares: a number, or the text of a String; None if it declares none.
     direct
         Whether an output depends on an input at the same instant. An output whose dependencies are not
         declared depends on all inputs (FMI 2.0.4, section 2.2.8).
@@ -59,7 +66,7 @@ class Variable:
     causality: str
     variability: str
     unit: str
-    start: float | None
+    start: float | str | None
     description: str = ""
     direct: bool = False
     relative: bool = False
@@ -88,6 +95,8 @@ class Description:
         Names of the flags of the co-simulation element that are true.
     formalities
         Sentences on rules of form that the FMU breaks; see `orchestration.fmi.formalities`.
+    experiment
+        Default experiment that the FMU suggests.
     """
 
     path: Path
@@ -98,6 +107,7 @@ class Description:
     units: Mapping[str, UnitDefinition]
     capabilities: frozenset[str] = frozenset()
     formalities: tuple[str, ...] = ()
+    experiment: Experiment = UNKNOWN
 
     def __repr__(self) -> str:
         """Model name, file and number of variables."""
@@ -109,7 +119,39 @@ class Description:
 
     def of_causality(self, causality: str) -> list[Variable]:
         """Variables of a causality, in their order, without strings."""
-        return [v for v in self.variables.values() if v.causality == causality and v.type != STRING]
+        return list(self._by_causality.get(causality, ()))
+
+    def elements(self, name: str) -> list[str] | None:
+        """Names of the elements of an array, row by row; None if the name is not that of an array."""
+        positions = None if name in self.variables else self.arrays.get(name)
+        return None if positions is None else [self._names[i] for i in positions.ravel()]
+
+    @cached_property
+    def _names(self) -> tuple[str, ...]:
+        return tuple(self.variables)
+
+    @cached_property
+    def arrays(self) -> Mapping[str, np.ndarray]:
+        """Positions among the variables of the elements of each array, integers of its shape."""
+        return arrays(self._names)
+
+    @cached_property
+    def discrete_outputs(self) -> bool:
+        """Whether there are no outputs but discrete ones; also true without any output."""
+        return all(variable.variability == "discrete" for variable in self._by_causality.get("output", ()))
+
+    @cached_property
+    def _by_causality(self) -> Mapping[str, Sequence[Variable]]:
+        """Variables without strings, in their order, by causality."""
+        found: dict[str, list[Variable]] = {}
+        for variable in self.variables.values():
+            if variable.type != STRING:
+                found.setdefault(variable.causality, []).append(variable)
+        return found
+
+    def texts(self, causality: str) -> list[Variable]:
+        """Strings of a causality, in their order."""
+        return [v for v in self.variables.values() if v.causality == causality and v.type == STRING]
 
     def unit(self, variable: Variable) -> UnitDefinition | None:
         """The unit of a variable; None if it declares none."""
@@ -174,6 +216,7 @@ def _read_description(path: Path, modified: int, size: int) -> Description:  # n
         {name: UnitDefinition(name, u if u and u.convertible else None) for name, u in document.units.items()},
         frozenset(filter(document.flag, CAPABILITIES)),
         tuple(formalities),
+        Experiment(*(document.experiment(name) for name in ("startTime", "stopTime", "tolerance", "stepSize"))),
     )
 
 
@@ -186,12 +229,13 @@ def _document(path: Path) -> Document:
     """The document of an FMU of the right kind, valid against the schema."""
     root = parsed(read_bytes(path))
     version = root.get("fmiVersion")
-    if root.tag != "fmiModelDescription" or version not in _VERSIONS:
+    if root.tag != "fmiModelDescription" or not _VERSION.fullmatch(version or ""):
         msg = f"the root element is {root.tag} with the fmiVersion {version}, which is not a version of FMI."
         raise DocumentError(msg)
     exchange = root.find("CoSimulation") is None and root.find("Implementation") is None
     if version != "2.0" or exchange:
-        kind = "model exchange" if exchange else "co-simulation"
+        scheduled = exchange and root.find("ScheduledExecution") is not None and root.find("ModelExchange") is None
+        kind = "scheduled execution" if scheduled else "model exchange" if exchange else "co-simulation"
         msg = f"{path} is an FMI {version} FMU for {kind}; one of FMI 2.0 for co-simulation is needed."
         raise ArchiveError(msg)
     require_valid(root)
@@ -249,7 +293,7 @@ def _variable(declared: Declared, *, direct: bool) -> Variable:
         causality=declared.causality,
         variability="discrete" if unfit else declared.variability,
         unit=declared.unit,
-        start=declared.number,
+        start=declared.start if declared.type == STRING else declared.number,
         description=declared.description,
         direct=direct,
         relative=declared.relative,

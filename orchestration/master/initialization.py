@@ -1,24 +1,32 @@
 """How the components of a system are instantiated and brought through the initialization mode of FMI 2.0."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
 from orchestration.errors import InitializationError
+from orchestration.fmi.blame import blaming
 from orchestration.fmi.codes import ONE_INSTANCE, REAL, WORST_ACCEPTED, accepted
+from orchestration.fmi.experiment import UNKNOWN, Experiment
 from orchestration.fmi.instance import Instance
 from orchestration.fmi.library import needed_to_run
 from orchestration.fmi.start_values import by_time
+from orchestration.fmi.units import Linear
 from orchestration.master.algebraic_loops import solve_loops
+from orchestration.master.feedthrough import chain_of_feedthrough
 from orchestration.master.flatten import Assembly
 from orchestration.master.kernel.codes import CALL_NAMES, Column
-from orchestration.master.kernel.flat_system import copy_links, get_outputs, set_inputs
+from orchestration.master.kernel.flat_system import Plan, copy_links, get_outputs, set_inputs
 from orchestration.master.kernel.series import give
 from orchestration.sandbox.archive import unpacked
 from orchestration.stages import stage
 from orchestration.system.system import Component, System
+
+LONG_CHAIN = 20
+"""Components in a row, at the least, that are passed through in their order: a pass moves values by one component."""
 
 
 @contextmanager
@@ -39,25 +47,29 @@ def opened(system: System) -> Iterator[list[Instance]]:
     """
     with ExitStack() as stack:
         folders: dict[tuple[Path, str], Path] = {}
-        instances = []
+        instances, scales = [], _scales(system)
         for component in system.components:
             path, alone = component.description.path, component.description.can(ONE_INSTANCE)
             key = (path, component.name if alone else "")
-            if key not in folders:  # a copy of the library has a memory of its own
-                with stage(f"unpacking {path.name}", f"unpacked {path}"):
-                    folders[key] = stack.enter_context(unpacked(path, needed_to_run))
-            folder = folders[key]
-            instance = Instance.open(component.name, component.description, folder)
+            with blaming(f"{component.name}: {path.name}", path):
+                if key not in folders:  # a copy of the library has a memory of its own
+                    with stage(f"unpacking {path.name}", f"unpacked {path.name} of {component.name}"):
+                        folders[key] = stack.enter_context(unpacked(path, needed_to_run))
+                instance = Instance.open(component.name, component.description, folders[key])
             stack.callback(instance.close)
-            scales = {
-                component.variable(c.input).reference: c.scale
-                for c in system.connections
-                if c.target == component.name and not c.scale.trivial
-            }
-            if scales:
-                instance.scale_inputs(scales)
+            if component.name in scales:
+                instance.scale_inputs(scales[component.name])
             instances.append(instance)
         yield instances
+
+
+def _scales(system: System) -> dict[str, dict[int, Linear]]:
+    """Conversions of inputs by their value references, of each component that has any."""
+    found: dict[str, dict[int, Linear]] = {}
+    for c in system.connections:
+        if not c.scale.trivial:
+            found.setdefault(c.target, {})[system.component(c.target).variable(c.input).reference] = c.scale
+    return found
 
 
 def initialize(
@@ -66,6 +78,8 @@ def initialize(
     assembly: Assembly,
     t0: float,
     series: tuple[np.ndarray, float] | None = None,
+    *,
+    experiment: Experiment = UNKNOWN,
 ) -> None:
     """Set start values, propagate outputs to inputs in initialization mode, and leave this mode.
 
@@ -87,6 +101,9 @@ def initialize(
     series
         Table of time series, whose inputs get their values for the first step, and the length of this step, s. None
         without series.
+    experiment
+        Stop time and tolerance that the FMUs are told. An FMU is told the tolerance of its own default experiment if
+        no other is given.
 
     Raises
     ------
@@ -96,7 +113,7 @@ def initialize(
     counted = f"{len(instances)} component{'s' if len(instances) != 1 else ''} of {system.name}"
     with stage(f"initializing {counted}", f"initialized {counted}"):
         for component, instance in zip(system.components, instances, strict=True):
-            _start(component, instance, t0)
+            _start(component, instance, t0, experiment)
         if series is not None:
             give(series[0], t0, series[1])
         _propagate(system, instances, assembly)
@@ -105,11 +122,13 @@ def initialize(
         _get_all(instances, assembly)
 
 
-def _start(component: Component, instance: Instance, t0: float) -> None:
+def _start(component: Component, instance: Instance, t0: float, experiment: Experiment) -> None:
     """Set the start values of a component, and enter initialization mode."""
     before, within = by_time(component.description, component.start)
     set_values(component, instance, before)
-    instance.set_up(t0)
+    if experiment.tolerance is None:
+        experiment = replace(experiment, tolerance=component.description.experiment.tolerance)
+    instance.set_up(t0, experiment)
     instance.call("fmi2EnterInitializationMode")
     set_values(component, instance, within)
 
@@ -143,23 +162,28 @@ def _propagate(system: System, instances: Sequence[Instance], assembly: Assembly
     """Transfer outputs to inputs until nothing changes, or solve the algebraic loops that remain."""
     plan = assembly.plan
     _get_all(instances, assembly)
+    for i in chain_of_feedthrough(system, LONG_CHAIN):
+        _transfer(assembly, i)
+        _exchange(instances[i], plan, i)
+    moved: Iterable[int] = range(len(instances))
     # A chain passes through each connection at most once, after what drives it from outside; anything longer is an
     # algebraic loop.
     for _ in range(len(system.connections) + 1 + bool(assembly.driven)):
         before = plan.reals.copy(), plan.discretes.copy()
-        for i, instance in enumerate(instances):
+        for i in moved:
             _transfer(assembly, i)
-            _raise_failure(instance, *set_inputs(plan.table, i))
-        _get_all(instances, assembly)
+            _raise_failure(instances[i], *set_inputs(plan.table, i))
+        for i in moved:
+            _raise_failure(instances[i], *get_outputs(plan.table, i))
         if _same(before[0], plan.reals) and _same(before[1], plan.discretes):
             return
+        moved = _behind(plan)
 
     def evaluate(i: int | None) -> None:
         for k in range(len(instances)) if i is None else (i,):
             row = plan.table[k]
             copy_links(plan.discrete_links, row[Column.FIRST_DISCRETE], row[Column.END_DISCRETE], plan.discretes)
-            _raise_failure(instances[k], *set_inputs(plan.table, k))
-            _raise_failure(instances[k], *get_outputs(plan.table, k))
+            _exchange(instances[k], plan, k)
 
     solve_loops(system.name, assembly, evaluate)
     settled = plan.discretes.copy()
@@ -167,6 +191,24 @@ def _propagate(system: System, instances: Sequence[Instance], assembly: Assembly
     if not _same(settled, plan.discretes):
         msg = f"System {system.name}: Integer or Boolean outputs do not settle during initialization."
         raise InitializationError(msg)
+
+
+def _exchange(instance: Instance, plan: Plan, i: int) -> None:
+    """Set the inputs of component i, and get its outputs."""
+    _raise_failure(instance, *set_inputs(plan.table, i))
+    _raise_failure(instance, *get_outputs(plan.table, i))
+
+
+def _behind(plan: Plan) -> list[int]:
+    """Components with an input that differs, bit by bit, from the output that drives it."""
+    found = []
+    for links, values, end in (
+        (plan.real_links, plan.reals.view(np.int64), Column.END_REAL),
+        (plan.discrete_links, plan.discretes, Column.END_DISCRETE),
+    ):
+        differ = np.flatnonzero(values[links[:, 0]] != values[links[:, 1]])
+        found.append(np.searchsorted(plan.table[:, end], differ, side="right"))  # links are in order of components
+    return np.unique(np.concatenate(found)).tolist()
 
 
 def _transfer(assembly: Assembly, i: int) -> None:

@@ -27,6 +27,7 @@ from orchestration.master.kernel.records import Method, Records, Watched
 from orchestration.master.kernel.series import Column as SeriesColumn
 from orchestration.master.kernel.series import Form as SeriesForm
 from orchestration.master.kernel.series import address as series_address
+from orchestration.master.memory import require_matrix
 from orchestration.master.options import Crossings, Options
 from orchestration.master.time_grid import Grid
 from orchestration.system.system import Component, Connection, System
@@ -159,7 +160,7 @@ def layout(
         exact=_exact(system, assembly),
         watched=_watched(system, assembly, watched, algorithm.control),
         crossings=np.array([assembly.real_outputs[x] for x in experiment.crossings.outputs], np.int64),
-        jacobian=np.zeros((len(assumed), len(assumed) + 1)),
+        jacobian=_jacobian(system.name, len(assumed) if method.newton else 0),
         pivots=np.zeros(len(assumed), np.int64),
         method=method,
         state=state[0],
@@ -167,6 +168,12 @@ def layout(
     return Layout(
         coupling, state, connections, tuple(watched), (references, one, kept_discretes, *listed, *assembly.alive)
     )
+
+
+def _jacobian(name: str, n: int) -> np.ndarray:
+    """Memory for the Jacobian of n assumed inputs and a right side; none is needed without Newton's method."""
+    require_matrix(name, n)
+    return np.zeros((n, n + 1))
 
 
 def _straight(assembly: Assembly, series: np.ndarray | None) -> list[str]:
@@ -193,6 +200,9 @@ def _links(
         [_source_unit(system, x) for x in assembly.real_connections], algorithm.correction
     )
     n_rates, rate_of = 0, {}
+    straight_of: dict[str, list[str]] = {}
+    for name in straight:
+        straight_of.setdefault(name.partition(".")[0], []).append(name)
     for i, target in enumerate(system.components):
         rows = np.arange(plan.table[i, Column.FIRST_REAL], plan.table[i, Column.END_REAL])
         smooth = []
@@ -209,7 +219,7 @@ def _links(
                 places[smooth] = n_rates + np.arange(len(smooth))
                 n_rates += len(smooth)
         if algorithm.order > 0 and _moves(target, ratios):
-            mine = [name for name in straight if name.partition(".")[0] == target.name]
+            mine = straight_of.get(target.name, [])
             rate_of |= {name: n_rates + k for k, name in enumerate(mine)}
             n_rates += len(mine)
     return links, rate_of, n_rates
@@ -234,6 +244,9 @@ def _fill_table(
     """
     links, references, rates, rate_of = moving
     alive = []
+    places_of: dict[str, dict[str, int]] = {}
+    for name, place in rate_of.items():
+        places_of.setdefault(name.partition(".")[0], {})[name] = place
     for i, (component, instance) in enumerate(zip(system.components, instances, strict=True)):
         row = assembly.plan.table[i]
         row[Column.GET_STATE] = instance.address("fmi2GetFMUstate")
@@ -241,9 +254,9 @@ def _fill_table(
         row[Column.GET_DIRECTION] = instance.address("fmi2GetDirectionalDerivative")
         row[Column.IS_CONTINUOUS] = component.continuous
         row[Column.RATIO] = ratios.get(component.name, 1)
-        mine = links.component == i
-        smooth = [np.flatnonzero(mine & (places >= 0)) for places in (links.rate, links.curvature)]
-        given = {name: place for name, place in rate_of.items() if system.resolve(name)[0] is component}
+        mine = np.arange(row[Column.FIRST_REAL], row[Column.END_REAL])
+        smooth = [mine[places[mine] >= 0] for places in (links.rate, links.curvature)]
+        given = places_of.get(component.name, {})
         if len(smooth[0]) or given:
             driven = np.array([system.resolve(name)[1].reference for name in given], np.uint32)
             listed = np.concatenate([references[np.concatenate(smooth)], driven])

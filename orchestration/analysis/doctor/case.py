@@ -50,7 +50,12 @@ class Case:
     @property
     def n(self) -> int:
         """Number of steps."""
-        return max(1, round(self.stop_time / self.step))
+        return max(1, round(self.duration / self.step))
+
+    @property
+    def duration(self) -> float:
+        """Time from the start to the stop of the run, s."""
+        return self.stop_time - self.system.start_time
 
 
 Spelling = Callable[[Case], str]

@@ -17,7 +17,7 @@ def portability_findings(system: System) -> Iterator[Finding]:
 def _unconnected(system: System) -> Iterator[Finding]:
     free = system.unconnected_inputs()
     if free:
-        given = [f"{path} = {_start(system, path):g}" for path in free]
+        given = [f"{path} = {_shown(system, path)}" for path in free]
         yield Finding(
             "unconnected-inputs",
             Severity.WARNING,
@@ -28,10 +28,16 @@ def _unconnected(system: System) -> Iterator[Finding]:
         )
 
 
-def _start(system: System, path: str) -> float:
+def _start(system: System, path: str) -> float | str:
+    """Start value of a variable that is in force; 0 if it has none."""
     component, variable = system.resolve(path)
     value = component.start.get(variable.name, variable.start)
-    return 0.0 if value is None else float(value)
+    return 0.0 if value is None else value
+
+
+def _shown(system: System, path: str) -> str:
+    value = _start(system, path)
+    return repr(value) if isinstance(value, str) else f"{value:g}"
 
 
 def _relative(system: System) -> Iterator[Finding]:
@@ -95,14 +101,14 @@ def _discrete(system: System) -> Iterator[Finding]:
             "discrete-connections",
             Severity.NOTE,
             found[0],
-            f"{counted(len(found), 'connection', 'carries', 'carry')} Integers or Booleans: {listed(found)};"
+            f"{counted(len(found), 'connection', 'carries', 'carry')} Integers, Booleans or texts: {listed(found)};"
             " tools that move every variable as a Real refuse them.",
             {"connections": found},
         )
 
 
 def _input_starts(system: System) -> Iterator[Finding]:
-    found = [path for path in system.sources if _start(system, path) != 0]
+    found = [path for path in system.sources if _start(system, path) not in (0, "")]
     if found:
         yield Finding(
             "input-starts",

@@ -17,8 +17,8 @@ DIGITS = 10**9  # largest denominator of a sampling period as a fraction of a se
 MOST_BEATS = 1000  # most periods after which all ticks should coincide again
 
 
-def fitting_step(system: System, step: float, stop_time: float) -> float | None:
-    """The longest round step, s, of at most a given one that divides every sampling period and the stop time.
+def fitting_step(system: System, step: float, duration: float) -> float | None:
+    """The longest round step, s, of at most a given one that divides every sampling period and the run.
 
     A step is round if it has at most two digits. None if there is no such step within a thousandth of the given one.
     """
@@ -29,7 +29,7 @@ def fitting_step(system: System, step: float, stop_time: float) -> float | None:
         return step
     least = math.ceil(common / Fraction(step) - Fraction(RATIO_TOLERANCE))
     parts = range(max(1, least), FINEST * max(1, least))
-    whole = [n for n in parts if _is_whole(stop_time * n / float(common))]
+    whole = [n for n in parts if _is_whole(duration * n / float(common))]
     chosen = next((n for n in whole if _is_round(float(common / n))), next(iter(whole), None))
     return None if chosen is None or float(common / chosen) < step / FINEST else float(common / chosen)
 

@@ -43,7 +43,7 @@ def stability_finding(case: Case, verdict: Verdict, study: Study, ways: Ways) ->
     A growth of less than a tenth over the run is a note, one of more than ten times an error. A prediction is an
     approximation near one instant, so the runs have the last word.
     """
-    growth = _growth(verdict, case.stop_time)
+    growth = _growth(verdict, case.duration)
     culprit = verdict.blame[0][0] if verdict.blame else None
     figures = {
         "radius": verdict.radius,
@@ -73,7 +73,7 @@ def _graded(case: Case, verdict: Verdict, study: Study, growth: float) -> tuple[
                 f"{at} is stable{where} as far as can be seen, but no other step that was examined is.",
             )
         return Severity.NOTE, f"{at} is stable{where}. {verdict.advice[0]}"
-    over = f"a small deviation grows {_words(growth)} over {case.stop_time:g} s"
+    over = f"a small deviation grows {_words(growth)} over {case.duration:g} s"
     if growth < LITTLE:
         return Severity.NOTE, f"{at} adds a little: {over}. {verdict.advice[0]}"
     if contradicted(growth, study):
@@ -96,9 +96,9 @@ def _why(verdict: Verdict) -> str:
     )
 
 
-def _growth(verdict: Verdict, stop_time: float) -> float:
+def _growth(verdict: Verdict, duration: float) -> float:
     """Share by which a deviation grows over a run: 0.003 stands for 0.3 %."""
-    exponent = verdict.growth_rate * stop_time
+    exponent = verdict.growth_rate * duration
     return math.expm1(exponent) if exponent < 700 else math.inf
 
 

@@ -177,7 +177,7 @@ class _Attempt:
 
     def _ends(self, until: float, times: np.ndarray) -> list[int]:
         """Indices of communication points at which the clock is read; all rows that are kept fit them."""
-        n = int(np.searchsorted(times, until * (1 + 1e-9)) - 1)
+        n = int(np.searchsorted(times, until + self.case.step / 2) - 1)
         piece = max(1, n // (PIECES * self.every)) * self.every
         return [*range(piece, n, piece), n]
 
@@ -186,7 +186,7 @@ def _fitting(case: Case) -> float:
     """Time until which the rows of a run fit the memory that a study may take, s."""
     columns = sum(len(c.description.of_causality("output")) for c in case.system.components)
     n = min(case.n, max(1, MOST_VALUES // max(1, columns)))
-    return case.stop_time if n == case.n else n * case.step
+    return case.stop_time if n == case.n else case.system.start_time + n * case.step
 
 
 def _spread(made: list[Result]) -> float:
