@@ -5,6 +5,7 @@ file in one step of the file system. So two processes that write one file do not
 The draft of a process that was killed is removed when the same file is written next.
 """
 
+import errno
 import os
 import secrets
 from collections.abc import Callable, Iterator
@@ -56,6 +57,8 @@ class Draft:
     """
 
     def __init__(self, path: Path, rescue: Callable[[Path], object] | None = None) -> None:
+        if len(os.fsencode(path.name)) > LONGEST_NAME:  # better now than when all is written
+            raise OSError(errno.ENAMETOOLONG, os.strerror(errno.ENAMETOOLONG), str(path))
         path.parent.mkdir(parents=True, exist_ok=True)
         for left in _of_dead_processes(path):
             if rescue is not None:
@@ -159,5 +162,18 @@ def _of_dead_processes(path: Path) -> Iterator[Path]:
 
 def _stem(path: Path) -> str:
     """The beginning of the names of all drafts of a file, shortened so that they are no longer than names may be."""
-    name, most = path.name, LONGEST_NAME - 1 - 2 * _RANDOM - len(SUFFIX)
-    return name.encode(errors="surrogateescape")[:most].decode(errors="ignore")
+    return shortened(path.name, LONGEST_NAME - 1 - 2 * _RANDOM - len(SUFFIX))
+
+
+def shortened(name: str, most: int) -> str:
+    """Return the beginning of a file name that takes at most a number of bytes.
+
+    Examples
+    --------
+    >>> from adaptimp_fmu.files.whole_file import shortened
+    >>> shortened("torques", 3)
+    'tor'
+    """
+    while len(os.fsencode(name)) > most:
+        name = name[:-1]
+    return name

@@ -1,4 +1,5 @@
 /* fmi2DoStep, and the FMI functions that ask for its status. */
+#include <float.h>
 #include <math.h>
 
 #include "instance.h"
@@ -10,10 +11,20 @@ static double time_tolerance(double t, double h) {
     return 1e-6 * h + CLOCK_TOLERANCE * scale;
 }
 
+/* How far a step may begin from the end of the previous one. Far from zero the tolerance of the time
+ * would hide a step that the host has left out, so it is a quarter of the step there; but a clock that
+ * is rounded to a nanosecond, and then to a double, is always right. */
+static double start_tolerance(double t, double h) {
+    const double rounding = CLOCK_TOLERANCE + 4 * DBL_EPSILON * fabs(t);
+    const double most = h / 4 > rounding ? h / 4 : rounding;
+    const double usual = time_tolerance(t, h);
+    return usual < most ? usual : most;
+}
+
 /* Whether a step is valid, by the whole rule; says what is wrong if it is not. */
 static RARE int step_valid_within(const Instance *instance, double t, double h) {
     const State *s = &instance->state;
-    const int continues = fabs(t - s->time) <= time_tolerance(t, h);
+    const int continues = fabs(t - s->time) <= start_tolerance(t, h);
     const int ends_late = s->stop_time_defined && t + h > s->stop_time + time_tolerance(s->stop_time, h);
     if (!(h > 0 && isfinite(t + h)))
         fail(instance, "fmi2DoStep: the step from t = %.17g s of h = %.17g s is not a positive finite "

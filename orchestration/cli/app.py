@@ -41,7 +41,7 @@ from orchestration.cli.options import (
     SystemName,
     Variant,
 )
-from orchestration.cli.output import never_fail_on_characters, output
+from orchestration.cli.output import never_fail_on_characters, output, require_streams
 from orchestration.cli.outside import RunCommand
 from orchestration.cli.program import (
     MESSAGES,
@@ -215,7 +215,6 @@ def run(
     from orchestration.cli.algorithms import AlgorithmRequest
     from orchestration.cli.outside import OutsideRequest
     from orchestration.cli.run import RunRequest, run_system
-    from orchestration.cli.settings import listed
     from orchestration.cli.systems import SystemRequest
 
     run_system(
@@ -231,7 +230,7 @@ def run(
             start=start,
             stop=stop,
             out=out,
-            record=listed(record),
+            record=record,
             strict=strict,
             assumptions=assumptions,
             allow_stale_inputs=allow_stale_inputs,
@@ -350,17 +349,25 @@ def main() -> None:
     from orchestration.errors import OrchestrationError
 
     output.reset()
-    never_fail_on_characters()
     try:
+        require_streams()
+        never_fail_on_characters()
         with warnings.catch_warnings():
             warnings.showwarning = output.warn
             app()
     except (OrchestrationError, OSError) as error:
         if output.debug:
             traceback.print_exception(error)
-        output.error(f"Error: {error}")
+        output.error(f"Error: {_said(error)}")
         sys.exit(exit_code_of(error))
     except Exception:
         traceback.print_exc()
         output.error("Error: this is a fault of adaptimp; please report it with the lines above.")
         sys.exit(ExitCode.FAULT)
+
+
+def _said(error: Exception) -> str:
+    """The text of an error; an error of the operating system without its number."""
+    if isinstance(error, OSError) and error.strerror:
+        return f"{error.filename}: {error.strerror}." if error.filename else f"{error.strerror}."
+    return str(error)

@@ -2,6 +2,8 @@
 
 from enum import IntEnum
 
+from orchestration.cli.interrupts import SIGNALLED, signal_of
+
 
 class ExitCode(IntEnum):
     """What became of a command, for scripts."""
@@ -10,7 +12,9 @@ class ExitCode(IntEnum):
     FAILED = 1
     REFUSED = 2
     FAULT = 3
-    INTERRUPTED = 130  # as shells have it
+    HUNG_UP = 129  # 128 plus the number of a signal, as shells have it
+    INTERRUPTED = 130
+    TERMINATED = 143
 
 
 MEANINGS = {
@@ -18,7 +22,9 @@ MEANINGS = {
     ExitCode.FAILED: "a run failed on its way, or a file cannot be used",
     ExitCode.REFUSED: "the request cannot be carried out as it is",
     ExitCode.FAULT: "a fault of adaptimp itself",
+    ExitCode.HUNG_UP: "interrupted by SIGHUP: the terminal was closed",
     ExitCode.INTERRUPTED: "interrupted by Ctrl-C",
+    ExitCode.TERMINATED: "interrupted by SIGTERM",
 }
 """What each code says, in the words of the help."""
 
@@ -28,7 +34,7 @@ def exit_code_of(error: BaseException) -> ExitCode:
     from orchestration.errors import InitializationError, OrchestrationError, SimulationError
 
     if isinstance(error, KeyboardInterrupt):
-        return ExitCode.INTERRUPTED
+        return ExitCode(SIGNALLED + signal_of(error))
     if isinstance(error, InitializationError):  # start values are part of the request
         return ExitCode.REFUSED
     if isinstance(error, SimulationError | OSError):  # a full disk, a cache that cannot be written

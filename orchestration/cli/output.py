@@ -24,6 +24,7 @@ PROGRESS_AFTER = 1.0  # s
 LOGGERS = ("orchestration", "adaptimp_fmu")
 UNLIMITED = 10_000  # columns, for what another program reads
 NARROWEST = 20  # columns
+LAST_STREAM = 2  # descriptor of standard error
 
 
 class Output:
@@ -82,7 +83,8 @@ class Output:
     def show(self, renderable: Any) -> None:
         """Print a table of rich."""
         if not self.quiet:
-            _console().print(renderable)
+            with _writing(sys.stdout):
+                _console().print(renderable)
 
 
 output = Output()
@@ -100,8 +102,51 @@ def width() -> int:
 
 def _write(text: str, stream: TextIO) -> None:
     """Write a line; click would write UTF-8 to a stream that asks for ASCII."""
-    stream.write(f"{text}\n")
-    stream.flush()
+    with _writing(stream):
+        stream.write(f"{text}\n")
+        stream.flush()
+
+
+@contextmanager
+def _writing(stream: TextIO) -> Iterator[None]:
+    """Write on to nowhere if the reader of a pipe has gone, as ``head`` does; the command still does its work.
+
+    Raises
+    ------
+    OSError
+        If the stream cannot be written for another reason, such as a full disk.
+    """
+    try:
+        yield
+    except BrokenPipeError:
+        nowhere = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(nowhere, stream.fileno())
+        os.close(nowhere)
+    except OSError as error:
+        name = "Standard output" if stream is sys.stdout else "Standard error"
+        msg = f"{name} cannot be written: {error.strerror}; choose another place for it."
+        raise OSError(msg) from error
+
+
+def require_streams() -> None:
+    """Refuse a standard output that is closed, and let the other two streams lead nowhere if they are closed.
+
+    Otherwise a file of the run would get the number of the stream, and would receive what an FMU prints.
+
+    Raises
+    ------
+    OSError
+        If standard output is closed.
+    """
+    closed = sys.stdout is None
+    while (descriptor := os.open(os.devnull, os.O_RDWR)) <= LAST_STREAM:
+        os.set_inheritable(descriptor, True)
+    os.close(descriptor)
+    sys.stdout = sys.stdout or open(1, "w", closefd=False)
+    sys.stderr = sys.stderr or open(2, "w", closefd=False)
+    if closed:
+        msg = "Standard output is closed; redirect it to a file, or to /dev/null."
+        raise OSError(msg)
 
 
 def _console() -> "Console":

@@ -12,7 +12,8 @@ from typing import Annotated, Any
 import typer
 from typer.core import TyperCommand, TyperGroup
 
-from orchestration.cli.codes import MEANINGS, ExitCode
+from orchestration.cli.codes import MEANINGS, ExitCode, exit_code_of
+from orchestration.cli.interrupts import Interrupts
 from orchestration.cli.output import output
 
 ARGUMENTS, OPTIONS, MESSAGES, COMPLETION = "Arguments", "Options", "Messages and help", "Completion in the shell"
@@ -49,7 +50,7 @@ class Command(TyperCommand):
 
 
 class Program(TyperGroup):
-    """The commands, which print a sentence when Ctrl-C ends them."""
+    """The commands, which print a sentence when a signal ends them."""
 
     def format_options(self, ctx: Any, formatter: Any) -> None:
         """Write the commands, and then the options."""
@@ -71,13 +72,14 @@ class Program(TyperGroup):
             For a KeyboardInterrupt.
         """
         try:
-            return super().invoke(ctx)
+            with Interrupts():
+                return super().invoke(ctx)
         except KeyboardInterrupt as interrupt:
             from orchestration.errors import RunInterrupted
 
             if not isinstance(interrupt, RunInterrupted):  # that was said when its rows were kept
                 output.error("Interrupted.")
-            raise typer.Exit(ExitCode.INTERRUPTED) from None
+            raise typer.Exit(exit_code_of(interrupt)) from None
 
 
 def with_messages(function: Callable[..., None]) -> Callable[..., None]:

@@ -17,7 +17,10 @@ from orchestration.results.extremes import Extremes
 
 REFUSED = "refused"
 """Status of a run that did not begin."""
-_STATUS = {ExitCode.REFUSED: REFUSED, ExitCode.INTERRUPTED: INTERRUPTED}
+_STATUS = {
+    ExitCode.REFUSED: REFUSED,
+    **dict.fromkeys((ExitCode.HUNG_UP, ExitCode.INTERRUPTED, ExitCode.TERMINATED), INTERRUPTED),
+}
 
 
 @dataclass

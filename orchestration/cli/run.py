@@ -13,7 +13,7 @@ from orchestration.cli.output import output, watched, width
 from orchestration.cli.outside import OutsideRequest
 from orchestration.cli.report import RunReport
 from orchestration.cli.rows import Destination
-from orchestration.cli.settings import numbers, start_value
+from orchestration.cli.settings import listed, numbers, start_value
 from orchestration.cli.signals import signal_record, signal_table
 from orchestration.cli.systems import SystemRequest
 from orchestration.errors import (
@@ -30,6 +30,7 @@ from orchestration.master.simulate import Options, prepare
 from orchestration.master.simulation import Simulation
 from orchestration.results.columns import ENDED
 from orchestration.results.result import Result
+from orchestration.system.system import System
 
 LONG_COMPILATION = 1.0  # s, from which on it is said
 MOST_NAMED = 20  # components whose order is told whole
@@ -106,7 +107,7 @@ def _prepared(request: RunRequest, report: RunReport, line: ProgressLine) -> Sim
     check_tolerances(system, algorithm)
     report.step, report.order = system.run_step(request.step), [component.name for component in system.components]
     output.say(f"{system.name}: {algorithm.name}, order {_ordered(report.order)}, step {report.step:g} s")
-    simulation = prepare(system, request.stop, report.step, algorithm, options=_options(request, line))
+    simulation = prepare(system, request.stop, report.step, algorithm, options=_options(request, system, line))
     report.start_time, report.stop_time = (float(simulation.grid.times[i]) for i in (0, -1))
     return simulation
 
@@ -117,9 +118,9 @@ def _ordered(names: Sequence[str]) -> str:
     return " > ".join(shown) + (f" ({len(names)} components)" if len(shown) < len(names) else "")
 
 
-def _options(request: RunRequest, line: ProgressLine) -> Options:
+def _options(request: RunRequest, system: System, line: ProgressLine) -> Options:
     return Options(
-        record=request.record,
+        record=listed(request.record, system),
         every=request.every,
         start_time=request.start,
         strict=request.strict,
@@ -130,14 +131,15 @@ def _options(request: RunRequest, line: ProgressLine) -> Options:
         ratios=numbers("--ratio", request.ratios, int),
         crossings=Crossings(request.crossings),
         progress=line.steps,
-        **request.outside.options(start_value),
+        **request.outside.options(lambda text: start_value(text, system)),
     )
 
 
 def _run(
     simulation: Simulation, destination: Destination, report: RunReport, line: ProgressLine, *, judged: bool
 ) -> None:
-    """Make the steps, and write the rows."""
+    """Make the steps, and write the rows before the FMUs are called for the last time: they may crash then."""
+    saved = False
     try:
         with simulation:
             report.compile_seconds = simulation.compile_seconds
@@ -149,17 +151,20 @@ def _run(
             if result.status == ENDED:
                 report.status, report.message = result.status, result.message
                 output.remark(f"Notice: {result.message}")
+            line.begin("writing the rows")
+            simulation.complete()
+            destination.complete(result, report)
+            saved = True
     except SimulationError as error:
         _tell_messages(error.result, report)
-        destination.partial(error.result, report, "before the failure")
+        if not saved:
+            destination.partial(error.result, report, "before the failure")
         raise
     except RunInterrupted as interrupt:
         line.end()
         output.remark("Interrupted: the run was stopped.")
         destination.partial(interrupt.result, report, "before that")
         raise
-    line.begin("writing the rows")
-    destination.complete(result, report)
 
 
 def _tell_messages(result: RecordedRows | None, report: RunReport) -> None:

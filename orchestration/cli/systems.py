@@ -54,7 +54,7 @@ class SystemRequest:
         if self.controller is not None:
             names: Mapping[str, str] = dict(map(setting_of("--map"), self.mapping))
             system = system.replace("controller", named_fmu(self.controller), names)
-        system = system.set(dict(map(start_value, self.settings)))
+        system = system.set(dict(start_value(text, system) for text in self.settings))
         return system if self.sample_time is None else system.with_sample_time(self.sample_time)
 
 

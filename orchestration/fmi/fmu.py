@@ -22,6 +22,7 @@ from html import escape
 from os import PathLike
 from types import TracebackType
 from typing import Any, Self
+from weakref import finalize
 
 import numpy as np
 
@@ -132,6 +133,8 @@ class Fmu:
             self.set(inputs)
             self._call("fmi2ExitInitializationMode")
             self._opened = opened.pop_all()
+        # Frees an FMU that nobody closes, such as one whose program went on after an error.
+        self._forgotten = finalize(self, self._opened.close)
         self._initialized = True
 
     def __repr__(self) -> str:
@@ -333,6 +336,7 @@ class Fmu:
             If the FMU does not terminate; it is freed nevertheless.
         """
         initialized, self._initialized = self._initialized, False
+        self._forgotten.detach()
         with self._opened:
             if self._instance.worst != Status.FATAL:
                 for state in self._saved:

@@ -5,6 +5,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from adaptimp_fmu.files.temporary_folder import runs_nothing
 from orchestration.errors import ArchiveError, InitializationError, SystemDescriptionError
 from orchestration.fmi.codes import (
     BOOLEAN,
@@ -274,6 +275,8 @@ def _loaded(name: str, description: Description, folder: Path) -> Library:
     except OSError as error:
         said = str(error).replace(f"{folder}/", "").rstrip(".")  # the folder is a temporary one
         msg = f"{name}: {description.path.name} cannot be loaded: {said}."
+        if runs_nothing(folder):
+            msg += f" Nothing can be run from {folder.parent} (noexec), so set TMPDIR to another folder."
         raise ArchiveError(msg) from error
     if missing := library.lacks(needed_functions(description)):
         library.close()

@@ -20,7 +20,7 @@ DISPLACEMENT = 1e-7  # displacement of an input for a difference, over 1 + |u|; 
 Evaluate = Callable[[int | None], None]  # sets the inputs and gets the outputs, of one component or of all (None)
 
 
-def solve_loops(name: str, assembly: Assembly, evaluate: Evaluate) -> None:
+def solve_loops(name: str, assembly: Assembly, evaluate: Evaluate, chosen: np.ndarray) -> None:
     """Find inputs that equal the outputs which drive them, and hand these inputs to all components.
 
     Parameters
@@ -32,6 +32,8 @@ def solve_loops(name: str, assembly: Assembly, evaluate: Evaluate) -> None:
     evaluate
         Function that sets the inputs in the buffers and gets the outputs, of one component (by index) or
         of all components (None).
+    chosen
+        Places of the links whose inputs are sought, ascending, shape (n_chosen,); those of other links are right.
 
     Raises
     ------
@@ -39,7 +41,7 @@ def solve_loops(name: str, assembly: Assembly, evaluate: Evaluate) -> None:
         If no solution is found near the start values. The message names the connection with the largest
         residual.
     """
-    reals, links = assembly.plan.reals, assembly.plan.real_links.astype(np.int64)
+    reals, links = assembly.plan.reals, assembly.plan.real_links[chosen].astype(np.int64)
     sources, targets = links[:, 0], links[:, 1]
 
     def residual() -> np.ndarray:
@@ -50,7 +52,7 @@ def solve_loops(name: str, assembly: Assembly, evaluate: Evaluate) -> None:
     for _ in range(MAX_ITERATIONS):
         if _size(found) <= TOLERANCE:
             return
-        direction = _direction(assembly, evaluate)
+        direction = _direction(assembly, evaluate, chosen)
         start, before, factor = reals[targets].copy(), _size(found), 1.0
         for _ in range(MAX_HALVINGS):
             reals[targets] = start + factor * direction
@@ -63,7 +65,7 @@ def solve_loops(name: str, assembly: Assembly, evaluate: Evaluate) -> None:
     worst = int(np.argmax(np.where(np.isfinite(found), np.abs(found), np.inf)))
     msg = (
         f"System {name}: its connections close an algebraic loop that has no solution near the start values:"
-        f" {assembly.real_connections[worst]} ends with {reals[sources[worst]]:.9g} at its source and"
+        f" {assembly.real_connections[chosen[worst]]} ends with {reals[sources[worst]]:.9g} at its source and"
         f" {reals[targets[worst]]:.9g} at its target. Give other start values, or break the loop with a"
         " component whose outputs do not depend on its inputs."
     )
@@ -75,15 +77,18 @@ def _size(residual: np.ndarray) -> float:
     return float(np.abs(residual).max(initial=0.0)) if np.isfinite(residual).all() else np.inf
 
 
-def _direction(assembly: Assembly, evaluate: Evaluate) -> np.ndarray:
-    """Return Newton's correction of the inputs, shape (n_links,), from outputs that have been evaluated."""
+def _direction(assembly: Assembly, evaluate: Evaluate, chosen: np.ndarray) -> np.ndarray:
+    """Return Newton's correction of the inputs, shape (n_chosen,), from outputs that have been evaluated."""
     plan = assembly.plan
-    reals, links = plan.reals, plan.real_links.astype(np.int64)
+    reals, links = plan.reals, plan.real_links[chosen].astype(np.int64)
     sources, targets = links[:, 0], links[:, 1]
     base = reals.copy()
     jacobian = -np.eye(len(links))
     for i, row in enumerate(plan.table):
-        for j in range(row[Column.FIRST_REAL], row[Column.END_REAL]):
+        first, end = np.searchsorted(chosen, (row[Column.FIRST_REAL], row[Column.END_REAL]))
+        if first == end:
+            continue
+        for j in range(first, end):
             value = base[targets[j]]
             reals[targets[j]] = value + DISPLACEMENT * (1 + abs(value))
             evaluate(i)

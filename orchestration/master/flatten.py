@@ -237,7 +237,11 @@ def recorded_paths(system: System, record: Collection[str] | None) -> list[Path]
         return list(outputs.values())
     found: dict[Path, None] = {}
     for pattern in record:
-        names, others = ([pattern], []) if pattern in outputs else chosen([pattern], outputs)
+        component, _, variable = pattern.partition(".")
+        if component in system and variable in system.component(component).description.variables:
+            found[component, variable] = None  # a name may have the characters of a pattern
+            continue
+        names, others = chosen([pattern], outputs)
         found |= dict.fromkeys(outputs[name] for name in names)
         if others:
             found |= dict.fromkeys(_of_any_causality(system, pattern, outputs))

@@ -25,6 +25,8 @@ from orchestration.sandbox.archive import unpacked
 from orchestration.stages import stage
 from orchestration.system.system import Component, System
 
+MOST_WHOLE = 500
+"""Connections up to which a system is solved whole if it has an algebraic loop; a bigger one without what settles."""
 LONG_CHAIN = 20
 """Components in a row, at the least, that are passed through in their order: a pass moves values by one component."""
 
@@ -179,13 +181,18 @@ def _propagate(system: System, instances: Sequence[Instance], assembly: Assembly
             return
         moved = _behind(plan)
 
+    if len(plan.real_links) <= MOST_WHOLE:
+        moved = range(len(instances))
+    ranges = [np.arange(*plan.table[i, [Column.FIRST_REAL, Column.END_REAL]]) for i in moved]
+    chosen = np.concatenate([np.empty(0, np.int64), *ranges])
+
     def evaluate(i: int | None) -> None:
-        for k in range(len(instances)) if i is None else (i,):
+        for k in moved if i is None else (i,):
             row = plan.table[k]
             copy_links(plan.discrete_links, row[Column.FIRST_DISCRETE], row[Column.END_DISCRETE], plan.discretes)
             _exchange(instances[k], plan, k)
 
-    solve_loops(system.name, assembly, evaluate)
+    solve_loops(system.name, assembly, evaluate, chosen)
     settled = plan.discretes.copy()
     evaluate(None)
     if not _same(settled, plan.discretes):

@@ -1,5 +1,6 @@
 """A recorder collects the rows of a run, in memory or in a file."""
 
+import sys
 from typing import Protocol
 
 import numpy as np
@@ -95,6 +96,16 @@ class Recorder:
         if self._sink is not None and self._filled:
             self._sink.append(self._times[: self._filled], self._rows[: self._filled])
             self._filled = 0
+
+    @property
+    def n_columns(self) -> int:
+        """Number of recorded outputs."""
+        return self._rows.shape[1]
+
+    @property
+    def most(self) -> int:
+        """Number of rows that there can be; the largest integer if that is not known."""
+        return len(self._times) if self._fixed else sys.maxsize
 
     @property
     def streams(self) -> bool:

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from orchestration.errors import SystemDescriptionError
+from orchestration.errors import OrchestrationError, SystemDescriptionError
 from orchestration.fmi.instance import Instance
 from orchestration.master.algorithm import Algorithm
 from orchestration.master.driven import DrivenInputs
@@ -14,6 +14,7 @@ from orchestration.master.flatten import Assembly
 from orchestration.master.options import Options
 from orchestration.master.recorder import Recorder
 from orchestration.master.snapshot import Snapshot
+from orchestration.master.snapshot_fit import CHANGES, require_fit
 from orchestration.master.step_arrays import Layout
 
 Change = list[float | str]  # time, variable, value
@@ -29,6 +30,8 @@ class Saving:
         Name of the system, for messages.
     identity
         Hash that a run must share with a snapshot that it restores.
+    intervals
+        Number of intervals between the communication points of the run.
     kept
         Snapshots whose states live in the instances, and are freed with them.
     """
@@ -39,6 +42,7 @@ class Saving:
     assembly: Assembly
     layout: Layout
     recorder: Recorder
+    intervals: int
     kept: list[Snapshot] = field(default_factory=list)
 
     def save(self, time: float, changes: Sequence[Change]) -> Snapshot:
@@ -70,6 +74,7 @@ class Saving:
         if not whole and not any(snapshot is mine for mine in self.kept):
             msg = "The snapshot has states that live in another run; their FMUs do not serialize states."
             raise SystemDescriptionError(msg)
+        changes = self._checked(snapshot)
         for instance, state in zip(self.instances, snapshot.states, strict=True):
             instance.restore(state)
         plan = self.assembly.plan
@@ -78,7 +83,18 @@ class Saving:
         if self.assembly.texts:
             self.assembly.texts.table.restore(snapshot.arrays)
         self.recorder.reset(snapshot.arrays["times"], snapshot.arrays["rows"])
-        return json.loads(str(snapshot.arrays["changes"]))
+        return changes
+
+    def _checked(self, snapshot: Snapshot) -> list[Change]:
+        """The changes that a snapshot holds, after a look at all that it holds."""
+        plan, arrays = self.assembly.plan, snapshot.arrays
+        present = self.layout.changing() | {"reals": plan.reals, "discretes": plan.discretes}
+        limits = {"intervals": self.intervals, "rows": self.recorder.most, "columns": self.recorder.n_columns}
+        require_fit(arrays, present, {**limits, "components": len(self.instances)})
+        if len(snapshot.states) != len(self.instances):
+            msg = f"The snapshot has {len(snapshot.states)} states of components, the run has {len(self.instances)}."
+            raise OrchestrationError(msg)
+        return json.loads(str(arrays[CHANGES]))
 
     def free(self) -> None:
         """Free the states that live in the instances."""

@@ -10,7 +10,7 @@ from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
 from types import TracebackType
-from typing import TYPE_CHECKING, Self
+from typing import Self
 
 import numpy as np
 
@@ -45,14 +45,11 @@ from orchestration.master.recorder import Recorder, Sink, any_value, not_finite
 from orchestration.master.saving import Saving, choices
 from orchestration.master.setting import set_in_run
 from orchestration.master.snapshot import Snapshot, identity
+from orchestration.master.streaming import Streaming
 from orchestration.master.time_grid import Grid
 from orchestration.results.columns import ENDED, FAILED, INTERRUPTED
-from orchestration.results.formats import require_parquet
 from orchestration.results.result import Result
 from orchestration.system.system import System
-
-if TYPE_CHECKING:
-    from orchestration.master.row_file import RowFile
 
 _CHUNK_VALUES = 2**17  # recorded in a chunk: they are checked while they are in the processor's cache
 
@@ -115,14 +112,13 @@ class Simulation:
         self.system, self.grid, self.algorithm, self.options = system, grid, algorithm, options
         self._outside = outside or Outside()
         self._metadata = dict(metadata or {})
-        self._path: Path | None = None
+        self._streaming = Streaming()
         self._varies = algorithm.control is not None or bool(options.crossings.outputs)  # the number of rows
         self._plain = algorithm.plain and not options.crossings.outputs and not options.slow
         self._fault = any_value if options.allow_nan else not_finite
         self._changes: list[list[float | str]] = []  # time, variable, value
         self._ended = ""  # a sentence, once a component has ended the simulation
         self._changed_at = -1  # point at which scheduled changes were made last
-        self._stream: RowFile | None = None
         self._stack = ExitStack()
         self._chunks = Chunks()
         self._block = Block(system.name)
@@ -146,12 +142,12 @@ class Simulation:
             self._units, self._texts = self._assembly.units | self._outside.units, self._assembly.texts
             every_column = (*self._columns, *self._texts.columns)
             known = None if self._varies else self.grid.n // self.options.every + 1
-            if known is not None and self._path is None:
+            if known is not None and self._streaming.path is None:
                 require_memory(self.system.name, self.grid.n, known, len(every_column))
             self._recorder = Recorder(len(every_column), known, self._sink(stack))
             known_by = choices(self.algorithm, self.options, self._outside.inputs)
             name = identity(self.system, every_column, self.grid.times, known_by)
-            parts = (self._instances, self._assembly, self._layout, self._recorder)
+            parts = (self._instances, self._assembly, self._layout, self._recorder, self.grid.n)
             self._saving = Saving(self.system.name, name, *parts)
             stack.callback(self._saving.free)
             times, rows = self._recorder.room()
@@ -187,8 +183,7 @@ class Simulation:
 
     def stream_to(self, path: Path) -> None:
         """Write rows to a .parquet file instead of keeping them; call this before the ``with`` block begins."""
-        require_parquet(path)
-        self._path = path
+        self._streaming.to(path)
 
     @property
     def first_inputs(self) -> dict[str, float]:
@@ -313,15 +308,9 @@ class Simulation:
         return self._metadata | self._outside.described() | told | kept_messages(self._instances)
 
     def _sink(self, stack: ExitStack) -> Sink | None:
-        if self._path is None:
-            return None
-        from orchestration.master.row_file import RowFile
-
         ticks = {"steps_per_tick": self.steps_per_tick, "sample_times": self.system.sample_times}
-        about = {"metadata": self._metadata | self._outside.inputs.described(), **ticks}
-        self._stream = RowFile.of(self._path, self._columns, self._units, self._texts, about)
-        stack.enter_context(self._stream.file)
-        return self._stream
+        metadata = self._metadata | self._outside.inputs.described()
+        return self._streaming.sink(stack, self._columns, self._units, self._texts, metadata=metadata, **ticks)
 
     def _apply_changes(self) -> None:
         """Make the changes that are due at the present communication point, once."""
@@ -388,12 +377,13 @@ class Simulation:
         message = failure_message(failure, where, self._layout, self._instances, self._assembly)
         raise SimulationError(message, self._broken_off(FAILED, message))
 
-    def _terminate(self) -> None:
+    def complete(self) -> None:
+        """Complete the file that rows are streamed to, before the FMUs are called for the last time; once is enough."""
         self._recorder.flush()
-        if self._stream is not None:
-            self._stream.file.metadata |= self._described()
-            if self._ended:
-                self._stream.file.status, self._stream.file.message = ENDED, self._ended
+        self._streaming.complete(self._described(), self._ended)
+
+    def _terminate(self) -> None:
+        self.complete()
         for instance in self._instances:
             status = instance.status("fmi2Terminate")
             if status > WORST_ACCEPTED:

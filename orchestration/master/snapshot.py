@@ -8,7 +8,7 @@ import hashlib
 import json
 import struct
 import zlib
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -31,6 +31,9 @@ _DAMAGED = (
     EOFError,
     RuntimeError,
     ArithmeticError,
+    AssertionError,
+    AttributeError,
+    IndexError,
     MemoryError,
     BadZipFile,
     struct.error,
@@ -90,8 +93,9 @@ class Snapshot:
         if not all(isinstance(state, bytes) for state in self.states):
             msg = f"{path}: an FMU does not declare {SERIALIZES_STATE}; this snapshot lives in its run only."
             raise OrchestrationError(msg)
-        header = json.dumps({"format": FORMAT, "time": self.time, "identity": self.identity})
         states = {f"state_{i}": np.frombuffer(state, np.uint8) for i, state in enumerate(self.states)}
+        described = {"format": FORMAT, "time": self.time, "identity": self.identity}
+        header = json.dumps({**described, "digest": _digest_of_arrays({**states, **self.arrays})})
         try:
             with whole_file(path) as file:
                 np.savez(file, allow_pickle=False, header=np.array(header), **states, **self.arrays)
@@ -115,10 +119,12 @@ class Snapshot:
             with Path(path).open("rb") as raw, np.load(raw, allow_pickle=False) as file:
                 content = {name: file[name] for name in file.files}
             header = json.loads(str(content.pop("header")))
+            digest = _digest_of_arrays(content)
             states = [content.pop(f"state_{i}").tobytes() for i in range(len([n for n in content if _is_state(n)]))]
             if header["format"] != FORMAT:
                 msg = f"{path}: the snapshot has format {header['format']}, this version reads {FORMAT}."
                 raise OrchestrationError(msg)
+            _require_digest(header["digest"], digest)
             return cls(float(header["time"]), str(header["identity"]), content, tuple(states))
         except OSError as error:
             msg = f"{path}: the snapshot cannot be read: {error.strerror or error}."
@@ -127,6 +133,21 @@ class Snapshot:
             reason = str(error).splitlines()[0].partition(". ")[0].rstrip(".") if str(error) else type(error).__name__
             msg = f"{path} is not a snapshot: {reason}; give a file that Snapshot.write wrote."
             raise OrchestrationError(msg) from error
+
+
+def _digest_of_arrays(arrays: Mapping[str, np.ndarray]) -> str:
+    """Hash of names, types, shapes and bytes of arrays."""
+    digest = hashlib.sha256()
+    for name, array in sorted(arrays.items()):
+        digest.update(repr((name, array.dtype.descr, array.shape)).encode() + array.tobytes())
+    return digest.hexdigest()
+
+
+def _require_digest(told: str, found: str) -> None:
+    """Refuse arrays that have changed since they were written."""
+    if told != found:
+        msg = "its content has changed since it was written"
+        raise ValueError(msg)
 
 
 def _is_state(name: str) -> bool:
@@ -150,4 +171,11 @@ def identity(system: System, columns: Sequence[str], times: np.ndarray, chosen: 
     """
     members = [(c.name, c.description.identifier, c.description.guid) for c in system.components]
     said = (members, [str(connection) for connection in system.connections], tuple(columns), *chosen)
-    return hashlib.sha256(repr(said).encode() + times.tobytes()).hexdigest()
+    return _digest(repr(said).encode(), np.ascontiguousarray(times))
+
+
+def _digest(text: bytes, times: np.ndarray) -> str:
+    """Hash of a text and of communication points, without a copy of the points."""
+    digest = hashlib.sha256(text)
+    digest.update(times.data)
+    return digest.hexdigest()

@@ -73,14 +73,15 @@ class Layout:
 
     def save(self) -> dict[str, np.ndarray]:
         """Return copies of all arrays that change in a run, without the buffers of values."""
-        return {name: array.copy() for name, array in self._changing().items()}
+        return {name: array.copy() for name, array in self.changing().items()}
 
     def restore(self, arrays: Mapping[str, np.ndarray]) -> None:
         """Restore the arrays that `save` returned."""
-        for name, array in self._changing().items():
+        for name, array in self.changing().items():
             array[...] = arrays[name]
 
-    def _changing(self) -> dict[str, np.ndarray]:
+    def changing(self) -> dict[str, np.ndarray]:
+        """Return the arrays that change in a run, by name."""
         c = self.coupling
         links = {name: c.links[name] for name in ("end", "residual", "last_residual")}
         past = c.history[: Row.KEPT_LAST]

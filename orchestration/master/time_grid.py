@@ -136,6 +136,7 @@ def tick_grid(system: System, span: tuple[float, float], step: float) -> Grid:
         return Grid(np.array([start, stop]), np.array([stop - start]), step)
     interval = math.gcd(*ratios.values()) * step
     whole = math.floor((stop - start) / interval * (1 + RATIO_TOLERANCE))
+    require_memory(system.name, whole, whole, 0)  # the points and the lengths
     points = start + np.arange(whole + 1) * interval
     if stop - points[-1] > RATIO_TOLERANCE * interval:
         points = np.append(points, stop)
@@ -212,8 +213,11 @@ def _points(name: str, span: tuple[float, float], step: float) -> np.ndarray:
             f" stop at {whole:.9g} s instead."
         )
         raise SystemDescriptionError(msg)
-    require_memory(name, n, n, 0)  # the points are made of two arrays
-    return t0 + np.arange(n + 1) * step
+    require_memory(name, n, 0, 0)
+    points = np.arange(n + 1, dtype=float)  # in one array, for this is the memory that a streamed run needs
+    points *= step
+    points += t0
+    return points
 
 
 def _ratios(system: System, steps: np.ndarray, *, stale: bool) -> Mapping[str, int]:

@@ -289,6 +289,16 @@ class ParquetSink:
             self.count += taken
             done += taken
 
+    def close(self) -> None:
+        """Complete the file and move it to its path before the context ends; then no rows can be appended.
+
+        Raises
+        ------
+        OrchestrationError
+            If the file cannot be written, or a key of the metadata is not allowed.
+        """
+        self.__exit__(None, None, None)
+
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:

@@ -1,15 +1,18 @@
 """Where the rows of a run that failed go, and what is said of a file that cannot be written."""
 
+import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+from adaptimp_fmu.files.whole_file import LONGEST_NAME, shortened
 from orchestration.errors import OrchestrationError
 
 
 def partial_path(path: Path) -> Path:
-    """Return the path for the rows of a run that failed, ``STEM.partial.SUFFIX``."""
-    return path.with_name(f"{path.stem}.partial{path.suffix}")
+    """Return the path for the rows of a run that failed, ``STEM.partial.SUFFIX``; a very long stem is shortened."""
+    ending = f".partial{path.suffix}"
+    return path.with_name(shortened(path.stem, LONGEST_NAME - len(os.fsencode(ending))) + ending)
 
 
 @contextmanager

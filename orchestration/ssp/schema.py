@@ -2,9 +2,7 @@
 
 import importlib.resources
 import re
-import tempfile
 import zipfile
-from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cache
 from pathlib import Path, PurePosixPath
@@ -13,12 +11,11 @@ from urllib.parse import unquote
 
 from lxml import etree
 
-from adaptimp_fmu.files.cache_folder import cache_folder, writable_cache
 from orchestration.errors import ArchiveError, SystemDescriptionError
 from orchestration.fmi.units import BASE_UNITS, Linear, Unit, UnitDefinition
-from orchestration.sandbox.archive import file_hash, unpack
 from orchestration.sandbox.missing import require_file
 from orchestration.ssp.leniency import brought_into_form
+from orchestration.ssp.unpacked import unpacked_package
 from orchestration.ssp.variants import DEFAULT, chosen, is_unpacked, unpacked_place
 
 _BASE = "http://ssp-standard.org/SSP1/SystemStructure"
@@ -87,9 +84,8 @@ class Package:
     def _unpacked(path: Path) -> Path:
         """Unpack a package into the cache folder, unless the cache folder holds the package already.
 
-        The cache folder is ``$ADAPTIMP_CACHE``, or else the cache folder of the user. The hash of a package names
-        its folder there. The folder appears only when it is complete, even if two runs read the package at the
-        same time.
+        The cache folder is ``$ADAPTIMP_CACHE``, or else the cache folder of the user; see
+        `orchestration.ssp.unpacked`.
 
         Raises
         ------
@@ -97,17 +93,7 @@ class Package:
             If the package is missing, invalid or unsafe.
         """
         require_file(path, "package")
-        folder = cache_folder() / "ssp" / file_hash(path)[:32]
-        if not folder.is_dir():
-            folder = writable_cache("ssp") / folder.name
-        if not folder.is_dir():
-            with tempfile.TemporaryDirectory(dir=folder.parent) as scratch:
-                fresh = Path(scratch) / "package"
-                fresh.mkdir()
-                unpack(path, fresh)
-                with suppress(OSError):  # another run was faster
-                    fresh.rename(folder)
-        return folder
+        return unpacked_package(path)
 
     def file(self, source: str | None) -> Path:
         """Return the path of a file in the package by its URI.

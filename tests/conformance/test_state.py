@@ -1,6 +1,8 @@
 """Tests of rules 13 and 14: the state of an instance can be saved and restored, and instances are independent."""
 
 import ctypes as ct
+import math
+import struct
 import subprocess
 import sys
 from collections.abc import Callable, Sequence
@@ -211,6 +213,51 @@ def test_13_every_corrupted_byte_is_noticed(binary: Binary, create: Create) -> N
             assert status == ERROR, f"byte {i} of {len(blob)}"
     assert_blob_refused(instance, bytes(len(blob)))
     assert_blob_refused(instance, blob[::-1])
+
+
+def forged(blob: bytes, place: int, field: bytes) -> bytes:
+    """A state with a field changed, and with the right checksum, FNV-1a of all that follows it."""
+    changed = bytearray(blob)
+    changed[place : place + len(field)] = field
+    checksum = 0xCBF29CE484222325
+    for byte in changed[16:]:
+        checksum = (checksum ^ byte) * 0x100000001B3 % 2**64
+    changed[8:16] = struct.pack("<Q", checksum)
+    return bytes(changed)
+
+
+def test_13_made_up_states_are_refused(binary: Binary, create: Create) -> None:
+    """Fields at the end of a state: ticks, position between ticks, phase and five flags, from the end."""
+    instance = started(binary, create)
+    blob = instance.blob()
+    assert forged(blob, 0, blob[:8]) == blob
+    ends = {
+        (-40, struct.pack("<q", -1)): "ticks",
+        (-40, struct.pack("<q", 2**62)): "ticks",
+        (-32, struct.pack("<d", 1.0)): "position",
+        (-32, struct.pack("<d", math.nan)): "position",
+        (-24, struct.pack("<i", 0)): "phase",
+        (-24, struct.pack("<i", 3)): "phase",
+        (-56, struct.pack("<d", math.inf)): "time",
+    }
+    for (place, field), said in ends.items():
+        assert_blob_refused(instance, forged(blob, len(blob) + place, field))
+        assert said in instance.last
+
+
+def test_13_made_up_parameters_are_refused(binary: Binary, create: Create) -> None:
+    """Among them a divisor of 0: the number of a tick modulo this divisor ended the process with SIGFPE."""
+    instance = started(binary, create)
+    blob = instance.blob()
+    for variable in binary.variables.values():
+        if variable.causality != "parameter":
+            continue
+        wrong = {math.nan, math.inf} | ({0.0} if variable.name == "update_divisor" else set())
+        wrong |= {math.nextafter(float(variable.min), -math.inf)} if variable.min is not None else set()
+        for value in wrong:
+            place = 64 + 8 * variable.valueReference
+            assert_blob_refused(instance, forged(blob, place, struct.pack("<d", value)))
+            assert "a parameter is out of its range" in instance.last
 
 
 def resized(blob: bytes, size: int) -> bytes:

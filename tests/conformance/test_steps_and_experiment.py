@@ -47,6 +47,19 @@ def test_11_communication_point_must_follow(binary: Binary, create: Create, t: f
     assert instance.step(H) == OK
 
 
+@pytest.mark.parametrize("skipped", [0.5, 1.0, -1.0])
+@pytest.mark.parametrize("t0", [0.0, 1e5, -1e6, 1e7])
+def test_11_a_step_that_is_left_out_is_noticed(binary: Binary, create: Create, t0: float, skipped: float) -> None:
+    """A tolerance of 1e-9 |t| alone is as long as a step of 1e-4 s at t = 1e5 s."""
+    instance = create(binary).initialize(t0=t0)
+    assert instance.step(H) == OK
+    before = instance.blob()
+    t = t0 + (1 + skipped) * H
+    assert_refused(instance, instance.step(H, t), before, f"{t:.17g} s", f"{t0 + H:.17g} s")
+    assert instance.step(H, round(t0 + H, 9)) == OK
+    assert instance.step(H, math.nextafter(t0 + 2 * H, math.inf)) == OK
+
+
 @pytest.mark.parametrize("t", [math.nan, math.inf, -math.inf])
 def test_11_communication_point_must_be_finite(binary: Binary, create: Create, t: float) -> None:
     instance = create(binary).initialize()

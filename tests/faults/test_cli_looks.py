@@ -104,7 +104,7 @@ def test_info_of_a_system(adaptimp: Command, packages: dict[str, Path], fig2: Sy
     assert "sensor.F_ext[2]" in adaptimp("info", packages["loose"]).out
     found = json.loads(adaptimp("info", "fig2", "--json").out)
     assert found["connections"] == [str(connection) for connection in fig2.connections]
-    assert found["experiment"] == {"stop": 2.0, "step": 1e-4}
+    assert found["experiment"] == {"start": 0.0, "stop": 2.0, "step": 1e-4}
     assert found["assumptions"] == dict(fig2.assumptions)
 
 

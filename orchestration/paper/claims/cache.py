@@ -12,9 +12,9 @@ import json
 from collections.abc import Callable, Mapping
 from dataclasses import asdict
 from pathlib import Path
-from tempfile import NamedTemporaryFile
 
 from adaptimp_fmu.files.cache_folder import cache_folder, writable_cache
+from adaptimp_fmu.files.sealed_file import read_sealed, write_sealed
 from orchestration.paper.claims.claim import Claim
 
 PACKAGES = ("adaptimp_fmu", "fmus", "orchestration")
@@ -38,16 +38,12 @@ def claims_of(
     tuple
         The claims, and whether an earlier run has measured them.
     """
-    file = cache_folder() / "claims" / f"{_key(digests)}.json"
-    if file.exists() and not fresh:
-        records = json.loads(file.read_text(encoding="utf-8"))
-        return [Claim(**record) for record in records], True
+    name = f"{_key(digests)}.json"
+    kept = None if fresh else read_sealed(cache_folder() / "claims" / name)
+    if kept is not None:
+        return [Claim(**record) for record in json.loads(kept)], True
     claims = measure()
-    if not file.exists():
-        file = writable_cache("claims") / file.name
-    with NamedTemporaryFile("w", dir=file.parent, suffix=".part", delete=False, encoding="utf-8") as draft:
-        json.dump([asdict(claim) for claim in claims], draft)
-    Path(draft.name).replace(file)  # whole or not at all, also when two runs end at once
+    write_sealed(writable_cache("claims") / name, json.dumps([asdict(claim) for claim in claims]).encode())
     return claims, False
 
 

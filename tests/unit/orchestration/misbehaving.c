@@ -69,7 +69,10 @@ FMI2_Export fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2St
     return unit;
 }
 
-FMI2_Export void fmi2FreeInstance(fmi2Component c) { free(c); }
+FMI2_Export void fmi2FreeInstance(fmi2Component c) {
+    if (is(c, "crash in free")) *(volatile int *)8 = 1;
+    free(c);
+}
 
 FMI2_Export fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean on, size_t n, const fmi2String names[]) {
     return UNUSED(c), UNUSED(on), UNUSED(n), UNUSED(names), fmi2OK;
@@ -89,7 +92,10 @@ FMI2_Export fmi2Status fmi2ExitInitializationMode(fmi2Component c) {
     ((Unit *)c)->initialized = fmi2True;
     return fmi2OK;
 }
-FMI2_Export fmi2Status fmi2Terminate(fmi2Component c) { return is(c, "terminate") ? fmi2Error : fmi2OK; }
+FMI2_Export fmi2Status fmi2Terminate(fmi2Component c) {
+    if (is(c, "crash in terminate")) *(volatile int *)8 = 1;
+    return is(c, "terminate") ? fmi2Error : fmi2OK;
+}
 
 FMI2_Export fmi2Status fmi2Reset(fmi2Component c) {
     Unit *unit = c;

@@ -13,6 +13,7 @@ EXAMPLES = {
         whole_file.Draft,
         whole_file.whole_file,
         whole_file.write_whole,
+        whole_file.shortened,
         temporary_folder.temporary_folder,
         temporary_folder.sweep,
         sealed_file.write_sealed,

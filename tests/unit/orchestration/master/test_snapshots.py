@@ -4,6 +4,7 @@ import json
 import os
 import subprocess
 import sys
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
@@ -225,6 +226,53 @@ def test_a_damaged_file_is_refused(noisy: System, tmp_path: Path) -> None:
             assert all(found.arrays[name].tobytes() == intact.arrays[name].tobytes() for name in intact.arrays)
     with pytest.raises(OrchestrationError, match=r"no\.npz: there is no such snapshot; its folder has damaged\.npz"):
         Snapshot.read(tmp_path / "no.npz")
+
+
+def other_state(field: str, value: int) -> Callable[[dict[str, np.ndarray]], None]:
+    """An edit of a number in the state of a run."""
+
+    def edit(arrays: dict[str, np.ndarray]) -> None:
+        arrays["state"][field] = value
+
+    return edit
+
+
+FORGED: dict[str, Callable[[dict[str, np.ndarray]], object]] = {
+    "interval is 9999": other_state("interval", 9999),
+    "interval is -1": other_state("interval", -1),
+    "n_past is 4": other_state("n_past", 4),
+    "moved is 77": other_state("moved", 77),
+    "it has no array past": lambda arrays: arrays.pop("past"),
+    "it has no array times": lambda arrays: arrays.pop("times"),
+    "array reals has shape": lambda arrays: arrays.update(reals=np.zeros(1)),
+    "array pivots has shape": lambda arrays: arrays.update(pivots=np.array([9])),
+    r"it has \(3,\) times": lambda arrays: arrays.update(times=np.zeros(3)),
+    "times of type int64": lambda arrays: arrays.update(times=arrays["times"].astype(np.int64)),
+}
+
+
+@pytest.mark.parametrize("said", FORGED)
+def test_a_snapshot_that_somebody_made_up_is_refused(noisy: System, tmp_path: Path, said: str) -> None:
+    """Its numbers are indices in compiled code: they would be read outside of their arrays."""
+    with run_of(noisy, ADAPTIVE) as simulation:
+        simulation.run(MIDDLE)
+        snapshot = Snapshot.read(simulation.save().write(tmp_path / "middle.npz"))
+        FORGED[said](snapshot.arrays)
+        forged = Snapshot.read(snapshot.write(tmp_path / "forged.npz"))  # with the right hash
+        with pytest.raises(OrchestrationError, match=rf"^The snapshot does not fit the run: .*{said}"):
+            simulation.restore(forged)
+        simulation.run()  # the run goes on from where it was
+
+
+def test_content_that_has_changed_is_noticed(noisy: System, tmp_path: Path) -> None:
+    """An archive that is intact, with another array in it."""
+    with run_of(noisy, ADAPTIVE) as simulation:
+        file = simulation.save().write(tmp_path / "start.npz")
+    with np.load(file) as archive:
+        arrays = {name: archive[name] for name in archive.files}
+    np.savez(file, **{**arrays, "state_0": arrays["state_0"][::-1]})
+    with pytest.raises(OrchestrationError, match="is not a snapshot: its content has changed since it was written"):
+        Snapshot.read(file)
 
 
 def test_only_points_ahead_can_be_run_to(noisy: System) -> None:

@@ -4,8 +4,14 @@ import json
 import subprocess
 import sys
 from pathlib import Path
+from typing import IO
 
-from orchestration.paper.figures import FigureCanvasAgg, _panels
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+
+from orchestration import Result
+from orchestration.paper.figures import FigureCanvasAgg, _panels, draw
 
 # Another backend than Agg that needs no screen, and a setting of the caller's own.
 SCRIPT = """
@@ -40,6 +46,21 @@ def test_importing_and_drawing_leaves_matplotlib_as_it_was(tmp_path: Path) -> No
     assert ended.returncode == 0, ended.stderr
     assert json.loads(ended.stdout) == {"backend": "svg", "changed": [], "pyplot": False, "files": ["fig2.png"]}
     assert (tmp_path / "fig2.png").stat().st_size > 10_000
+
+
+def test_a_figure_that_cannot_be_finished_leaves_the_old_one(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A kill in the middle of drawing left half a picture in the place of a good one."""
+
+    def half_drawn(_: object, file: IO[bytes], **__: object) -> None:
+        file.write(b"half a picture")
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("orchestration.paper.figures._control_figure", lambda _: Figure())
+    monkeypatch.setattr(Figure, "savefig", half_drawn)
+    (tmp_path / "fig2.png").write_bytes(b"the old one")
+    with pytest.raises(KeyboardInterrupt):
+        draw({"fig2": Result(np.zeros(1), (), np.zeros((1, 0)))}, tmp_path)
+    assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == {"fig2.png": b"the old one"}
 
 
 def test_every_figure_has_an_agg_canvas() -> None:
