@@ -17,6 +17,9 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from orchestration.analysis.doctor.diagnose import diagnose
+    from orchestration.analysis.doctor.diagnosis import Diagnosis
+    from orchestration.analysis.doctor.finding import Finding
     from orchestration.analysis.energy import Ledger, PowerBond, ledger
     from orchestration.analysis.stability.verdict import Verdict
     from orchestration.errors import (
@@ -39,6 +42,7 @@ if TYPE_CHECKING:
     from orchestration.master.simulate import UnconnectedInputWarning, prepare, simulate, stream
     from orchestration.master.simulation import Simulation
     from orchestration.master.snapshot import Snapshot
+    from orchestration.master.stiffness import StiffnessWarning
     from orchestration.master.time_series import TimeSeries
     from orchestration.paper.ready import scenario
     from orchestration.results.comparison import ColumnDifference, Comparison, compare
@@ -55,6 +59,8 @@ _HOME = {
     "Connection": "system.system",
     "Correction": "master.algorithm",
     "Crossings": "master.options",
+    "Diagnosis": "analysis.doctor.diagnosis",
+    "Finding": "analysis.doctor.finding",
     "Fmu": "fmi.fmu",
     "FmuWarning": "master.fmu_messages",
     "FormalityWarning": "master.form",
@@ -73,6 +79,7 @@ _HOME = {
     "SimulationError": "errors",
     "Snapshot": "master.snapshot",
     "StepControl": "master.algorithm",
+    "StiffnessWarning": "master.stiffness",
     "System": "system.system",
     "SystemDescriptionError": "errors",
     "TimeSeries": "master.time_series",
@@ -81,6 +88,7 @@ _HOME = {
     "Verdict": "analysis.stability.verdict",
     "UnknownNameError": "errors",
     "compare": "results.comparison",
+    "diagnose": "analysis.doctor.diagnose",
     "ledger": "analysis.energy",
     "prepare": "master.simulate",
     "scenario": "paper.ready",
@@ -97,6 +105,8 @@ __all__ = [
     "Connection",
     "Correction",
     "Crossings",
+    "Diagnosis",
+    "Finding",
     "Fmu",
     "FmuWarning",
     "FormalityWarning",
@@ -115,6 +125,7 @@ __all__ = [
     "SimulationError",
     "Snapshot",
     "StepControl",
+    "StiffnessWarning",
     "System",
     "SystemDescriptionError",
     "TimeSeries",
@@ -123,6 +134,7 @@ __all__ = [
     "UnknownNameError",
     "Verdict",
     "compare",
+    "diagnose",
     "ledger",
     "prepare",
     "scenario",

@@ -40,8 +40,11 @@ QUICK = ("golden/*", "property/*", "unit/*", "faults/*", "conformance/*")
 
 SLOW = (
     "faults/test_cli_examples.py",
+    "faults/test_doctor_command.py",
     "unit/fmus/test_documented_examples.py",
+    "unit/orchestration/analysis/test_doctor.py",
     "unit/orchestration/analysis/test_stability.py",
+    "unit/orchestration/master/test_stiffness.py",
     "unit/orchestration/test_public_face.py",
 )
 """Files that take seconds though they start no process."""

@@ -13,25 +13,31 @@ import typer
 
 from orchestration.cli import completion
 from orchestration.cli.codes import ExitCode, exit_code_of
+from orchestration.cli.doctor_command import EPILOG, doctor
 from orchestration.cli.options import (
     ALGORITHM,
     CARE,
     ROWS,
-    TIME,
+    AlgorithmName,
     AllowNan,
     At,
     Controller,
+    Exchange,
     FmuStopTime,
     FmuTolerance,
     Input,
+    InputOrder,
     Isolate,
     Json,
     Mapping,
+    Order,
     Pace,
     SampleTime,
     Settings,
     StaleInputs,
     Start,
+    Step,
+    Stop,
     Strict,
     SystemName,
     Variant,
@@ -126,27 +132,9 @@ def run(
     controller: Controller = None,
     map_: Mapping = None,
     set_: Settings = None,
-    algorithm: Annotated[
-        str,
-        typer.Option(
-            metavar="NAME",
-            help="gauss-seidel, jacobi, iterative, newton or adaptive.",
-            rich_help_panel=ALGORITHM,
-            autocompletion=completion.algorithms,
-        ),
-    ] = "gauss-seidel",
-    exchange: Annotated[
-        str | None,
-        typer.Option(
-            metavar="WHEN",
-            help="sequential or parallel; by default that of the algorithm.",
-            rich_help_panel=ALGORITHM,
-        ),
-    ] = None,
-    input_order: Annotated[
-        int | None,
-        typer.Option(metavar="N", help="Degree, 0 to 2, of continuous inputs over a step.", rich_help_panel=ALGORITHM),
-    ] = None,
+    algorithm: AlgorithmName = "gauss-seidel",
+    exchange: Exchange = None,
+    input_order: InputOrder = None,
     tolerance: Annotated[
         float | None,
         typer.Option(
@@ -181,19 +169,11 @@ def run(
             rich_help_panel=ALGORITHM,
         ),
     ] = None,
-    order: Annotated[
-        str | None,
-        typer.Option(metavar="A,B,...", help="Components in the order of stepping.", rich_help_panel=ALGORITHM),
-    ] = None,
-    step: Annotated[
-        float | None, typer.Option(metavar="H", help="Communication step, s.", rich_help_panel=TIME)
-    ] = None,
+    order: Order = None,
+    step: Step = None,
     sample_time: SampleTime = None,
     start: Start = None,
-    stop: Annotated[
-        float | None,
-        typer.Option(metavar="T", help="Stop time, s; by default that of the system.", rich_help_panel=TIME),
-    ] = None,
+    stop: Stop = None,
     fmu_tolerance: FmuTolerance = None,
     fmu_stop_time: FmuStopTime = True,
     out: Annotated[
@@ -345,6 +325,9 @@ def check(
     from orchestration.cli.check import run_check
 
     raise typer.Exit(run_check(fmu, role, json, tuple(map_ or ())))
+
+
+app.command(cls=Command, epilog=EPILOG)(with_messages(doctor))
 
 
 @app.command(cls=Command, epilog=closing("adaptimp paper", "adaptimp paper -o figures --format svg"))

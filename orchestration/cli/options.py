@@ -68,6 +68,36 @@ Isolate = Annotated[
         rich_help_panel=CARE,
     ),
 ]
+Step = Annotated[float | None, typer.Option(metavar="H", help="Communication step, s.", rich_help_panel=TIME)]
+Stop = Annotated[
+    float | None,
+    typer.Option(metavar="T", help="Stop time, s; by default that of the system.", rich_help_panel=TIME),
+]
+AlgorithmName = Annotated[
+    str,
+    typer.Option(
+        metavar="NAME",
+        help="gauss-seidel, jacobi, iterative, newton or adaptive.",
+        rich_help_panel=ALGORITHM,
+        autocompletion=completion.algorithms,
+    ),
+]
+Exchange = Annotated[
+    str | None,
+    typer.Option(
+        metavar="WHEN",
+        help="sequential or parallel; by default that of the algorithm.",
+        rich_help_panel=ALGORITHM,
+    ),
+]
+InputOrder = Annotated[
+    int | None,
+    typer.Option(metavar="N", help="Degree, 0 to 2, of continuous inputs over a step.", rich_help_panel=ALGORITHM),
+]
+Order = Annotated[
+    str | None,
+    typer.Option(metavar="A,B,...", help="Components in the order of stepping.", rich_help_panel=ALGORITHM),
+]
 Input = Annotated[
     list[str] | None,
     typer.Option(

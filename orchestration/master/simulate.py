@@ -40,6 +40,7 @@ from orchestration.master.pacing import Pace
 from orchestration.master.progress import progress_bar
 from orchestration.master.provenance import provenance
 from orchestration.master.simulation import Simulation
+from orchestration.master.stiffness import report_stiffness
 from orchestration.master.time_grid import Grid, fixed_grid, given_grid, tick_grid
 from orchestration.results.result import Result
 from orchestration.system.system import System
@@ -272,6 +273,7 @@ def prepare(
         system = system.ordered(order)
     grid = _grid(system, (stop_time, step, times), chosen, options)
     report_descriptions(system, strict=options.strict)
+    report_stiffness(system, float(grid.lengths.max()))
     around, grid = outside(system, options, grid, controlled=chosen.control is not None)
     _report_unconnected(system, options, {*around.inputs.names, *itertools.chain(*around.changes.values())})
     isolated = _isolated(system, options)

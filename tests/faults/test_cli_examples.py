@@ -56,7 +56,8 @@ def type_in(adaptimp: Command, line: str) -> None:
     """Run a command line of which a shell would take the comment and the redirection away."""
     command, _, _ = line.partition(" >")
     outcome = adaptimp(*shlex.split(command, comments=True)[1:])
-    found_something = command.startswith("adaptimp check") and outcome.code == 1 and outcome.err == ""
+    examines = command.startswith(("adaptimp check", "adaptimp doctor"))
+    found_something = examines and outcome.code == 1 and outcome.err == ""
     assert outcome.code == 0 or found_something, f"{line}\n{outcome.out}{outcome.err}"
 
 

@@ -63,6 +63,8 @@ class Realization:
     full
         Whether n exceeds half of the number of states that the Hankel matrix can show. Longer responses
         may then show more states.
+    hidden
+        Number of states that the noise would let be seen, but not the drift: the component moves too much meanwhile.
     """
 
     A: np.ndarray
@@ -70,6 +72,7 @@ class Realization:
     C: np.ndarray
     D: np.ndarray
     full: bool = False
+    hidden: int = 0
 
     def pulses(self, n: int) -> np.ndarray:
         """Markov parameters H_0 to H_(n-1), shape (n, n_outputs, n_inputs)."""
@@ -106,9 +109,11 @@ def realize(pulses: Pulses, order: int | None = None) -> Realization:
     scaled = H[1:] / (rows[:, None] * columns)
     G, shifted = _hankel(scaled[:-1], s), _hankel(scaled[1:], s)
     U, S, V = np.linalg.svd(G)
-    if order is None:
-        floor = np.linalg.norm(noise / (rows[:, None] * columns)) * s
-        order = int((S > max(floor, ROUNDING * S[0] * max(G.shape))).sum())
+    weights, rounding = s / (rows[:, None] * columns), ROUNDING * S[0] * max(G.shape)
+    seen, still = (
+        int((S > max(np.linalg.norm(errors * weights), rounding)).sum()) for errors in (noise, pulses.noise[1])
+    )
+    order = seen if order is None else order
     root = np.sqrt(S[:order])
     U, V = U[:, :order], V[:order]
     return Realization(
@@ -117,6 +122,7 @@ def realize(pulses: Pulses, order: int | None = None) -> Realization:
         C=rows[:, None] * (U * root)[:n_outputs],
         D=H[0],
         full=order > min(G.shape) // 2,
+        hidden=max(0, still - seen),
     )
 
 

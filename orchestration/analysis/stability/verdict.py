@@ -44,6 +44,25 @@ GAIN = 1e-6  # change of a connection's factor for a difference quotient
 MOST_ORDERED = 5  # most components for which all orders are tried
 
 
+@dataclass(frozen=True)
+class Alternative:
+    """Another algorithm, or another order of the components, that is stable at the same step or grows less.
+
+    Attributes
+    ----------
+    algorithm
+        Co-simulation algorithm.
+    order
+        Names of the components in the order of stepping; None for the order of the system.
+    radius
+        Spectral radius per step.
+    """
+
+    algorithm: Algorithm
+    order: tuple[str, ...] | None
+    radius: float
+
+
 @dataclass(frozen=True, repr=False)
 class Verdict:
     """Predicted stability of a co-simulation algorithm on a system at a communication step.
@@ -70,6 +89,11 @@ class Verdict:
         Connections with their influence |d radius / d factor|, the largest first.
     advice
         Sentences for the user.
+    better
+        What is stable at this step, or at least grows less, if the algorithm is unstable.
+    hidden
+        Components that move so much during the experiment that not all of their states can be told from the motion.
+        Then the radius is rough.
 
     Examples
     --------
@@ -77,7 +101,7 @@ class Verdict:
     >>> verdict = scenario("fig2").with_sample_time(7e-3).stability(algorithm="jacobi")
     >>> verdict.stable, round(verdict.growth_rate), round(verdict.largest_stable_step, 4)  # 1/s, s
     (False, 14, 0.0054)
-    >>> print(*verdict.advice, sep="; ")
+    >>> print(*verdict.advice[:2], sep="; ")
     Use a step of at most 0.00539 s.; gauss-seidel with order 0 is stable at this step (radius 1 -0.233).
     """
 
@@ -91,6 +115,8 @@ class Verdict:
     largest_stable_step: float | None
     blame: tuple[tuple[Connection, float], ...]
     advice: tuple[str, ...]
+    better: tuple[Alternative, ...] = ()
+    hidden: tuple[str, ...] = ()
 
     @property
     def stable(self) -> bool:
@@ -190,16 +216,24 @@ def stability(
         here = examined.judged(coupled, step)
         search = Search(examined, here)
         largest = search.largest()
-        advice = [_limits(search, largest)]
+        advice, better = [_limits(search, largest)], list[Alternative]()
         if not here.stable:
-            advice += _alternatives(examined, coupled, here)
+            for sentence, found in _alternatives(examined, coupled, here):
+                advice.append(sentence)
+                better.append(found)
     contraction = coupled.contraction(algorithm, step)
     advice += _remarks(system, algorithm, contraction)
+    hidden = tuple(model.name for model in coupled.models if model.map.hidden)
+    if hidden and not here.stable:
+        names = ", ".join(hidden)
+        advice.append(f"The motion of {names} at that instant hides some of its states, so the radius is rough.")
     return Verdict(
         *(system.name, algorithm.name, step, system.stop_time),
         *(here.radius, here.threshold, contraction, largest),
         blame=_blame(coupled, algorithm, step),
         advice=tuple(advice),
+        better=tuple(better),
+        hidden=hidden,
     )
 
 
@@ -257,8 +291,8 @@ def _limits(search: Search, largest: float | None) -> str:
     return f"Steps up to {largest:.3g} s, {largest / h:.3g} times this one, are stable."
 
 
-def _alternatives(examined: Examined, coupled: Coupled, here: Point) -> Iterator[str]:
-    """Sentences on algorithms that are stable at this step, or else on the algorithm that grows least."""
+def _alternatives(examined: Examined, coupled: Coupled, here: Point) -> Iterator[tuple[str, Alternative]]:
+    """Algorithms that are stable at this step, with a sentence each; or else a sentence on the one that grows least."""
     h, algorithm = here.step, examined.algorithm
     if algorithm.exchange == SEQUENTIAL and algorithm.correction is None:
         yield from _orders(examined, coupled, here)
@@ -271,12 +305,15 @@ def _alternatives(examined: Examined, coupled: Coupled, here: Point) -> Iterator
     tried = [(radius_of(full, other, h), other) for other in others]
     good = [(radius, other) for radius, other in tried if radius <= 1 + max(here.threshold, FLOOR)]
     for radius, other in good[:3]:
-        yield f"{_named(other, full, h)} is stable at this step (radius 1 {radius - 1:+.3g})."
+        sentence = f"{_named(other, full, h)} is stable at this step (radius 1 {radius - 1:+.3g})."
+        yield sentence, Alternative(other, None, radius)
     if not good:
         radius, other = min(tried, key=lambda pair: pair[0])
         if radius - 1 < 0.9 * (here.radius - 1):
             rate = math.log(radius) / h
-            yield f"{_named(other, full, h)} grows least at this step, by {rate:.3g} 1/s (radius 1 {radius - 1:+.3g})."
+            named = _named(other, full, h)
+            sentence = f"{named} grows least at this step, by {rate:.3g} 1/s (radius 1 {radius - 1:+.3g})."
+            yield sentence, Alternative(other, None, radius)
 
 
 def _named(algorithm: Algorithm, coupled: Coupled, h: float) -> str:
@@ -286,8 +323,8 @@ def _named(algorithm: Algorithm, coupled: Coupled, h: float) -> str:
     return f"{name} with order {algorithm.order}"
 
 
-def _orders(examined: Examined, coupled: Coupled, here: Point) -> Iterator[str]:
-    """Sentence on the best order of the components, if that order is much better than the given order."""
+def _orders(examined: Examined, coupled: Coupled, here: Point) -> Iterator[tuple[str, Alternative]]:
+    """Best order of the components, if it is much better than the given order, with a sentence."""
     names = [model.name for model in coupled.models]
     if len(names) > MOST_ORDERED:
         return
@@ -297,8 +334,9 @@ def _orders(examined: Examined, coupled: Coupled, here: Point) -> Iterator[str]:
     ]
     radius, order = min(trials)
     if radius - 1 < 0.5 * (here.radius - 1) - here.threshold:
-        listed = ", ".join(names[i] for i in order)
-        yield f"The order {listed} has a radius of 1 {radius - 1:+.3g}."
+        named = tuple(names[i] for i in order)
+        sentence = f"The order {', '.join(named)} has a radius of 1 {radius - 1:+.3g}."
+        yield sentence, Alternative(examined.algorithm, named, radius)
 
 
 def _remarks(system: System, algorithm: Algorithm, contraction: float | None) -> Iterator[str]:
