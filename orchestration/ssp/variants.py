@@ -16,7 +16,10 @@ SUFFIX = ".ssd"
 
 def is_unpacked(path: Path) -> bool:
     """Whether a path is that of a folder or of an .ssd file, which need no unpacking."""
-    return path.is_dir() or path.suffix.lower() == SUFFIX
+    try:
+        return path.is_dir() or path.suffix.lower() == SUFFIX
+    except OSError:  # the name is too long for the file system, which `require_file` says
+        return False
 
 
 def unpacked_place(path: Path) -> tuple[Path, str]:
