@@ -30,6 +30,7 @@ if TYPE_CHECKING:
         UnknownNameError,
     )
     from orchestration.fmi.fmu import Fmu
+    from orchestration.fmi.isolation import Isolation
     from orchestration.master.algorithm import Algorithm, Correction, StepControl, Tolerance
     from orchestration.master.form import FormalityWarning
     from orchestration.master.options import Crossings, Options
@@ -55,6 +56,7 @@ _HOME = {
     "Fmu": "fmi.fmu",
     "FormalityWarning": "master.form",
     "InitializationError": "errors",
+    "Isolation": "fmi.isolation",
     "Ledger": "analysis.energy",
     "Options": "master.options",
     "OrchestrationError": "errors",
@@ -94,6 +96,7 @@ __all__ = [
     "Fmu",
     "FormalityWarning",
     "InitializationError",
+    "Isolation",
     "Ledger",
     "Options",
     "OrchestrationError",

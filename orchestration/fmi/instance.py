@@ -26,6 +26,7 @@ from orchestration.fmi.units import Linear
 
 if TYPE_CHECKING:
     from orchestration.fmi.input_scaling import ScaledInputs
+    from orchestration.sandbox.remote import RemoteProcess
 
 MOST_FUNCTIONS = 6
 """How many missing functions a message names."""
@@ -84,12 +85,24 @@ class Instance:
         arguments = (name.encode(), CO_SIMULATION, guid, resources, pointer, 0, 1)  # invisible, with logging
         self._handle: int | None = self._call("fmi2Instantiate", *arguments)
         if not self._handle:
-            msg = f"{name}: fmi2Instantiate failed; {self.messages.last()}."
+            how = library.ending or "failed"
+            msg = f"{name}: fmi2Instantiate {how}; {self.messages.last()}."
             raise InitializationError(msg)
 
     @classmethod
-    def open(cls, name: str, description: Description, folder: Path, *, messages: Messages | None = None) -> "Instance":
+    def open(
+        cls,
+        name: str,
+        description: Description,
+        folder: Path,
+        *,
+        messages: Messages | None = None,
+        process: "RemoteProcess | None" = None,
+    ) -> "Instance":
         """Load the library of an unpacked FMU and create an instance.
+
+        The library is loaded in `process`, if there is one, which ends with the instance; see
+        `orchestration.fmi.remote_library`.
 
         Raises
         ------
@@ -98,7 +111,7 @@ class Instance:
         InitializationError
             If fmi2Instantiate returns no instance.
         """
-        library = _loaded(name, description, folder.absolute())
+        library = _loaded(name, description, folder.absolute(), process)
         resources = (folder.absolute() / "resources").as_uri()
         try:
             instance = cls(library, name, (description.guid, resources), messages=messages)
@@ -160,7 +173,8 @@ class Instance:
 
     def failure(self, function: str, status: int, where: str = "") -> str:
         """Return a sentence that names a call, its status and the instance's last message."""
-        return f"{self.name}: {function} returned {status_name(status)}{where}; {self.messages.last()}."
+        how = self.library.ending or f"returned {status_name(status)}"
+        return f"{self.name}: {function} {how}{where}; {self.messages.last()}."
 
     def set(self, kind: str, references: Sequence[int], values: Sequence[Any]) -> int:
         """Set variables of a type by value reference, texts as bytes; returns the fmi2Status."""
@@ -253,10 +267,11 @@ class Instance:
         return result
 
 
-def _loaded(name: str, description: Description, folder: Path) -> Library:
+def _loaded(name: str, description: Description, folder: Path, process: "RemoteProcess | None") -> Library:
     """Load the library for this machine in an unpacked FMU; it has all functions that a run may call."""
     try:
-        library = Library(library_path(folder, description))
+        path = library_path(folder, description)
+        library = Library(path) if process is None else _remote(path, process)
     except OSError as error:
         msg = f"{name}: {description.path.name} cannot be loaded: {error}"
         raise ArchiveError(msg) from error
@@ -266,6 +281,12 @@ def _loaded(name: str, description: Description, folder: Path) -> Library:
         msg = f"{name}: {description.path.name} cannot be loaded: its library does not export {functions}."
         raise ArchiveError(msg)
     return library
+
+
+def _remote(path: Path, process: "RemoteProcess") -> Library:
+    from orchestration.fmi.remote_library import RemoteLibrary
+
+    return RemoteLibrary(path, process)
 
 
 def c_references(numbers: Iterable[int]) -> Any:

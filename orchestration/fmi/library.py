@@ -108,6 +108,9 @@ class Library:
         If the library, or one that it needs, cannot be loaded.
     """
 
+    ending = ""
+    """How the process of the library ended, such as ``died of SIGSEGV``; empty if it is this process."""
+
     def __init__(self, path: Path) -> None:
         self.path = path
         self._dll: ctypes.CDLL | None = ctypes.CDLL(str(path))
@@ -141,6 +144,9 @@ class Library:
             return 0
         function = cast("Any", self.function(name))  # ctypes does not name the type of its functions
         return int(ctypes.cast(function, ctypes.c_void_p).value or 0)
+
+    def raise_interrupt(self) -> None:
+        """Raise a KeyboardInterrupt that came during a call and could not be raised then; here there is none."""
 
     def close(self) -> None:
         """Unload the library, so that its file can be removed; a second call does nothing."""

@@ -60,6 +60,11 @@ def callbacks(messages: Messages) -> Callbacks:
     return found
 
 
+def heard(environment: int | None) -> Messages | None:
+    """Return what receives the texts of the instance with a component environment."""
+    return _heard.get(environment or 0)
+
+
 def listen() -> None:
     """Set the logger that fmpy's library calls; it knows one logger, and another tool may have set its own."""
     if (proxy := _proxy()) is not None:

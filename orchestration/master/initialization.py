@@ -9,7 +9,9 @@ import numpy as np
 from orchestration.errors import InitializationError
 from orchestration.fmi.codes import ONE_INSTANCE, REAL, WORST_ACCEPTED, accepted
 from orchestration.fmi.instance import Instance
+from orchestration.fmi.isolation import Isolation
 from orchestration.fmi.library import needed_to_run
+from orchestration.fmi.remote_library import start_process
 from orchestration.fmi.start_values import by_time
 from orchestration.master.algebraic_loops import solve_loops
 from orchestration.master.flatten import Assembly
@@ -17,13 +19,16 @@ from orchestration.master.kernel.codes import CALL_NAMES, Column
 from orchestration.master.kernel.flat_system import copy_links, get_outputs, set_inputs
 from orchestration.master.kernel.series import give
 from orchestration.sandbox.archive import unpacked
+from orchestration.sandbox.remote import RemoteProcess
 from orchestration.stages import stage
 from orchestration.system.system import Component, System
 
 
 @contextmanager
-def opened(system: System) -> Iterator[list[Instance]]:
+def opened(system: System, isolation: Isolation | None = None) -> Iterator[list[Instance]]:
     """Instantiate every component of a system; the end of the context frees all instances.
+
+    The FMUs of components that the isolation covers live in processes of their own.
 
     Yields
     ------
@@ -40,6 +45,7 @@ def opened(system: System) -> Iterator[list[Instance]]:
     with ExitStack() as stack:
         folders: dict[tuple[Path, str], Path] = {}
         instances = []
+        processes = stack.enter_context(_processes(system, isolation))
         for component in system.components:
             path, alone = component.description.path, component.description.can(ONE_INSTANCE)
             key = (path, component.name if alone else "")
@@ -47,7 +53,8 @@ def opened(system: System) -> Iterator[list[Instance]]:
                 with stage(f"unpacking {path.name}", f"unpacked {path}"):
                     folders[key] = stack.enter_context(unpacked(path, needed_to_run))
             folder = folders[key]
-            instance = Instance.open(component.name, component.description, folder)
+            process = processes.get(component.name)
+            instance = Instance.open(component.name, component.description, folder, process=process)
             stack.callback(instance.close)
             scales = {
                 component.variable(c.input).reference: c.scale
@@ -58,6 +65,19 @@ def opened(system: System) -> Iterator[list[Instance]]:
                 instance.scale_inputs(scales)
             instances.append(instance)
         yield instances
+
+
+@contextmanager
+def _processes(system: System, isolation: Isolation | None) -> Iterator[dict[str, RemoteProcess]]:
+    """Start the processes of isolated components side by side, because each takes a while; by component name."""
+    with ExitStack() as stack:
+        started = {}
+        for component in system.components if isolation is not None else ():
+            if isolation is not None and isolation.covers(component.name):
+                process = start_process(isolation, len(component.description.variables))
+                stack.callback(process.close)
+                started[component.name] = process
+        yield started
 
 
 def initialize(

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from orchestration.errors import SystemDescriptionError
+from orchestration.fmi.isolation import Isolation
 from orchestration.fmi.given import a_number, positive, require_names, require_type, shown
 from orchestration.master.changes import Changes, times_of
 from orchestration.master.pacing import Pace
@@ -78,6 +79,9 @@ class Options:
         Values that change during the run, by time, see `orchestration.simulate`.
     pace
         Simulated seconds per second of the clock, or a `Pace`. Default: as fast as possible.
+    isolate
+        Components whose FMUs live in processes of their own, so that a crash ends one run only: True for all, names,
+        or an `Isolation` with limits. Default: none.
 
     Raises
     ------
@@ -103,6 +107,7 @@ class Options:
     inputs: Any = None
     changes: Changes | None = None
     pace: float | Pace | None = None
+    isolate: bool | str | Collection[str] | Isolation | None = None
 
     def __post_init__(self) -> None:
         """Refuse numbers that are not positive integers."""
@@ -115,6 +120,7 @@ class Options:
             msg = f"every = {self.every!r}: every n-th step is recorded, where n is an integer of at least 1."
             raise SystemDescriptionError(msg)
         object.__setattr__(self, "pace", Pace.of(self.pace))
+        object.__setattr__(self, "isolate", Isolation.of(self.isolate))
         if self.changes is not None:
             times_of(self.changes)
         for name, ratio in self.ratios.items():
@@ -132,6 +138,11 @@ class Options:
         if self.progress is not None and not callable(self.progress):
             msg = f"progress is {shown(self.progress)}; give a function of two numbers, or progress=True to simulate."
             raise SystemDescriptionError(msg)
+
+    @property
+    def isolation(self) -> Isolation | None:
+        """Which components are isolated, and how; None if none is."""
+        return Isolation.of(self.isolate)
 
     @property
     def slow(self) -> bool:

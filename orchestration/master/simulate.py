@@ -15,6 +15,7 @@ as FMI 2.0 demands.
 """
 
 import itertools
+import json
 import warnings
 from collections.abc import Collection, Mapping, Sequence
 from contextlib import ExitStack
@@ -27,6 +28,8 @@ import numpy as np
 
 from orchestration.errors import SystemDescriptionError
 from orchestration.fmi.given import a_path, require_type, shown
+from orchestration.fmi.isolation import Isolation
+from orchestration.fmi.names import suggestion
 from orchestration.master.algorithm import ALGORITHMS, Algorithm, find_algorithm
 from orchestration.master.changes import Changes
 from orchestration.master.form import report_descriptions
@@ -71,6 +74,7 @@ def simulate(
     inputs: Any = None,
     changes: Changes | None = None,
     pace: float | Pace | None = None,
+    isolate: bool | str | Collection[str] | Isolation | None = None,
     progress: bool | Progress = False,
     options: Options | None = None,
 ) -> Result:
@@ -106,6 +110,9 @@ def simulate(
     pace
         Simulated seconds per second: 1.0 keeps step with the clock, 2.0 goes twice as fast; or a `Pace`. The result
         then has a column ``lateness``. Default: as fast as possible.
+    isolate
+        Components whose FMUs live in processes of their own, so that a crash, a hang or an exit of an FMU is an error
+        of the run: True for all, names of components, or an `Isolation` with limits. Default: none.
     progress
         True for a bar on standard error, or a function that is called with the steps made and the steps in all.
     options
@@ -142,7 +149,7 @@ def simulate(
         raise SystemDescriptionError(msg)
     with ExitStack() as stack:
         show = stack.enter_context(progress_bar()) if progress is True else progress or None
-        given = {"record": record, "progress": show, "inputs": inputs, "changes": changes, "pace": pace}
+        given = {"record": record, "progress": show, "inputs": inputs, "changes": changes, "pace": pace, "isolate": isolate}
         run = prepare(system, stop_time, step, algorithm, order=order, times=times, options=_chosen(options, given))
         simulation = stack.enter_context(run)
         simulation.run()
@@ -161,6 +168,7 @@ def stream(
     inputs: Any = None,
     changes: Changes | None = None,
     pace: float | Pace | None = None,
+    isolate: bool | str | Collection[str] | Isolation | None = None,
     options: Options | None = None,
 ) -> int:
     """Run a system and write its rows to a Parquet file during the run, so that memory stays bounded.
@@ -171,7 +179,7 @@ def stream(
     ----------
     path
         Parquet file to write.
-    system, stop_time, step, algorithm, record, order, inputs, changes, pace, options
+    system, stop_time, step, algorithm, record, order, inputs, changes, pace, isolate, options
         As for `simulate`.
 
     Returns
@@ -195,7 +203,7 @@ def stream(
     (5001, 2)
     """
     file = a_path("The file for the rows", path)
-    given = {"record": record, "inputs": inputs, "changes": changes, "pace": pace}
+    given = {"record": record, "inputs": inputs, "changes": changes, "pace": pace, "isolate": isolate}
     run = prepare(_system(system), stop_time, step, algorithm, order=order, options=_chosen(options, given))
     run.stream_to(file)
     with run:
@@ -214,13 +222,14 @@ def prepare(
     inputs: Any = None,
     changes: Changes | None = None,
     pace: float | Pace | None = None,
+    isolate: bool | str | Collection[str] | Isolation | None = None,
     options: Options | None = None,
 ) -> Simulation:
     """Prepare a run that can be stopped, saved, restored, changed and continued.
 
     Parameters
     ----------
-    system, stop_time, step, algorithm, order, times, inputs, changes, pace, options
+    system, stop_time, step, algorithm, order, times, inputs, changes, pace, isolate, options
         As for `simulate`.
 
     Returns
@@ -243,7 +252,7 @@ def prepare(
     0.5 5001
     """
     require_type("The system", system, System, "give a System, as System.read('loop.ssp')")
-    options = _chosen(options, {"inputs": inputs, "changes": changes, "pace": pace})
+    options = _chosen(options, {"inputs": inputs, "changes": changes, "pace": pace, "isolate": isolate})
     chosen = find_algorithm(algorithm)
     if order is not None:
         system = system.ordered(order)
@@ -251,7 +260,8 @@ def prepare(
     report_descriptions(system, strict=options.strict)
     around, grid = outside(system, options, grid, controlled=chosen.control is not None)
     _report_unconnected(system, options, {*around.inputs.names, *itertools.chain(*around.changes.values())})
-    metadata = provenance(
+    isolated = _isolated(system, options)
+    metadata = isolated | provenance(
         system,
         algorithm=repr(chosen) if isinstance(algorithm, Algorithm) else chosen.name,
         step=grid.step,
@@ -315,6 +325,25 @@ def _grid(
             )
             raise SystemDescriptionError(msg)
     return grid
+
+
+def _isolated(system: System, options: Options) -> dict[str, str]:
+    """Metadata that names the isolated components; empty if there are none.
+
+    Raises
+    ------
+    SystemDescriptionError
+        If a name is not that of a component.
+    """
+    isolation = options.isolation
+    if isolation is None:
+        return {}
+    names = [component.name for component in system.components]
+    for name in isolation.components or ():
+        if name not in names:
+            msg = f"isolate names {name!r}, which is no component; {suggestion(name, names)}"
+            raise SystemDescriptionError(msg)
+    return {"isolated": json.dumps([name for name in names if isolation.covers(name)])}
 
 
 def _report_unconnected(system: System, options: Options, given: Collection[str]) -> None:

@@ -132,7 +132,7 @@ class Simulation:
     def __enter__(self) -> Self:
         """Open and initialize the components, record row 0, and compile the loop."""
         with ExitStack() as stack:
-            self._instances: list[Instance] = stack.enter_context(opened(self.system))
+            self._instances: list[Instance] = stack.enter_context(opened(self.system, self.options.isolation))
             report_libraries(self._instances, strict=self.options.strict)
             run = (self.system, self._instances, self.algorithm, self.grid)
             self._flat = flat_run(*run, options=self.options, outside=self._outside)
@@ -237,6 +237,7 @@ class Simulation:
                 reach = self._outside.reach(self.grid, int(self._state.interval), last)
                 self._chunks.begin()
                 self._run_plain(reach) if self._plain else self._run_general(reach)
+                self._raise_interrupt()
                 self._chunks.end()
                 if self.options.progress is not None:
                     so_far, controlled = int(self._state.interval), self.algorithm.control is not None
@@ -378,8 +379,13 @@ class Simulation:
             self._recorder.flush()
             raise SimulationError(fault[1], self._broken_off(FAILED, fault[1]))
 
+    def _raise_interrupt(self) -> None:
+        for instance in self._instances:
+            instance.library.raise_interrupt()
+
     def _fail(self, failure: Failure) -> None:
         self._recorder.flush()
+        self._raise_interrupt()
         where = f" at t = {self.time:.9g} s (step {self.steps_made})"
         self._ended = end_of_simulation(failure, where, self._instances)
         if self._ended:
@@ -394,6 +400,8 @@ class Simulation:
             if self._ended:
                 self._stream.status, self._stream.message = ENDED, self._ended
         for instance in self._instances:
+            if instance.library.ending:
+                continue
             status = instance.status("fmi2Terminate")
             if status > WORST_ACCEPTED:
                 raise SimulationError(instance.failure("fmi2Terminate", status), self.result())
