@@ -13,7 +13,7 @@ import pytest
 
 from orchestration.fmi.signatures import FUNCTIONS
 from tests.faults.shim.codes import FIRST_BESIDE_STATUS, Fault
-from tests.faults.shim.documented import ENDED, FAILED, KILLED, RUNS, calls, expected, outcomes
+from tests.faults.shim.documented import COMPLETE, CONTAINED, ENDED, FAILED, KILLED, RUNS, calls, expected, outcomes
 from tests.faults.shim.fmus import AFTER, healthy, misbehaving
 from tests.faults.shim.offspring import Case, Report
 from tests.sharing import made_once
@@ -29,6 +29,8 @@ ONCE = [
 ]
 """Functions that are called once or a few times; all others misbehave after some calls."""
 SIGNALS = {"segmentation": "SIGSEGV", "arithmetic": "SIGFPE", "abort": "SIGABRT"}
+HOW = {word: f"died of {name}" for word, name in SIGNALS.items()}
+HOW |= {"exit": "ended its process with exit code 0", "hang": "did not return within 2 s"}
 
 
 @pytest.fixture(scope="module")
@@ -54,15 +56,20 @@ def _answer(questions: IO[str], answers: IO[str], case: Case) -> Report:
     return Report(**json.loads(answers.readline()))
 
 
-def case(word: str, function: str, algorithm: str, patience: float = 300.0) -> Case:
-    return Case(FAULTS[word].name, function, algorithm, 0 if function in ONCE else AFTER, patience)
+def case(word: str, function: str, algorithm: str, **more: float) -> Case:
+    return Case(FAULTS[word].name, function, algorithm, 0 if function in ONCE else AFTER, **more)
 
 
-def require(report: Report, word: str, function: str, algorithm: str) -> None:
+def check(run: Run, asked: Case) -> None:
+    require(run(asked), asked)
+
+
+def require(report: Report, asked: Case) -> None:
     """The report is what the page says."""
-    about = f"{word} in {function} under {algorithm}: {report}"
-    outcome = expected(word, function, algorithm)
-    assert report.outcome == outcome, about
+    word, function, isolated = Fault[asked.fault].word, asked.function, asked.limit is not None
+    about = f"{asked}: {report}"
+    outcome = expected(word, function, asked.algorithm, isolated=isolated)
+    assert report.outcome in ((COMPLETE, FAILED) if outcome == CONTAINED else (outcome,)), about
     assert report.same, about
     if outcome == KILLED:
         assert report.detail == SIGNALS[word], about
@@ -73,6 +80,7 @@ def require(report: Report, word: str, function: str, algorithm: str) -> None:
         assert {"none": report.rows == 0, "some": report.rows > 0, "all": report.rows > 30}[rows], about
         assert "faulty" in report.detail or "born" in report.detail, about
         assert function in report.detail or word == "nan", about
+        assert not isolated or HOW.get(word, "") in report.detail, about
 
 
 @pytest.mark.parametrize("word", STATUSES)
@@ -81,7 +89,7 @@ def test_each_status_of_each_function(run: Run, word: str) -> None:
     for function in FUNCTIONS:
         for algorithm in RUNS if function in calls() else ("adaptive",):
             if (word, function) != ("warning", "fmi2Instantiate"):  # it returns no status
-                require(run(case(word, function, algorithm)), word, function, algorithm)
+                check(run, case(word, function, algorithm))
 
 
 @pytest.mark.parametrize("word", [*SIGNALS, "exit", "leak", "threads"])
@@ -90,17 +98,29 @@ def test_each_deed_in_each_algorithm_and_function(run: Run, word: str) -> None:
     pairs += [(function, call.algorithms[-1]) for function, call in calls().items()]
     for function, algorithm in pairs:
         if (word, function) != ("threads", "fmi2Instantiate"):  # there is no instance that could log
-            require(run(case(word, function, algorithm)), word, function, algorithm)
+            check(run, case(word, function, algorithm))
 
 
 @pytest.mark.parametrize("algorithm", RUNS)
 def test_a_hang_is_for_ever(run: Run, algorithm: str) -> None:
-    require(run(case("hang", "fmi2DoStep", algorithm, patience=2.0)), "hang", "fmi2DoStep", algorithm)
+    check(run, case("hang", "fmi2DoStep", algorithm, patience=2.0))
 
 
 @pytest.mark.parametrize("algorithm", RUNS)
 def test_not_a_number(run: Run, algorithm: str) -> None:
-    require(run(case("nan", "fmi2GetReal", algorithm)), "nan", "fmi2GetReal", algorithm)
+    check(run, case("nan", "fmi2GetReal", algorithm))
+
+
+@pytest.mark.parametrize("word", [word for word in FAULTS if word != Fault.IDLE.word])
+def test_isolated(run: Run, word: str) -> None:
+    function = "fmi2GetReal" if word in ("nan", "beyond") else "fmi2DoStep"
+    for algorithm in RUNS:
+        check(run, case(word, function, algorithm, limit=2.0 if word == "hang" else 60.0))
+
+
+@pytest.mark.parametrize("function", calls())
+def test_a_crash_of_each_function_isolated(run: Run, function: str) -> None:
+    check(run, case("segmentation", function, calls()[function].algorithms[-1], limit=60.0))
 
 
 def test_the_page_names_every_fault() -> None:

@@ -12,7 +12,8 @@ RUNS = {
     "directional": Algorithm("directional", PARALLEL, correction=Correction(NEWTON, jacobian=DIRECTIONAL)),
 }
 """The algorithms that are tried: those that have a name, and Newton's method with directional derivatives."""
-COMPLETE, FAILED, KILLED, ENDED, HANGS, UNDEFINED = "complete", "failed", "killed", "ended", "hangs", "undefined"
+COMPLETE, FAILED, KILLED, ENDED, HANGS = "complete", "failed", "killed", "ended", "hangs"
+CONTAINED = "contained"
 
 
 @dataclass(frozen=True)
@@ -36,9 +37,9 @@ class Call:
 
 
 @cache
-def outcomes() -> dict[str, str]:
+def outcomes(*, isolated: bool = False) -> dict[str, str]:
     """What comes of each fault, by the fault's word."""
-    return {row[0].strip("`"): row[2] for row in _table("fault")}
+    return {row[0].strip("`"): row[3 if isolated else 2] for row in _table("fault")}
 
 
 @cache
@@ -47,12 +48,12 @@ def calls() -> dict[str, Call]:
     return {call.function: call for call in map(_call, _table("function"))}
 
 
-def expected(fault: str, function: str, algorithm: str) -> str:
+def expected(fault: str, function: str, algorithm: str, *, isolated: bool = False) -> str:
     """What the page says of a fault in a function under an algorithm."""
     call = calls().get(function)
     if call is None or algorithm not in call.algorithms:
         return COMPLETE
-    outcome = outcomes()[fault]
+    outcome = outcomes(isolated=isolated)[fault]
     return call.refused if outcome == FAILED else outcome
 
 

@@ -15,7 +15,7 @@ import sys
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
-from orchestration import OrchestrationError, Result, SimulationError, simulate
+from orchestration import Isolation, OrchestrationError, Result, SimulationError, simulate
 from tests.faults.shim.codes import FIRST_BESIDE_STATUS, Fault
 from tests.faults.shim.documented import COMPLETE, ENDED, FAILED, HANGS, KILLED, RUNS
 from tests.faults.shim.fmus import AFTER, STEP, STOP, coupled
@@ -25,13 +25,21 @@ REFUSED = "refused"
 
 @dataclass(frozen=True)
 class Case:
-    """A run: the fault, the function that makes it, and how long the run may take, s."""
+    """A run: the fault, the function that makes it, and how long the run may take, s.
+
+    Attributes
+    ----------
+    limit
+        Longest time that a call may take in a process of the component's own, s; None for a component that is not
+        isolated.
+    """
 
     fault: str
     function: str
     algorithm: str
     after: int = AFTER
     patience: float = 300.0
+    limit: float | None = None
 
 
 @dataclass(frozen=True)
@@ -102,7 +110,8 @@ def _in_child(case: Case, fmus: tuple[Path, Path], healthy: Result) -> Report:
 def _run(case: Case, fmus: tuple[Path, Path], healthy: Result) -> Report:
     try:
         system = coupled(*fmus, Fault[case.fault], case.function, case.after)
-        result = simulate(system, STOP, STEP, RUNS[case.algorithm])
+        isolate = None if case.limit is None else Isolation([system.components[0].name], time_limit=case.limit)
+        result = simulate(system, STOP, STEP, RUNS[case.algorithm], isolate=isolate)
     except SimulationError as error:
         count = len(error.result.time) if error.result else 0
         same = not error.result or error.result.rows.tobytes() == healthy.rows[:count].tobytes()
