@@ -40,6 +40,7 @@ def main() -> int:
     """Fail, count, and tell; returns the exit code."""
     faulty, healthy, torn = map(Path, sys.argv[1:])
     ways = [_run(faulty, healthy, failure, name) for name in RUNS for failure in FAILURES]
+    ways += [_crashed(faulty, healthy)]
     ways += [_torn(torn), _streamed(faulty, healthy), _interrupted(faulty, healthy), _alone(faulty)] * 3
     kinds: Counter[str] = Counter()
     held = []
@@ -62,6 +63,11 @@ def _run(faulty: Path, healthy: Path, failure: tuple[str, Fault, int], name: str
 
 def _torn(torn: Path) -> Callable[[], object]:
     return lambda: simulate(coupled(torn, torn, None, ""), STOP, STEP)
+
+
+def _crashed(faulty: Path, healthy: Path) -> Callable[[], object]:
+    system = coupled(faulty, healthy, Fault.SEGMENTATION, "fmi2DoStep")
+    return lambda: simulate(system, STOP, STEP, isolate=["faulty"])
 
 
 def _streamed(faulty: Path, healthy: Path) -> Callable[[], object]:
