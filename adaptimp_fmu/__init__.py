@@ -3,17 +3,47 @@
 Declare a `ContinuousModel` or a `SampledModel`, then `build` it.
 """
 
-from adaptimp_fmu.codegen import runtime_license
-from adaptimp_fmu.continuous_model import ContinuousModel
-from adaptimp_fmu.documentation import present
-from adaptimp_fmu.errors import DefinitionError, ToolchainError
-from adaptimp_fmu.icon import Icon, Stroke
-from adaptimp_fmu.metadata import Experiment, Ownership
-from adaptimp_fmu.model import ANY, NOT_NEGATIVE, POSITIVE, Limits, Model
-from adaptimp_fmu.package import build, default_cache
-from adaptimp_fmu.sampled_model import SampledModel
-from adaptimp_fmu.toolchain import PLATFORMS, Platform, host_platform
-from adaptimp_fmu.variables import Role, Type, Variable
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from adaptimp_fmu.codegen import runtime_license
+    from adaptimp_fmu.continuous_model import ContinuousModel
+    from adaptimp_fmu.documentation import present
+    from adaptimp_fmu.errors import DefinitionError, ToolchainError
+    from adaptimp_fmu.icon import Icon, Stroke
+    from adaptimp_fmu.metadata import Experiment, Ownership
+    from adaptimp_fmu.model import ANY, NOT_NEGATIVE, POSITIVE, Limits, Model
+    from adaptimp_fmu.package import build, default_cache
+    from adaptimp_fmu.sampled_model import SampledModel
+    from adaptimp_fmu.toolchain import PLATFORMS, Platform, host_platform
+    from adaptimp_fmu.variables import Role, Type, Variable
+
+_HOME = {
+    "ANY": "model",
+    "NOT_NEGATIVE": "model",
+    "PLATFORMS": "toolchain",
+    "POSITIVE": "model",
+    "ContinuousModel": "continuous_model",
+    "DefinitionError": "errors",
+    "Experiment": "metadata",
+    "Icon": "icon",
+    "Limits": "model",
+    "Model": "model",
+    "Ownership": "metadata",
+    "Platform": "toolchain",
+    "Role": "variables",
+    "SampledModel": "sampled_model",
+    "Stroke": "icon",
+    "ToolchainError": "errors",
+    "Type": "variables",
+    "Variable": "variables",
+    "build": "package",
+    "default_cache": "package",
+    "host_platform": "toolchain",
+    "present": "documentation",
+    "runtime_license": "codegen",
+}
 
 __all__ = [
     "ANY",
@@ -40,3 +70,18 @@ __all__ = [
     "present",
     "runtime_license",
 ]
+
+
+def __dir__() -> list[str]:
+    """The public names."""
+    return sorted(__all__)
+
+
+def __getattr__(name: str) -> Any:
+    """Import a public name when it is used first: `adaptimp_fmu.files` also serves programs that need no CasADi."""
+    if name not in _HOME:
+        msg = f"module {__name__!r} has no attribute {name!r}"
+        raise AttributeError(msg)
+    value = getattr(import_module(f"{__name__}.{_HOME[name]}"), name)
+    globals()[name] = value
+    return value

@@ -7,14 +7,12 @@ hash of the definition and the runtime.
 import hashlib
 import io
 import logging
-import tempfile
 import uuid
 import zipfile
 from collections.abc import Iterable
 from pathlib import Path
 from time import perf_counter
 
-from adaptimp_fmu.cache_folder import cache_folder, writable_cache
 from adaptimp_fmu.codegen import (
     EQUATIONS_SOURCE,
     GUID_PLACEHOLDER,
@@ -25,6 +23,10 @@ from adaptimp_fmu.codegen import (
 )
 from adaptimp_fmu.description import model_description
 from adaptimp_fmu.documentation import documentation
+from adaptimp_fmu.files.cache_folder import cache_folder, is_trusted, writable_cache
+from adaptimp_fmu.files.sealed_file import read_sealed, write_sealed
+from adaptimp_fmu.files.temporary_folder import temporary_folder
+from adaptimp_fmu.files.whole_file import write_whole
 from adaptimp_fmu.icon import png
 from adaptimp_fmu.model import Model
 from adaptimp_fmu.toolchain import Platform, compile_library, host_platform, identity
@@ -98,7 +100,7 @@ def build(
         folder = _cached(cache, ("fmus", hashlib.sha256(content).hexdigest()[:32]), f"{model.name}.fmu")
     path = folder / f"{model.name}.fmu"
     if not path.exists() or path.read_bytes() != content:
-        _store(path, content)
+        write_whole(path, content)
     return path
 
 
@@ -128,7 +130,7 @@ def _cached(cache: Path | None, parts: tuple[str, ...], file: str) -> Path:
     if cache is not None:
         return cache.joinpath(*parts)
     present = default_cache().joinpath(*parts)
-    return present if (present / file).exists() else writable_cache(*parts)
+    return present if is_trusted(present / file) else writable_cache(*parts)
 
 
 def _binary(sources: dict[str, str], platform: Platform, cache: Path | None, name: str) -> bytes:
@@ -138,20 +140,20 @@ def _binary(sources: dict[str, str], platform: Platform, cache: Path | None, nam
         key.update(f"\0{source}\0{text}".encode())
     file = f"{name}{platform.extension}"
     cached = _cached(cache, ("binaries", key.hexdigest()[:32], platform.name), file) / file
-    if cached.exists():
+    if (kept := read_sealed(cached)) is not None:
         _LOG.info("%s for %s: the binary is in the cache, %s", name, platform.name, cached)
-        return cached.read_bytes()
+        return kept
     _LOG.debug("compiling %s for %s, once", name, platform.name)
     started = perf_counter()
-    with tempfile.TemporaryDirectory(prefix="adaptimp-") as scratch:
-        folder = Path(scratch)
+    with temporary_folder() as folder:
         for source, text in sources.items():
             (folder / source).write_text(text, encoding="utf-8", newline="\n")
         output = folder / file
         compile_library(folder / MAIN_SOURCE, output, platform)
-        _store(cached, output.read_bytes())
+        binary = output.read_bytes()
+    write_sealed(cached, binary)
     _LOG.info("compiled %s for %s in %.3g s", name, platform.name, perf_counter() - started)
-    return cached.read_bytes()
+    return binary
 
 
 def _archive(entries: dict[str, bytes]) -> bytes:
@@ -165,12 +167,3 @@ def _archive(entries: dict[str, bytes]) -> bytes:
             info.create_system = 3  # Unix, whatever the machine
             archive.writestr(info, content)
     return buffer.getvalue()
-
-
-def _store(path: Path, content: bytes) -> None:
-    """Write a file whole or not at all, also when two builds run at once."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with tempfile.NamedTemporaryFile(dir=path.parent, delete=False) as file:
-        file.write(content)
-    Path(file.name).chmod(0o644)
-    Path(file.name).replace(path)

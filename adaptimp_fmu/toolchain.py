@@ -11,8 +11,8 @@ from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
-from adaptimp_fmu.cache_folder import writable_cache
 from adaptimp_fmu.errors import ToolchainError
+from adaptimp_fmu.files.cache_folder import writable_cache
 
 FLAGS = (
     "-std=c11",

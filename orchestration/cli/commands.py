@@ -6,12 +6,12 @@ from pathlib import Path
 from rich.table import Column, Table
 from rich.text import Text
 
+from adaptimp_fmu.files.cache_folder import let_matplotlib_write
 from orchestration.cli.output import output, watched
 from orchestration.cli.places import require_folder, written
 from orchestration.errors import SystemDescriptionError
 from orchestration.fmi.names import suggestion
 from orchestration.master.progress import RUNNING
-from orchestration.sandbox.cache_folder import let_matplotlib_write
 
 IMAGES = ("png", "svg")
 

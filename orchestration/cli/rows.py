@@ -8,8 +8,8 @@ from orchestration.cli.places import require_folder, written
 from orchestration.cli.report import RunReport
 from orchestration.errors import RecordedRows, SystemDescriptionError
 from orchestration.results.extremes import extremes, extremes_of_file
+from orchestration.results.places import partial_path
 from orchestration.results.result import Result
-from orchestration.results.whole_file import partial_path
 
 STREAMED = ".parquet"
 FORMATS = (".csv", STREAMED)

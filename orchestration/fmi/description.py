@@ -4,10 +4,12 @@
 to `orchestration.check`.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from pathlib import Path
+
+import numpy as np
 
 from orchestration.errors import ArchiveError, SystemDescriptionError
 from orchestration.fmi.codes import BOOLEAN, CAPABILITIES, INTEGER, REAL, STRING
@@ -25,6 +27,7 @@ from orchestration.fmi.document import (
     require_valid,
 )
 from orchestration.fmi.formalities import RULES
+from orchestration.fmi.names import arrays
 from orchestration.fmi.units import UnitDefinition, defined
 from orchestration.sandbox.archive import screen
 from orchestration.sandbox.missing import require_file
@@ -109,7 +112,35 @@ class Description:
 
     def of_causality(self, causality: str) -> list[Variable]:
         """Variables of a causality, in their order, without strings."""
-        return [v for v in self.variables.values() if v.causality == causality and v.type != STRING]
+        return list(self._by_causality.get(causality, ()))
+
+    def elements(self, name: str) -> list[str] | None:
+        """Names of the elements of an array, row by row; None if the name is not that of an array."""
+        positions = None if name in self.variables else self.arrays.get(name)
+        return None if positions is None else [self._names[i] for i in positions.ravel()]
+
+    @cached_property
+    def _names(self) -> tuple[str, ...]:
+        return tuple(self.variables)
+
+    @cached_property
+    def arrays(self) -> Mapping[str, np.ndarray]:
+        """Positions among the variables of the elements of each array, integers of its shape."""
+        return arrays(self._names)
+
+    @cached_property
+    def discrete_outputs(self) -> bool:
+        """Whether there are no outputs but discrete ones; also true without any output."""
+        return all(variable.variability == "discrete" for variable in self._by_causality.get("output", ()))
+
+    @cached_property
+    def _by_causality(self) -> Mapping[str, Sequence[Variable]]:
+        """Variables without strings, in their order, by causality."""
+        found: dict[str, list[Variable]] = {}
+        for variable in self.variables.values():
+            if variable.type != STRING:
+                found.setdefault(variable.causality, []).append(variable)
+        return found
 
     def unit(self, variable: Variable) -> UnitDefinition | None:
         """The unit of a variable; None if it declares none."""

@@ -19,6 +19,7 @@ from typing import Any, cast
 import numpy as np
 from numba import types
 from numba.core.ccallback import CFunc
+from numba.core.registry import CPUDispatcher
 
 from orchestration.fmi.codes import Status
 from orchestration.fmi.machine_code import code_folder
@@ -71,9 +72,9 @@ class ScaledInputs:
 
     def __init__(self, handle: int, own: Callable[[str], int], scales: Mapping[int, Linear], n_inputs: int) -> None:
         self._own = own
-        references = np.array(list(scales), np.uint32)
-        factors = np.array([scale.factor for scale in scales.values()])
-        offsets = np.array([scale.offset for scale in scales.values()])
+        references = np.array(sorted(scales), np.uint32)
+        factors = np.array([scales[reference].factor for reference in sorted(scales)])
+        offsets = np.array([scales[reference].offset for reference in sorted(scales)])
         buffer = np.zeros(max(1, _ORDERS * n_inputs))
         arrays = (references, factors, offsets, buffer)
         addresses = [array.ctypes.data for array in arrays]
@@ -120,6 +121,19 @@ def _folder() -> Path | None:
 _compiled: dict[str, Any] = {}  # keeps the code that addresses point to
 
 
+@CPUDispatcher  # not njit, which does nothing where compilation is off for loops
+def _place(unit, reference):
+    """Return the place of an input among the scaled inputs, whose references go up; -1 if it is not among them."""
+    listed, low, high = load_integer(unit + 8 * _REFERENCES), 0, load_integer(unit + 8 * _N)
+    while low < high:
+        middle = (low + high) // 2
+        if load_reference(listed + 4 * middle) < reference:
+            low = middle + 1
+        else:
+            high = middle
+    return low if low < load_integer(unit + 8 * _N) and load_reference(listed + 4 * low) == reference else -1
+
+
 def _do_step(unit, t, h, final):  # noqa: ARG001 - emit_do_step says that no step is undone
     return emit_do_step(load_integer(unit + 8 * _DO_STEP), load_integer(unit), t, h)
 
@@ -130,10 +144,10 @@ def _set_real(unit, references, n, values):
         return types.int32(_ERROR)
     for i in range(n):
         value = load_real(values + 8 * i)
-        for j in range(load_integer(unit + 8 * _N)):
-            if load_reference(load_integer(unit + 8 * _REFERENCES) + 4 * j) == load_reference(references + 4 * i):
-                factor = load_real(load_integer(unit + 8 * _FACTORS) + 8 * j)
-                value = factor * value + load_real(load_integer(unit + 8 * _OFFSETS) + 8 * j)
+        j = _place(unit, load_reference(references + 4 * i))
+        if j >= 0:
+            factor = load_real(load_integer(unit + 8 * _FACTORS) + 8 * j)
+            value = factor * value + load_real(load_integer(unit + 8 * _OFFSETS) + 8 * j)
         store_real(buffer + 8 * i, value)
     return emit_transfer(load_integer(unit + 8 * _SET_REAL), load_integer(unit), references, n, buffer)
 
@@ -144,9 +158,9 @@ def _set_rates(unit, references, n, orders, values):
         return types.int32(_ERROR)
     for i in range(n):
         value = load_real(values + 8 * i)
-        for j in range(load_integer(unit + 8 * _N)):
-            if load_reference(load_integer(unit + 8 * _REFERENCES) + 4 * j) == load_reference(references + 4 * i):
-                value *= load_real(load_integer(unit + 8 * _FACTORS) + 8 * j)
+        j = _place(unit, load_reference(references + 4 * i))
+        if j >= 0:
+            value *= load_real(load_integer(unit + 8 * _FACTORS) + 8 * j)
         store_real(buffer + 8 * i, value)
     return emit_rates(load_integer(unit + 8 * _SET_RATES), load_integer(unit), references, n, orders, buffer)
 
@@ -154,9 +168,9 @@ def _set_rates(unit, references, n, orders, values):
 def _direction(unit, unknowns, n, known, one, seed, values):  # noqa: ARG001 - there is one known variable
     buffer = load_integer(unit + 8 * _BUFFER)
     value = load_real(seed)
-    for j in range(load_integer(unit + 8 * _N)):
-        if load_reference(load_integer(unit + 8 * _REFERENCES) + 4 * j) == load_reference(known):
-            value *= load_real(load_integer(unit + 8 * _FACTORS) + 8 * j)
+    j = _place(unit, load_reference(known))
+    if j >= 0:
+        value *= load_real(load_integer(unit + 8 * _FACTORS) + 8 * j)
     store_real(buffer, value)
     return emit_direction(load_integer(unit + 8 * _DIRECTION), load_integer(unit), unknowns, n, known, buffer, values)
 

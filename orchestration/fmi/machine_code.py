@@ -18,7 +18,7 @@ from collections.abc import Iterable
 from contextlib import suppress
 from pathlib import Path
 
-from orchestration.sandbox.cache_folder import cache_folder, writable_cache
+from adaptimp_fmu.files.cache_folder import cache_folder, writable_cache
 
 COMPILERS = ("numba", "llvmlite")
 UNUSED_DAYS = 30  # after which a folder is removed
@@ -28,7 +28,7 @@ _DAY = 86400.0  # s
 def code_folder(sources: Iterable[Path]) -> Path | None:
     """Return a folder for the machine code of source files, in ``$ADAPTIMP_CACHE`` or the user's cache folder.
 
-    Where nothing can be written there, the folder is in a temporary cache; see `orchestration.sandbox.cache_folder`.
+    Where nothing can be written there, the folder is in a temporary cache; see `adaptimp_fmu.files.cache_folder`.
     When a folder is made, folders that have not been used for `UNUSED_DAYS` are removed.
 
     Parameters

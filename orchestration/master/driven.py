@@ -173,11 +173,11 @@ def require_cover(driven: DrivenInputs, start: float, stop: float) -> None:
 
 def _elements(system: System, name: str) -> list[str]:
     """The scalar inputs that a name stands for."""
-    known = [f"{c.name}.{v.name}" for c in system.components for v in c.description.of_causality("input")]
     elements = system.elements(name) if "." in name else [name]
     for path in elements:
         component, _, variable = path.partition(".")
         if component not in system or variable not in system.component(component).description.variables:
+            known = [f"{c.name}.{v.name}" for c in system.components for v in c.description.of_causality("input")]
             msg = f"inputs: there is no input {name}; {suggestion(name, known)}"
             raise SystemDescriptionError(msg)
     return elements

@@ -204,7 +204,7 @@ def recorded_paths(system: System, record: Collection[str] | None) -> list[Path]
         return list(outputs.values())
     found: dict[Path, None] = {}
     for pattern in record:
-        names, others = chosen([pattern], outputs)
+        names, others = ([pattern], []) if pattern in outputs else chosen([pattern], outputs)
         found |= dict.fromkeys(outputs[name] for name in names)
         if others:
             found |= dict.fromkeys(_of_any_causality(system, pattern, outputs))
@@ -249,13 +249,15 @@ def _links(
     """
     links: list[tuple[int, int]] = []
     connections = []
+    driven: dict[str, list[tuple[Connection, int]]] = {}
+    for (causality, name, variable), place in places.items():
+        if causality == "input" and (name, variable) in sources:
+            driven.setdefault(name, []).append((sources[name, variable], place))
     for i, component in enumerate(system.components):
         table[i, column] = len(links)
-        for (causality, name, variable), place in places.items():
-            if causality == "input" and name == component.name and (name, variable) in sources:
-                connection = sources[name, variable]
-                links.append((places["output", connection.source, connection.output], place))
-                connections.append(connection)
+        for connection, place in driven.get(component.name, ()):
+            links.append((places["output", connection.source, connection.output], place))
+            connections.append(connection)
         table[i, column + 1] = len(links)
     return np.array(links, np.uint64).reshape(-1, 2), tuple(connections)
 

@@ -46,7 +46,8 @@ def report_libraries(instances: Iterable[Instance], *, strict: bool) -> None:
     SystemDescriptionError
         Instead of a warning, if `strict`.
     """
-    _report({i.description.path: i.formalities for i in instances}.items(), strict=strict)
+    each = {i.description.path: i for i in instances}
+    _report(((path, i.formalities) for path, i in each.items()), strict=strict)
 
 
 def _report(found: Iterable[tuple[Path, Sequence[str]]], *, strict: bool) -> None:

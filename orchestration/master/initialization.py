@@ -1,6 +1,6 @@
 """How the components of a system are instantiated and brought through the initialization mode of FMI 2.0."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
@@ -13,15 +13,20 @@ from orchestration.fmi.isolation import Isolation
 from orchestration.fmi.library import needed_to_run
 from orchestration.fmi.remote_library import start_process
 from orchestration.fmi.start_values import by_time
+from orchestration.fmi.units import Linear
 from orchestration.master.algebraic_loops import solve_loops
+from orchestration.master.feedthrough import chain_of_feedthrough
 from orchestration.master.flatten import Assembly
 from orchestration.master.kernel.codes import CALL_NAMES, Column
-from orchestration.master.kernel.flat_system import copy_links, get_outputs, set_inputs
+from orchestration.master.kernel.flat_system import Plan, copy_links, get_outputs, set_inputs
 from orchestration.master.kernel.series import give
 from orchestration.sandbox.archive import unpacked
 from orchestration.sandbox.remote import RemoteProcess
 from orchestration.stages import stage
 from orchestration.system.system import Component, System
+
+LONG_CHAIN = 20
+"""Components in a row, at the least, that are passed through in their order: a pass moves values by one component."""
 
 
 @contextmanager
@@ -44,7 +49,7 @@ def opened(system: System, isolation: Isolation | None = None) -> Iterator[list[
     """
     with ExitStack() as stack:
         folders: dict[tuple[Path, str], Path] = {}
-        instances = []
+        instances, scales = [], _scales(system)
         processes = stack.enter_context(_processes(system, isolation))
         for component in system.components:
             path, alone = component.description.path, component.description.can(ONE_INSTANCE)
@@ -56,13 +61,8 @@ def opened(system: System, isolation: Isolation | None = None) -> Iterator[list[
             process = processes.get(component.name)
             instance = Instance.open(component.name, component.description, folder, process=process)
             stack.callback(instance.close)
-            scales = {
-                component.variable(c.input).reference: c.scale
-                for c in system.connections
-                if c.target == component.name and not c.scale.trivial
-            }
-            if scales:
-                instance.scale_inputs(scales)
+            if component.name in scales:
+                instance.scale_inputs(scales[component.name])
             instances.append(instance)
         yield instances
 
@@ -78,6 +78,15 @@ def _processes(system: System, isolation: Isolation | None) -> Iterator[dict[str
                 stack.callback(process.close)
                 started[component.name] = process
         yield started
+
+
+def _scales(system: System) -> dict[str, dict[int, Linear]]:
+    """Conversions of inputs by their value references, of each component that has any."""
+    found: dict[str, dict[int, Linear]] = {}
+    for c in system.connections:
+        if not c.scale.trivial:
+            found.setdefault(c.target, {})[system.component(c.target).variable(c.input).reference] = c.scale
+    return found
 
 
 def initialize(
@@ -163,23 +172,28 @@ def _propagate(system: System, instances: Sequence[Instance], assembly: Assembly
     """Transfer outputs to inputs until nothing changes, or solve the algebraic loops that remain."""
     plan = assembly.plan
     _get_all(instances, assembly)
+    for i in chain_of_feedthrough(system, LONG_CHAIN):
+        _transfer(assembly, i)
+        _exchange(instances[i], plan, i)
+    moved: Iterable[int] = range(len(instances))
     # A chain passes through each connection at most once, after what drives it from outside; anything longer is an
     # algebraic loop.
     for _ in range(len(system.connections) + 1 + bool(assembly.driven)):
         before = plan.reals.copy(), plan.discretes.copy()
-        for i, instance in enumerate(instances):
+        for i in moved:
             _transfer(assembly, i)
-            _raise_failure(instance, *set_inputs(plan.table, i))
-        _get_all(instances, assembly)
+            _raise_failure(instances[i], *set_inputs(plan.table, i))
+        for i in moved:
+            _raise_failure(instances[i], *get_outputs(plan.table, i))
         if _same(before[0], plan.reals) and _same(before[1], plan.discretes):
             return
+        moved = _behind(plan)
 
     def evaluate(i: int | None) -> None:
         for k in range(len(instances)) if i is None else (i,):
             row = plan.table[k]
             copy_links(plan.discrete_links, row[Column.FIRST_DISCRETE], row[Column.END_DISCRETE], plan.discretes)
-            _raise_failure(instances[k], *set_inputs(plan.table, k))
-            _raise_failure(instances[k], *get_outputs(plan.table, k))
+            _exchange(instances[k], plan, k)
 
     solve_loops(system.name, assembly, evaluate)
     settled = plan.discretes.copy()
@@ -187,6 +201,24 @@ def _propagate(system: System, instances: Sequence[Instance], assembly: Assembly
     if not _same(settled, plan.discretes):
         msg = f"System {system.name}: Integer or Boolean outputs do not settle during initialization."
         raise InitializationError(msg)
+
+
+def _exchange(instance: Instance, plan: Plan, i: int) -> None:
+    """Set the inputs of component i, and get its outputs."""
+    _raise_failure(instance, *set_inputs(plan.table, i))
+    _raise_failure(instance, *get_outputs(plan.table, i))
+
+
+def _behind(plan: Plan) -> list[int]:
+    """Components with an input that differs, bit by bit, from the output that drives it."""
+    found = []
+    for links, values, end in (
+        (plan.real_links, plan.reals.view(np.int64), Column.END_REAL),
+        (plan.discrete_links, plan.discretes, Column.END_DISCRETE),
+    ):
+        differ = np.flatnonzero(values[links[:, 0]] != values[links[:, 1]])
+        found.append(np.searchsorted(plan.table[:, end], differ, side="right"))  # links are in order of components
+    return np.unique(np.concatenate(found)).tolist()
 
 
 def _transfer(assembly: Assembly, i: int) -> None:

@@ -5,6 +5,7 @@ import math
 import platform
 from collections.abc import Mapping, Sequence
 from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
 from typing import Any
 
 from orchestration.errors import ArchiveError
@@ -60,10 +61,11 @@ def provenance(
         If the order does not name each component once.
     """
     ordered = system if order is None else system.ordered(order)
+    digests: dict[Path, str] = {}  # components may share an FMU
     return {
         "format": FORMAT,
         "system": system.name,
-        "components": _json([_fmu(component) for component in system.components]),
+        "components": _json([_fmu(component, digests) for component in system.components]),
         "start": _json({c.name: _numbers(c.start) for c in system.components if c.start}),
         "seeds": _json(_numbers(_seeds(system))),
         "connections": _json([str(connection) for connection in system.connections]),
@@ -76,21 +78,22 @@ def provenance(
     }
 
 
-def _fmu(component: Component) -> dict[str, str]:
+def _fmu(component: Component, digests: dict[Path, str]) -> dict[str, str]:
     """Describe the FMU of a component by its file, identifier, GUID and hash."""
     description = component.description
-    try:
-        digest = file_hash(description.path)
-    except OSError as error:
-        msg = f"{component.name}: {description.path} cannot be read: {error.strerror or error}."
-        raise ArchiveError(msg) from error
+    if description.path not in digests:
+        try:
+            digests[description.path] = file_hash(description.path)
+        except OSError as error:
+            msg = f"{component.name}: {description.path} cannot be read: {error.strerror or error}."
+            raise ArchiveError(msg) from error
     return {
         "name": component.name,
         "file": description.path.name,
         "model": description.model_name,
         "identifier": description.identifier,
         "guid": description.guid,
-        "sha256": digest,
+        "sha256": digests[description.path],
     }
 
 

@@ -9,7 +9,6 @@ import json
 import struct
 import zlib
 from collections.abc import Sequence
-from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -17,6 +16,7 @@ from zipfile import BadZipFile
 
 import numpy as np
 
+from adaptimp_fmu.files.whole_file import whole_file
 from orchestration.errors import OrchestrationError
 from orchestration.fmi.codes import SERIALIZES_STATE
 from orchestration.sandbox.missing import no_file
@@ -92,18 +92,12 @@ class Snapshot:
             raise OrchestrationError(msg)
         header = json.dumps({"format": FORMAT, "time": self.time, "identity": self.identity})
         states = {f"state_{i}": np.frombuffer(state, np.uint8) for i, state in enumerate(self.states)}
-        draft = path.with_name(path.name + ".part")
         try:
-            path.parent.mkdir(parents=True, exist_ok=True)
-            with draft.open("wb") as file:
+            with whole_file(path) as file:
                 np.savez(file, allow_pickle=False, header=np.array(header), **states, **self.arrays)
-            draft.replace(path)
         except OSError as error:
             msg = f"{path}: the snapshot cannot be written: {error.strerror}."
             raise OrchestrationError(msg) from error
-        finally:
-            with suppress(OSError):
-                draft.unlink(missing_ok=True)
         return path
 
     @classmethod

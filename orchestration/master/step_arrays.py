@@ -193,6 +193,9 @@ def _links(
         [_source_unit(system, x) for x in assembly.real_connections], algorithm.correction
     )
     n_rates, rate_of = 0, {}
+    straight_of: dict[str, list[str]] = {}
+    for name in straight:
+        straight_of.setdefault(name.partition(".")[0], []).append(name)
     for i, target in enumerate(system.components):
         rows = np.arange(plan.table[i, Column.FIRST_REAL], plan.table[i, Column.END_REAL])
         smooth = []
@@ -209,7 +212,7 @@ def _links(
                 places[smooth] = n_rates + np.arange(len(smooth))
                 n_rates += len(smooth)
         if algorithm.order > 0 and _moves(target, ratios):
-            mine = [name for name in straight if name.partition(".")[0] == target.name]
+            mine = straight_of.get(target.name, [])
             rate_of |= {name: n_rates + k for k, name in enumerate(mine)}
             n_rates += len(mine)
     return links, rate_of, n_rates
@@ -234,6 +237,9 @@ def _fill_table(
     """
     links, references, rates, rate_of = moving
     alive = []
+    places_of: dict[str, dict[str, int]] = {}
+    for name, place in rate_of.items():
+        places_of.setdefault(name.partition(".")[0], {})[name] = place
     for i, (component, instance) in enumerate(zip(system.components, instances, strict=True)):
         row = assembly.plan.table[i]
         row[Column.GET_STATE] = instance.address("fmi2GetFMUstate")
@@ -241,9 +247,9 @@ def _fill_table(
         row[Column.GET_DIRECTION] = instance.address("fmi2GetDirectionalDerivative")
         row[Column.IS_CONTINUOUS] = component.continuous
         row[Column.RATIO] = ratios.get(component.name, 1)
-        mine = links.component == i
-        smooth = [np.flatnonzero(mine & (places >= 0)) for places in (links.rate, links.curvature)]
-        given = {name: place for name, place in rate_of.items() if system.resolve(name)[0] is component}
+        mine = np.arange(row[Column.FIRST_REAL], row[Column.END_REAL])
+        smooth = [mine[places[mine] >= 0] for places in (links.rate, links.curvature)]
+        given = places_of.get(component.name, {})
         if len(smooth[0]) or given:
             driven = np.array([system.resolve(name)[1].reference for name in given], np.uint32)
             listed = np.concatenate([references[np.concatenate(smooth)], driven])

@@ -5,13 +5,13 @@
 """
 
 import pickle
-import tempfile
 import warnings
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from adaptimp_fmu.files.temporary_folder import temporary_folder
 from orchestration.check import Candidate, Trial
 from orchestration.check.findings import Finding, error, note, shown, warning
 from orchestration.errors import OrchestrationError
@@ -125,8 +125,7 @@ def try_loop(
         candidate = loop.system.replace("controller", path, known)
     except OrchestrationError as refused:
         return [*ignored, error(LOOP, f"The controller does not fit into the loop: {refused}")], []
-    with tempfile.TemporaryDirectory(prefix="adaptimp-check-") as name:
-        folder = Path(name)
+    with temporary_folder() as folder:
         (folder / "systems").write_bytes(pickle.dumps([loop.system, candidate]))
         ending = work(JOB, {"systems": str(folder / "systems")}, folder, timeout=timeout)
     rides, findings = [], ignored

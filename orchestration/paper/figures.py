@@ -14,6 +14,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
+from adaptimp_fmu.files.whole_file import whole_file
 from orchestration.paper.measure import ESTIMATE, at_ticks, contact
 from orchestration.paper.numbers import TORQUE_LIMITS, TORQUE_SHARE, TRUE_M2, WALL_OFFSET
 from orchestration.paper.scenarios import SCENARIOS
@@ -67,7 +68,8 @@ def draw(results: Mapping[str, Result], folder: Path, image: str = "png") -> lis
         if {"fig5", "fig7"} <= set(results):
             drawn["torques"] = _torque_figure(results["fig5"], results["fig7"])
         for name, figure in drawn.items():
-            figure.savefig(folder / f"{name}.{image}", metadata=METADATA[image])
+            with whole_file(folder / f"{name}.{image}") as file:
+                figure.savefig(file, format=image, metadata=METADATA[image])
     return [folder / f"{name}.{image}" for name in drawn]
 
 

@@ -19,6 +19,7 @@ import numpy as np
 from fmpy.util import read_csv
 
 import fmus
+from adaptimp_fmu.files.whole_file import write_whole
 from orchestration.paper.built_fmus import built
 from orchestration.paper.stimuli import STIMULI, Stimulus
 
@@ -61,16 +62,16 @@ def _simulate(name: str, stimulus: Stimulus, inputs: np.ndarray | None) -> np.nd
 
 
 def _write(path: Path, columns: Mapping[str, np.ndarray]) -> None:
-    with path.open("w", encoding="utf-8", newline="") as file:
-        file.write(",".join(f'"{name}"' for name in columns) + "\n")
-        for row in zip(*columns.values(), strict=True):
-            file.write(",".join(f"{float(value) + 0.0:.{DIGITS}g}" for value in row) + "\n")
+    lines = [",".join(f'"{name}"' for name in columns)]
+    for row in zip(*columns.values(), strict=True):
+        lines.append(",".join(f"{float(value) + 0.0:.{DIGITS}g}" for value in row))
+    write_whole(path, "".join(f"{line}\n" for line in lines).encode())
 
 
 def _write_options(path: Path, stimulus: Stimulus) -> None:
     options = {"StartTime": 0, "StopTime": stimulus.times()[-1], "StepSize": stimulus.step, "RelTol": REL_TOL}
     text = "".join(f"{name},{value:.{DIGITS}g}\n" for name, value in options.items())
-    path.write_text(text, encoding="utf-8", newline="\n")
+    write_whole(path, text.encode())
 
 
 def main() -> None:

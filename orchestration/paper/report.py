@@ -1,11 +1,12 @@
 """Reproduces everything the paper shows, figures and claims, from FMUs."""
 
 import json
-import tempfile
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+from adaptimp_fmu.files.temporary_folder import temporary_folder
+from adaptimp_fmu.files.whole_file import write_whole
 from orchestration.paper.built_fmus import fmus
 from orchestration.paper.claims.cache import claims_of
 from orchestration.paper.claims.claim import Claim
@@ -58,15 +59,15 @@ def reproduce(folder: Path, tell: Tell, image: str = "png", *, fresh: bool = Fal
     digests = _digests(laboratory, scenarios)
     claims, kept = claims_of(digests, lambda: evaluate(Evidence(laboratory, results)), fresh=fresh)
     claims_file = folder / "claims.json"
-    claims_file.write_text(json.dumps(as_records(claims, digests), indent=2) + "\n", encoding="utf-8")
-    (folder / "claims.md").write_text(as_markdown(claims, digests), encoding="utf-8")
+    write_whole(claims_file, f"{json.dumps(as_records(claims, digests), indent=2)}\n".encode())
+    write_whole(folder / "claims.md", as_markdown(claims, digests).encode())
     return Report(figures, claims_file, claims, kept)
 
 
 def _digests(laboratory: Laboratory, scenarios: Mapping[str, Scenario]) -> dict[str, str]:
     """SHA-256 of each scenario's SSP package."""
-    with tempfile.TemporaryDirectory(prefix="adaptimp-") as folder:
+    with temporary_folder() as folder:
         return {
-            name: file_hash(scenario.system(laboratory.fmus).write(Path(folder) / f"{name}.ssp"))
+            name: file_hash(scenario.system(laboratory.fmus).write(folder / f"{name}.ssp"))
             for name, scenario in scenarios.items()
         }

@@ -8,9 +8,10 @@ metadata. The same result gives the same bytes.
 import csv
 from pathlib import Path
 
+from adaptimp_fmu.files.whole_file import whole_file
 from orchestration.results.arrow_table import arrow_schema, arrow_table, columns_of, rows_per_group
 from orchestration.results.columns import Columns
-from orchestration.results.whole_file import draft_path, remove_draft, write_errors
+from orchestration.results.places import write_errors
 
 CSV_BLOCK_BYTES = 2**23
 """Size of the blocks in which a file is read, in bytes; every line must be shorter than a block."""
@@ -37,17 +38,10 @@ def write_csv(columns: Columns, path: Path) -> None:
 
     schema = arrow_schema(columns.names, {})
     length = rows_per_group(len(columns.names))
-    draft = draft_path(path)
-    try:
-        with write_errors(path):
-            path.parent.mkdir(parents=True, exist_ok=True)
-            with draft.open("wb") as file, pyarrow.csv.CSVWriter(file, schema) as writer:
-                for first in range(0, len(columns.time), length):
-                    part = slice(first, first + length)
-                    writer.write_table(arrow_table(schema, [columns.time[part], *columns.rows[part].T]))
-            draft.replace(path)
-    finally:
-        remove_draft(path)
+    with write_errors(path), whole_file(path) as file, pyarrow.csv.CSVWriter(file, schema) as writer:
+        for first in range(0, len(columns.time), length):
+            part = slice(first, first + length)
+            writer.write_table(arrow_table(schema, [columns.time[part], *columns.rows[part].T]))
 
 
 def read_csv(path: Path) -> Columns:

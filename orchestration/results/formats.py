@@ -4,14 +4,19 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+from adaptimp_fmu.files.whole_file import SUFFIX as UNFINISHED
 from orchestration.errors import OrchestrationError
 from orchestration.results.columns import Columns
 from orchestration.results.csv_file import read_csv, write_csv
-from orchestration.results.parquet_file import parquet_parts, read_parquet, write_parquet
+from orchestration.results.parquet_file import cut_off_parts, parquet_parts, read_cut_off, read_parquet, write_parquet
 from orchestration.sandbox.missing import no_file
 
 WRITERS: dict[str, Callable[[Columns, Path], None]] = {".csv": write_csv, ".parquet": write_parquet}
-READERS: dict[str, Callable[[Path], Columns]] = {".csv": read_csv, ".parquet": read_parquet}
+READERS: dict[str, Callable[[Path], Columns]] = {
+    ".csv": read_csv,
+    ".parquet": read_parquet,
+    UNFINISHED: read_cut_off,
+}
 
 
 def write_columns(columns: Columns, path: Path) -> None:
@@ -28,14 +33,15 @@ def write_columns(columns: Columns, path: Path) -> None:
 def read_columns(path: Path) -> Columns:
     """Read columns from a CSV or Parquet file, as the suffix of the path says.
 
-    A CSV file gives names and values only: no units, no metadata and no steps per tick.
+    A CSV file gives names and values only: no units, no metadata and no steps per tick. Of a Parquet file that a
+    killed process left unfinished, ``NAME.parquet.<random>.part``, the complete groups of rows are read.
 
     Raises
     ------
     OrchestrationError
         If the suffix is unknown, or the file does not hold a result.
     """
-    reader = READERS[_suffix(path, "read")]
+    reader = READERS[_suffix_to_read(path)]
     _require(path)
     with _read_errors(path):
         return reader(path)
@@ -43,11 +49,13 @@ def read_columns(path: Path) -> Columns:
 
 def parts_of(path: Path) -> Iterator[Columns]:
     """Read columns in parts: a Parquet file by its groups of rows, a CSV file as a whole; errors as `read_columns`."""
-    suffix = _suffix(path, "read")
+    suffix = _suffix_to_read(path)
     _require(path)
     with _read_errors(path):
         if suffix == ".parquet":
             yield from parquet_parts(path)
+        elif suffix == UNFINISHED:
+            yield from cut_off_parts(path)
         else:
             yield read_csv(path)
 
@@ -95,6 +103,13 @@ def require_parquet(path: Path) -> None:
         given = path.suffix or "a file without a suffix"
         msg = f"{path}: rows are streamed as .parquet, not as {given}; for other formats, simulate and write."
         raise OrchestrationError(msg)
+
+
+def _suffix_to_read(path: Path) -> str:
+    """Suffix of a path, or `UNFINISHED` for the draft of a Parquet file."""
+    if path.suffix == UNFINISHED and ".parquet." in path.name.lower():
+        return UNFINISHED
+    return _suffix(path, "read")
 
 
 def _suffix(path: Path, done: str) -> str:

@@ -8,18 +8,21 @@ unit of a column is its field metadata ``unit``. All other metadata are file met
 import base64
 import json
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import suppress
+from contextlib import contextmanager
 from dataclasses import replace
+from itertools import chain
 from pathlib import Path
 from types import TracebackType
-from typing import IO, TYPE_CHECKING, NamedTuple, Self
+from typing import TYPE_CHECKING, NamedTuple, Self
 
 import numpy as np
 
+from adaptimp_fmu.files.whole_file import Draft
 from orchestration.errors import OrchestrationError
 from orchestration.results.arrow_table import arrow_schema, arrow_table, columns_of, rows_per_group
 from orchestration.results.columns import COMPLETE, FAILED, INTERRUPTED, Columns
-from orchestration.results.whole_file import draft_path, partial_path, remove_draft, write_errors
+from orchestration.results.cut_off import CutOff, description
+from orchestration.results.places import partial_path, write_errors
 
 if TYPE_CHECKING:
     from pyarrow.parquet import ParquetFile, ParquetWriter
@@ -95,11 +98,52 @@ def _described(columns: Columns, source: "ParquetFile") -> Columns:
     return replace(columns, units=units, metadata=found, **kept)
 
 
+def cut_off_parts(path: Path) -> Iterator[Columns]:
+    """Read the complete groups of rows of a file that a killed process left unfinished, without metadata.
+
+    Raises
+    ------
+    OSError, ValueError
+        If the file cannot be read, or is not such a file, or has no complete group.
+    """
+    found = CutOff.open(path)
+    units, ratios, periods = (found.described.get(key, {}) for key in (UNITS, STEPS_PER_TICK, SAMPLE_TIMES))
+    kept = {"units": units, "steps_per_tick": ratios, "sample_times": periods, "message": "The process was killed."}
+    names, count = tuple(found.described["names"]), 0
+    for rows in found.groups():
+        count += 1
+        yield replace(Columns(rows[:, 0].copy(), names, rows[:, 1:].copy(), status=INTERRUPTED), **kept)
+    if not count:
+        msg = "it ends before its first group of rows was complete"
+        raise ValueError(msg)
+
+
+def read_cut_off(path: Path) -> Columns:
+    """Read the rows of an unfinished file at once; errors as `cut_off_parts`."""
+    parts = list(cut_off_parts(path))
+    whole = {"time": np.concatenate([p.time for p in parts]), "rows": np.concatenate([p.rows for p in parts])}
+    return replace(parts[0], **whole)
+
+
+def _rescue(draft: Path, path: Path) -> None:
+    """Keep the rows of an unfinished file as a partial file; a file without a complete group is not kept."""
+    parts = cut_off_parts(draft)
+    try:
+        first = next(parts)
+    except ValueError:
+        return
+    ticks = {"steps_per_tick": first.steps_per_tick, "sample_times": first.sample_times}
+    with ParquetSink(partial_path(path), first.names, first.units, **ticks) as sink:
+        sink.status, sink.message = first.status, first.message
+        for part in chain([first], parts):
+            sink.append(part.time, part.rows)
+
+
 class _Draft(NamedTuple):
     """Draft of a file while its rows are written."""
 
     writer: "ParquetWriter"
-    file: IO[bytes]
+    draft: Draft
 
 
 class ParquetSink:
@@ -108,6 +152,9 @@ class ParquetSink:
     The writer is a context manager. If an exception ends the context, the rows so far are kept as
     ``STEM.partial.parquet``, and an existing file at the path stays as it is. If the file itself cannot be written,
     for example on a full disk, no row is kept: a Parquet file has its table of contents at the end.
+
+    If the process is killed, its unfinished file stays as ``NAME.<random>.part``. `orchestration.Result.read` reads the
+    groups of rows in it that are complete, and the next writer of the same path makes ``STEM.partial.parquet`` of it.
 
     Parameters
     ----------
@@ -177,15 +224,18 @@ class ParquetSink:
         import pyarrow.parquet
 
         with write_errors(self.path):
-            self.path.parent.mkdir(parents=True, exist_ok=True)
             if self.path.is_dir():  # an error before the run is better than one after the run
                 raise IsADirectoryError(None, "Is a directory")
-            file = draft_path(self.path).open("wb")
+            draft = Draft(self.path, lambda left: _rescue(left, self.path))
+        length = rows_per_group(len(self.names))
+        stream = pyarrow.PythonFile(draft.file, mode="w")
         # The schema goes into the file at the end, when its metadata is complete.
-        writer = pyarrow.parquet.ParquetWriter(file, self._schema, store_schema=False, **_ENCODING)
-        self._draft = _Draft(writer, file)
-
-        self._buffer = np.empty((len(self.names) + 1, rows_per_group(len(self.names))))
+        writer = pyarrow.parquet.ParquetWriter(stream, self._schema, store_schema=False, **_ENCODING)
+        self._draft = _Draft(writer, draft)
+        with self._abandoning():
+            stream.write(description(self.names, length, **self._own))
+            draft.file.flush()
+        self._buffer = np.empty((len(self.names) + 1, length))
         return self
 
     def append(self, time: np.ndarray, rows: np.ndarray) -> None:
@@ -264,9 +314,8 @@ class ParquetSink:
                 schema = base64.b64encode(self._schema.with_metadata(metadata).serialize()).decode()
                 self._draft.writer.add_key_value_metadata({**metadata, "ARROW:schema": schema})
                 self._draft.writer.close()
-                self._draft.file.close()
                 if self.count or target == self.path:
-                    draft_path(self.path).replace(target)
+                    self._draft.draft.publish(target)
                     self.written = target
         finally:
             self._abandon()
@@ -276,9 +325,16 @@ class ParquetSink:
         filled, self._filled = self._filled, 0  # emptied first, so that an interrupt cannot cause a second write
         if filled == 0 or self._draft is None:
             return
+        with self._abandoning():
+            self._draft.writer.write_table(arrow_table(self._schema, [column[:filled] for column in self._buffer]))
+            self._draft.draft.file.flush()  # what a killed process has written can be read
+
+    @contextmanager
+    def _abandoning(self) -> Iterator[None]:
+        """Remove the draft if something cannot be written to it."""
         try:
             with write_errors(self.path):
-                self._draft.writer.write_table(arrow_table(self._schema, [column[:filled] for column in self._buffer]))
+                yield
         except Exception:
             self._abandon()
             raise
@@ -287,11 +343,9 @@ class ParquetSink:
         """Close and remove the draft, in any state of the writer."""
         if self._draft is None:
             return
-        file, self._draft = self._draft.file, None  # the writer ends first, while its file is still open
+        draft, self._draft = self._draft.draft, None  # the writer ends first, while its file is still open
         self._buffer = np.empty((0, 0))
-        with suppress(OSError):
-            file.close()
-        remove_draft(self.path)
+        draft.abandon()
 
     def _file_metadata(self) -> dict[str, str]:
         """Metadata of the file with prefixed keys, in alphabetical order; an error names a key that is not allowed."""

@@ -5,10 +5,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from adaptimp_fmu.files.cache_folder import let_matplotlib_write
 from orchestration.errors import OrchestrationError, UnknownNameError
 from orchestration.fmi.given import shown
 from orchestration.fmi.names import chosen, suggestion
-from orchestration.sandbox.cache_folder import let_matplotlib_write
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

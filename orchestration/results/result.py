@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, fields
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -80,7 +81,7 @@ class Result(Columns, Mapping[str, np.ndarray]):
 
     def __contains__(self, name: object) -> bool:
         """Whether the name can be looked up."""
-        return name == TIME or name in self.names or name in arrays(self.names)
+        return name == TIME or (isinstance(name, str) and (name in self._columns or name in self._arrays))
 
     def __eq__(self, other: object) -> bool:
         """Whether all attributes agree, numbers bit by bit; so NaN equals itself."""
@@ -306,15 +307,23 @@ class Result(Columns, Mapping[str, np.ndarray]):
         columns = formats.read_columns(Path(path))
         return cls(**{field.name: getattr(columns, field.name) for field in fields(Columns)})
 
+    @cached_property
+    def _columns(self) -> Mapping[str, int]:
+        return {name: place for place, name in reversed(list(enumerate(self.names)))}
+
+    @cached_property
+    def _arrays(self) -> Mapping[str, np.ndarray]:
+        return arrays(self.names)
+
     def _places(self, name: str) -> Any:
         """Position of a column, or positions of the columns of an array, in its shape."""
         if not isinstance(name, str):
             example = self.names[0] if self.names else TIME
             msg = f"The result has no column {shown(name)}; give its name, a text, such as {example!r}."
             raise UnknownNameError(msg)
-        if name in self.names:
-            return self.names.index(name)
-        positions = arrays(self.names).get(name)
+        if name in self._columns:
+            return self._columns[name]
+        positions = self._arrays.get(name)
         if positions is None:
             msg = f"The result has no column {name}; {suggestion(name, self.names)}"
             raise UnknownNameError(msg)

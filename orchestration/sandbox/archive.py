@@ -7,13 +7,13 @@ archive is screened here before any of its files is unpacked, read or loaded.
 
 import hashlib
 import stat
-import tempfile
 import zipfile
 import zlib
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path, PurePosixPath
 
+from adaptimp_fmu.files.temporary_folder import temporary_folder
 from orchestration.errors import ArchiveError
 from orchestration.sandbox.missing import require_file
 
@@ -69,9 +69,9 @@ def unpacked(path: Path, needed: Callable[[str], bool] | None = None) -> Iterato
     ArchiveError
         If the archive is missing, invalid or unsafe.
     """
-    with tempfile.TemporaryDirectory(prefix="adaptimp-") as folder:
-        unpack(path, Path(folder), needed)
-        yield Path(folder)
+    with temporary_folder() as folder:
+        unpack(path, folder, needed)
+        yield folder
 
 
 def unpack(path: Path, folder: Path, needed: Callable[[str], bool] | None = None) -> None:

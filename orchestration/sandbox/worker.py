@@ -1,27 +1,32 @@
-"""The program of a child process that runs an untrusted binary: ``python -m orchestration.sandbox.worker PLAN``.
+"""The program of a child process that runs an untrusted binary: ``python -m orchestration.sandbox.worker``.
 
-The plan, a JSON file, names a job, ``module:function``; the child process imports it and calls it:
+The plan, a JSON object on standard input, names a job, ``module:function``; the child process imports it and calls it:
 
     job(plan, write, announce)
 
-`write` appends one JSON object, given as keyword arguments, to the file of results. `announce` leaves a
-short text in a small shared file. A job announces each function of the binary before the call. So the parent
+`write` sends one JSON object, given as keyword arguments, to the parent. `announce` leaves a short text in a small
+shared memory. A job announces each function of the binary before the call, and an empty text after it. So the parent
 process knows what happened even if the child process dies or hangs, whatever the binary prints.
+
+Before the job begins, the process is confined; see `orchestration.sandbox.confinement`.
 """
 
 import json
 import mmap
 import os
+import socket
 import sys
 from collections.abc import Callable
-from contextlib import suppress
 from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-TRACE_BYTES = 64
-STARTED, DONE = "started", "done"  # lines of the worker itself
-MOST_WRITTEN = 64 * 1024**2  # bytes that a file may grow to: a binary that prints for ever fills no disk
+from orchestration.sandbox.channel import Sender
+from orchestration.sandbox.confinement import Limits, limit, seal
+
+TRACE_BYTES = 64  # of an announcement
+COUNT_BYTES = 8  # before it: how often something was announced
+STARTED, DONE = "started", "done"  # records of the worker itself
 
 Write = Callable[..., None]
 Announce = Callable[[str], None]
@@ -29,38 +34,45 @@ Announce = Callable[[str], None]
 
 def main() -> None:
     """Run the job that the plan names."""
-    plan = json.loads(Path(sys.argv[1]).read_text(encoding="utf-8"))
+    plan = json.loads(sys.stdin.buffer.read())
+    sender = Sender(_channel(Path(plan["printed"])), bytes.fromhex(plan.pop("key")))
     module, _, function = plan["job"].partition(":")
     job = getattr(import_module(module), function)
-    with (
-        Path(plan["results"]).open("a", encoding="utf-8") as results,
-        Path(plan["trace"]).open("r+b") as file,
-        mmap.mmap(file.fileno(), TRACE_BYTES) as trace,
-    ):
+    with Path(plan["trace"]).open("r+b") as file, mmap.mmap(file.fileno(), COUNT_BYTES + TRACE_BYTES) as trace:
+        count = 0
 
-        def write(**line: Any) -> None:
-            results.write(json.dumps(line) + "\n")
-            results.flush()
+        def write(**record: Any) -> None:
+            sender.send(record)
 
         def announce(function: str) -> None:
-            trace[:] = function.encode()[:TRACE_BYTES].ljust(TRACE_BYTES, b"\0")
+            nonlocal count
+            count += 1
+            trace[COUNT_BYTES:] = function.encode()[:TRACE_BYTES].ljust(TRACE_BYTES, b"\0")
+            trace[:COUNT_BYTES] = count.to_bytes(COUNT_BYTES, "little")
 
-        _limit(plan["memory"])
-        write(**{STARTED: True})
+        write(**{STARTED: _confine(plan)})
         job(plan, write, announce)
         write(**{DONE: True})
     os._exit(0)  # without the destructors of a library that may crash in them
 
 
-def _limit(memory: int | None) -> None:
-    """Limit the file size and the memory of the process, where the system can."""
-    with suppress(ImportError, ValueError, OSError):
-        import resource
+def _channel(printed: Path) -> int:
+    """Take standard output for the channel; what a binary prints goes to a file, and it has nothing to read."""
+    channel = os.dup(1)
+    for descriptor, path, flags in ((1, printed, os.O_WRONLY | os.O_CREAT | os.O_APPEND), (0, os.devnull, os.O_RDONLY)):
+        opened = os.open(path, flags)
+        os.dup2(opened, descriptor)
+        os.close(opened)
+    return channel
 
-        resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-        resource.setrlimit(resource.RLIMIT_FSIZE, (MOST_WRITTEN, MOST_WRITTEN))
-        if memory is not None:
-            resource.setrlimit(resource.RLIMIT_AS, (memory, memory))
+
+def _confine(plan: dict[str, Any]) -> list[str]:
+    """Confine this process as the plan says; returns the measures that are in force."""
+    measures = limit(Limits(memory=plan["memory"], time=plan["time"]), plan["parent"])
+    if plan["denials"] is None:
+        return measures + seal([Path(folder) for folder in plan["folders"]])
+    with socket.socket(fileno=plan["denials"]) as teller:
+        return measures + seal([Path(folder) for folder in plan["folders"]], teller)
 
 
 if __name__ == "__main__":

@@ -13,10 +13,10 @@ from urllib.parse import unquote
 
 from lxml import etree
 
+from adaptimp_fmu.files.cache_folder import cache_folder, writable_cache
 from orchestration.errors import ArchiveError, SystemDescriptionError
 from orchestration.fmi.units import BASE_UNITS, Linear, Unit, UnitDefinition
 from orchestration.sandbox.archive import file_hash, unpack
-from orchestration.sandbox.cache_folder import cache_folder, writable_cache
 from orchestration.sandbox.missing import require_file
 
 _BASE = "http://ssp-standard.org/SSP1/SystemStructure"

@@ -2,12 +2,14 @@
 
 import re
 import zipfile
-from collections.abc import Callable, Mapping
+from collections import Counter
+from collections.abc import Callable, Collection, Mapping
 from pathlib import Path
 from typing import Any, TypeVar
 
 from lxml import etree
 
+from adaptimp_fmu.files.whole_file import whole_file
 from orchestration.errors import SystemDescriptionError
 from orchestration.fmi.codes import BOOLEAN, ENUMERATION, INTEGER, REAL, STRING
 from orchestration.fmi.description import Variable
@@ -66,16 +68,13 @@ def write_ssp(system: System, path: Path) -> Path:
         raise SystemDescriptionError(msg) from error
     for source, name in fmus.items():
         entries[f"resources/{name}"] = source.read_bytes()
-    path.parent.mkdir(parents=True, exist_ok=True)
-    draft = path.with_name(path.name + ".part")
-    with zipfile.ZipFile(draft, "w") as archive:
+    with whole_file(path) as file, zipfile.ZipFile(file, "w") as archive:
         for name, content in entries.items():
             info = zipfile.ZipInfo(name, _EPOCH)
             info.external_attr = 0o100644 << 16
             stored = name.endswith(".fmu")  # an FMU is already compressed
             info.compress_type = zipfile.ZIP_STORED if stored else zipfile.ZIP_DEFLATED
             archive.writestr(info, content)
-    draft.replace(path)
     return path
 
 
@@ -116,20 +115,22 @@ def _fmu_files(system: System) -> dict[Path, str]:
     owners: dict[Path, str] = {}
     for component in system.components:
         owners.setdefault(component.description.path, component.name)
-    stems = [path.stem for path in owners]
-    wanted = {p: p.stem if stems.count(p.stem) == 1 else f"{owner}.{p.stem}" for p, owner in owners.items()}
+    stems = Counter(path.stem for path in owners)
+    wanted = {p: p.stem if stems[p.stem] == 1 else f"{owner}.{p.stem}" for p, owner in owners.items()}
     return _unique(wanted, ".fmu")
 
 
 def _unique(wanted: dict[_Key, str], extension: str) -> dict[_Key, str]:
     """Valid file names that differ even on a file system that ignores case."""
     files: dict[_Key, str] = {}
+    taken: set[str] = set()
+    counts: Counter[str] = Counter()
     for key, name in wanted.items():
-        plain = re.sub(r"[^A-Za-z0-9._+-]", "_", name)
-        stem, count = plain, 1
-        while f"{stem}{extension}".casefold() in {file.casefold() for file in files.values()}:
-            count += 1
-            stem = f"{plain}_{count}"
+        plain = stem = re.sub(r"[^A-Za-z0-9._+-]", "_", name)
+        while stem.casefold() in taken:
+            counts[plain] += 1
+            stem = f"{plain}_{counts[plain] + 1}"
+        taken.add(stem.casefold())
         files[key] = f"{stem}{extension}"
     return files
 
@@ -143,11 +144,11 @@ def _structure(system: System, fmus: dict[Path, str], sets: dict[str, str]) -> b
     )
     outer = etree.SubElement(root, f"{{{SSD}}}System", name=system.name)
     elements = etree.SubElement(outer, f"{{{SSD}}}Elements")
-    units = _Units()
+    units, connected = _Units(), _connected(system)
     for component in system.components:
         source = f"resources/{fmus[component.description.path]}"
         element = etree.SubElement(elements, f"{{{SSD}}}Component", name=component.name, type=FMU_TYPE, source=source)
-        _connectors(element, system, component, units)
+        _connectors(element, component, connected.get(component.name, ()), units)
         if component.start:
             bindings = etree.SubElement(element, f"{{{SSD}}}ParameterBindings")
             source = f"resources/{sets[component.name]}"
@@ -176,12 +177,20 @@ def _experiment(root: Xml, system: System) -> None:
         etree.SubElement(annotation, "step", size=_real(system.step))
 
 
-def _connectors(element: Xml, system: System, component: Component, units: _Units) -> None:
+def _connected(system: System) -> dict[str, set[str]]:
+    """Names of the connected variables of each component that has any."""
+    found: dict[str, set[str]] = {}
+    for connection in system.connections:
+        found.setdefault(connection.source, set()).add(connection.output)
+        found.setdefault(connection.target, set()).add(connection.input)
+    return found
+
+
+def _connectors(element: Xml, component: Component, connected: Collection[str], units: _Units) -> None:
     """Add connectors for the connected variables of a component."""
-    connected = {(c.source, c.output) for c in system.connections} | {(c.target, c.input) for c in system.connections}
     listing = etree.Element(f"{{{SSD}}}Connectors")
     for variable in component.description.variables.values():
-        if (component.name, variable.name) not in connected:
+        if variable.name not in connected:
             continue
         connector = etree.SubElement(listing, f"{{{SSD}}}Connector", name=variable.fmu_name, kind=variable.causality)
         typed = etree.SubElement(connector, f"{{{SSC}}}{variable.type}")

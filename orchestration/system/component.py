@@ -96,16 +96,15 @@ class Component:
         UnknownNameError
             If there is no such variable, or it has no start value, as most outputs. It is a KeyError.
         """
-        names = tuple(self.description.variables)
-        positions = None if name in names else arrays(names).get(name)
-        if positions is None:
+        elements = self.description.elements(name)
+        if elements is None:
             return self._in_force(name)
-        return np.array([self._in_force(names[i]) for i in positions.ravel()]).reshape(positions.shape)
+        shape = self.description.arrays[name].shape
+        return np.array([self._in_force(element) for element in elements]).reshape(shape)
 
     def __contains__(self, name: object) -> bool:
         """Whether there is a variable or an array of that name."""
-        names = tuple(self.description.variables)
-        return name in names or name in arrays(names)
+        return isinstance(name, str) and (name in self.description.variables or name in self.description.arrays)
 
     def __iter__(self) -> Iterator[str]:
         """Names of the variables, in the order of the FMU."""
@@ -145,10 +144,9 @@ class Component:
         parameter of that name with another type or unit, or beside continuous outputs, means something else.
         """
         variable = self.description.variables.get(SAMPLE_TIME)
-        outputs = self.description.of_causality("output")
         if variable is None or (variable.causality, variable.type, variable.unit) != ("parameter", REAL, "s"):
             return None
-        if not all(output.variability == "discrete" for output in outputs):
+        if not self.description.discrete_outputs:
             return None
         period = self.start.get(SAMPLE_TIME, variable.start)
         return None if period is None else float(period)
@@ -156,9 +154,9 @@ class Component:
     @property
     def continuous(self) -> bool:
         """Whether outputs change continuously: there is no ``sample_time``, and some output is not discrete."""
-        outputs = self.description.of_causality("output")
-        held = bool(outputs) and all(variable.variability == "discrete" for variable in outputs)
-        return self.sample_time is None and not held
+        if self.description.discrete_outputs and self.description.of_causality("output"):
+            return False
+        return self.sample_time is None
 
 
 @dataclass(frozen=True, order=True, repr=False)

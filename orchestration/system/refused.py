@@ -1,5 +1,6 @@
 """Errors of requests to a system, with what to do instead."""
 
+from collections import Counter
 from collections.abc import Sequence
 
 from orchestration.errors import SystemDescriptionError
@@ -18,8 +19,9 @@ def require_names(system: str, names: Sequence[str]) -> None:
     if not names:
         msg = f'System {system} has no components; give some, as System.of({{"plant": "Plant.fmu"}}).'
         raise SystemDescriptionError(msg)
+    counts = Counter(names)
     for name in names:
-        if names.count(name) > 1 or not name or "." in name:
+        if counts[name] > 1 or not name or "." in name:
             meant = name.replace(".", "_") or "plant"
             msg = (
                 f"System {system}: the component name {name!r} is empty, has a dot, or is used twice;"
@@ -37,8 +39,9 @@ def require_order(names: Sequence[str], present: Sequence[str]) -> None:
     """
     require_type("The order", names, (list, tuple), f"give a list of names, as [{present[0]!r}, ...]")
     said = ", ".join(map(str, names))
+    known = set(present)
     for name in names:
-        if name not in present:
+        if not isinstance(name, str) or name not in known:
             msg = f"The order {said}: there is no component {name}; {suggestion(str(name), present)}"
             raise SystemDescriptionError(msg)
     if sorted(names) != sorted(present):

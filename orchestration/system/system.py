@@ -6,13 +6,14 @@ a system that exists can be run.
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from orchestration.errors import SystemDescriptionError
 from orchestration.fmi.description import SAMPLE_TIME, Variable
 from orchestration.fmi.given import a_path, positive, require_type
-from orchestration.fmi.names import arrays, suggestion
+from orchestration.fmi.names import suggestion
 from orchestration.system.component import (
     Component,
     Connection,
@@ -183,7 +184,7 @@ class System:
         >>> print(*system.connect("actuator.tau -> plant.tau").connections)
         actuator.tau[1] -> plant.tau[1] actuator.tau[2] -> plant.tau[2]
         """
-        added = [c for line in connections for c in parsed(line, self.components)]
+        added = [c for line in connections for c in parsed(line, self._by_name)]
         if not connections:
             added = by_equal_names(self.components, self.connections)
         return replace(self, connections=(*self.connections, *added))
@@ -194,7 +195,7 @@ class System:
 
     def __contains__(self, name: object) -> bool:
         """Whether there is a component of that name."""
-        return any(component.name == name for component in self.components)
+        return isinstance(name, str) and name in self._by_name
 
     def __iter__(self) -> Iterator[str]:
         """Names of the components, in the order of stepping."""
@@ -218,9 +219,8 @@ class System:
         SystemDescriptionError
             If there is no such component; the message gives near names.
         """
-        for component in self.components:
-            if component.name == name:
-                return component
+        if name in self:
+            return self._by_name[name]
         known = [component.name for component in self.components]
         msg = f"System {self.name} has no component {name}; {suggestion(str(name), known)}"
         raise SystemDescriptionError(msg)
@@ -271,9 +271,8 @@ class System:
     def elements(self, path: str) -> list[str]:
         """Return the paths of an array's elements, row by row; the path itself if it does not name an array."""
         name, _, variable = path.partition(".")
-        known = tuple(self.component(name).description.variables) if name in self else ()
-        positions = None if variable in known else arrays(known).get(variable)
-        return [path] if positions is None else [f"{name}.{known[i]}" for i in positions.ravel()]
+        elements = self.component(name).description.elements(variable) if name in self else None
+        return [path] if elements is None else [f"{name}.{element}" for element in elements]
 
     def replace(self, name: str, fmu: str | Path, mapping: Mapping[str, str] | None = None) -> "System":
         """Return the system with another FMU in the place of a component.
@@ -357,14 +356,18 @@ class System:
         """Judge the stability of an algorithm at a step, s, near a time, s; see `orchestration.analysis.stability`."""
         return analysis("stability")(self, step, algorithm, at=at)
 
+    @cached_property
+    def _by_name(self) -> Mapping[str, Component]:
+        return {component.name: component for component in self.components}
+
     @property
     def sample_times(self) -> dict[str, float]:
         """Sampling periods of the sampled components, s, by name."""
         periods = {component.name: component.sample_time for component in self.components}
         return {name: float(period) for name, period in periods.items() if period is not None}
 
-    @property
-    def sources(self) -> dict[str, str]:
+    @cached_property
+    def sources(self) -> Mapping[str, str]:
         """The output that each connected input takes its value from, by the input; both as ``component.variable``."""
         return {f"{c.target}.{c.input}": f"{c.source}.{c.output}" for c in self.connections}
 

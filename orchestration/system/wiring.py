@@ -1,15 +1,15 @@
 """Connections as text: ``plant.x -> controller.x`` for scalars and for whole arrays."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 from orchestration.errors import SystemDescriptionError
-from orchestration.fmi.names import arrays, suggestion
+from orchestration.fmi.names import suggestion
 from orchestration.system.component import Component, Connection, sources_of
 
 ARROW = "->"
 
 
-def parsed(line: str | Connection, components: Sequence[Component]) -> list[Connection]:
+def parsed(line: str | Connection, components: Mapping[str, Component]) -> list[Connection]:
     """Connections that a text means, one for each pair of scalars.
 
     Parameters
@@ -17,6 +17,8 @@ def parsed(line: str | Connection, components: Sequence[Component]) -> list[Conn
     line
         ``source.output -> target.input``. Both ends are scalars, or arrays of the same shape. A `Connection` is
         kept as it is.
+    components
+        Components of the system by name.
 
     Raises
     ------
@@ -37,24 +39,24 @@ def parsed(line: str | Connection, components: Sequence[Component]) -> list[Conn
     return [Connection(source, output, target, input_) for output, input_ in zip(outputs, inputs, strict=True)]
 
 
-def _end(path: str, line: str, components: Sequence[Component]) -> tuple[str, list[str]]:
+def _end(path: str, line: str, components: Mapping[str, Component]) -> tuple[str, list[str]]:
     """Component and variables, in the order of their elements, of one end."""
     name, dot, variable = path.partition(".")
-    by_name = {component.name: component for component in components}
     if not dot or not variable:
         msg = f"Connection {line.strip()}: {path!r} is not component.variable, such as plant.x."
         raise SystemDescriptionError(msg)
-    if name not in by_name:
-        msg = f"Connection {line.strip()}: there is no component {name}; {suggestion(name, by_name)}"
+    if name not in components:
+        msg = f"Connection {line.strip()}: there is no component {name}; {suggestion(name, components)}"
         raise SystemDescriptionError(msg)
-    known = tuple(by_name[name].description.variables)
-    if variable in known:
+    description = components[name].description
+    if variable in description.variables:
         return name, [variable]
-    positions = arrays(known).get(variable)
-    if positions is None:
-        msg = f"Connection {line.strip()}: {name} has no variable {variable}; {suggestion(variable, known, f'{name}.')}"
+    elements = description.elements(variable)
+    if elements is None:
+        meant = suggestion(variable, description.variables, f"{name}.")
+        msg = f"Connection {line.strip()}: {name} has no variable {variable}; {meant}"
         raise SystemDescriptionError(msg)
-    return name, [known[i] for i in positions.ravel()]
+    return name, elements
 
 
 def by_equal_names(components: Sequence[Component], taken: Iterable[Connection] = ()) -> list[Connection]:
@@ -66,12 +68,16 @@ def by_equal_names(components: Sequence[Component], taken: Iterable[Connection] 
         If two components have an output of a name that an input could take.
     """
     driven = {(connection.target, connection.input) for connection in taken}
+    bearers: dict[str, list[Component]] = {}
+    for component in components:
+        for variable in component.description.of_causality("output"):
+            bearers.setdefault(variable.name, []).append(component)
     found = []
     for target in components:
         for variable in target.description.of_causality("input"):
             if (target.name, variable.name) in driven:
                 continue
-            sources = sources_of(components, target, variable.name)
+            sources = sources_of(bearers.get(variable.name, ()), target, variable.name)
             if len(sources) > 1:
                 names = " or ".join(source.name for source in sources)
                 msg = f"{target.name}.{variable.name} could come from {names}; connect it by hand."

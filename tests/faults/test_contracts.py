@@ -34,6 +34,12 @@ PLANTED = {
         "toolchain",
         ".findings",
     ),
+    "a toolchain in the files": (
+        "adaptimp_fmu/files/locks.py",
+        "import adaptimp_fmu.names",
+        "files",
+        "adaptimp_fmu.files",
+    ),
     "a master in the equations": ("fmus/plant.py", "import orchestration.master.options", "packages", "fmus.plant"),
 }
 

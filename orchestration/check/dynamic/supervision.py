@@ -4,12 +4,12 @@ A crash, a hang or an exit of a child process is a finding about the experiment 
 with the next experiment.
 """
 
-import tempfile
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from adaptimp_fmu.files.temporary_folder import temporary_folder
 from orchestration.check.dynamic.experiments import BASE, MANY_LIVES, chosen
 from orchestration.check.findings import Finding, Severity, error, shown, warning
 from orchestration.check.static.archive_rules import Package
@@ -81,8 +81,7 @@ def experiment_on(package: Package, timeout: float = TIMEOUT) -> Outcome:
     """
     outcome, untried = Outcome(), list[str]()
     names = chosen(package.document.flag)
-    with tempfile.TemporaryDirectory(prefix="adaptimp-check-") as name:
-        folder = Path(name)
+    with temporary_folder() as folder:
         try:
             unpack(package.path, folder / "fmu", needed_to_run)
         except (ArchiveError, OSError) as failed:

@@ -1,7 +1,7 @@
 """Keeps measured claims for a later run with the same inputs, for measuring takes most of a minute.
 
 The key is a hash of everything that decides the claims: the scenarios' SSP packages (FMUs and numbers), the
-source of all three packages, and the versions of the numerical libraries. Machine code lies in a folder named
+source of all packages, and the versions of the numerical libraries. Machine code lies in a folder named
 by its sources (`orchestration.fmi.machine_code`), so numbers under a hash come from the sources of that hash.
 """
 
@@ -14,8 +14,8 @@ from dataclasses import asdict
 from pathlib import Path
 from tempfile import NamedTemporaryFile
 
+from adaptimp_fmu.files.cache_folder import cache_folder, writable_cache
 from orchestration.paper.claims.claim import Claim
-from orchestration.sandbox.cache_folder import cache_folder, writable_cache
 
 PACKAGES = ("adaptimp_fmu", "fmus", "orchestration")
 LIBRARIES = ("casadi", "numba", "numpy", "fmpy")

@@ -1,6 +1,7 @@
 """A child process runs any job that a plan names; however the job ends, the parent goes on and knows it."""
 
 import ast
+import os
 import sys
 from pathlib import Path
 
@@ -11,6 +12,7 @@ from orchestration.sandbox.process import work
 from orchestration.sandbox.worker import TRACE_BYTES
 from tests.unit.orchestration.sandbox import jobs
 
+linux = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="asks Linux")
 GIGABYTE = 1024**3
 
 
@@ -47,6 +49,54 @@ def test_the_start_of_the_interpreter_is_no_silence(tmp_path: Path) -> None:
 def test_memory_is_limited_where_the_plan_says_so(tmp_path: Path, memory: int | None, line: dict[str, int]) -> None:
     ending = work(job("swallow"), {"bytes": GIGABYTE}, tmp_path, timeout=60.0, memory=memory)
     assert line in ending.lines
+
+
+def test_records_cannot_be_forged(tmp_path: Path) -> None:
+    """The job's library writes to all that it finds; what is not signed is counted, and signs of old are not taken."""
+    ending = work(job("forge"), {}, tmp_path, timeout=60.0)
+    assert ending.lines == [{"word": "true"}, {"word": "last"}]
+    assert (ending.how, ending.foreign > 0) == ("", True)
+
+
+@linux
+def test_denied_calls_are_told_with_what_was_announced(tmp_path: Path) -> None:
+    ending = work(job("reach"), {}, tmp_path, timeout=60.0)
+    assert ending.lines == [{"denied": "fmi2DoStep"}, {"denied": "fmi2Reset"}] or "calls" not in ending.measures
+    if "told" not in ending.measures:
+        pytest.skip("this kernel does not tell of denied calls")
+    assert ending.denied["socket"] == "fmi2DoStep"
+    assert [ending.denied.get("fork"), ending.denied.get("clone")].count("fmi2Reset") == 1
+    assert len(ending.denied) == 2
+
+
+def test_files_that_are_left_are_named_and_removed(tmp_path: Path) -> None:
+    ending = work(job("leave"), {}, tmp_path, timeout=60.0)
+    assert "here.txt" in ending.files
+    assert any(name.endswith(".kept") for name in ending.files)
+    assert list(Path(ending.lines[0]["folder"]).iterdir()) == []
+
+
+def test_a_job_has_a_time_in_all(tmp_path: Path) -> None:
+    """It gives signs of life all the time."""
+    ending = work(job("plod"), {}, tmp_path, timeout=60.0, total=2.0)
+    assert (ending.how, ending.function, ending.out_of_time) == ("does not come to its end within 2 s", "plod", True)
+
+
+@linux
+def test_a_job_sees_nothing_of_its_parent(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("TOKEN", "secret")
+    with (tmp_path / "open").open("w") as file:
+        os.set_inheritable(file.fileno(), True)
+        first, second = work(job("surroundings"), {}, tmp_path, timeout=60.0).lines
+    assert "TOKEN" not in first["variables"]
+    assert (first["umask"], first["read"]) == (0o077, "")
+    assert not [name for name in second["descriptors"] if name.endswith("open")]
+
+
+@linux
+def test_a_job_fills_no_disk(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(process, "LOOKS", 0.1)
+    assert work(job("flood"), {}, tmp_path, timeout=600.0).how == "writes more than 1 GiB to its files"
 
 
 def test_sandbox_imports_errors_alone() -> None:

@@ -6,15 +6,12 @@ import subprocess
 import sys
 import warnings
 from pathlib import Path
-from types import ModuleType
 
 import pytest
 
-from adaptimp_fmu import cache_folder as of_fmus
 from adaptimp_fmu import default_cache
-from orchestration.sandbox import cache_folder as of_runs
+from adaptimp_fmu.files import cache_folder as module
 
-MODULES = pytest.mark.parametrize("module", [of_runs, of_fmus], ids=["runs", "fmus"])
 MODEL = """from adaptimp_fmu import SampledModel
 model = SampledModel("Gain", "Multiplies")
 model.output("y", 2 * model.input("u", 1.0, description="In"), description="Out")
@@ -31,17 +28,13 @@ def temporary(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path / "temporary"
 
 
-@MODULES
-def test_a_cache_that_can_be_written_to_is_used(
-    module: ModuleType, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_cache_that_can_be_written_to_is_used(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("ADAPTIMP_CACHE", str(tmp_path / "cache"))
     assert module.writable_cache("a", "b") == tmp_path / "cache" / "a" / "b"
     assert (tmp_path / "cache" / "a" / "b").is_dir()
 
 
-@MODULES
-def test_a_temporary_cache_is_said_once(module: ModuleType, temporary: Path) -> None:
+def test_a_temporary_cache_is_said_once(temporary: Path) -> None:
     sentence = (
         r"^Nothing can be written to the cache \S+taken: .+\. This process uses \S+; set ADAPTIMP_CACHE to a folder"
     )
@@ -51,13 +44,12 @@ def test_a_temporary_cache_is_said_once(module: ModuleType, temporary: Path) -> 
     assert folder.is_dir()
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        assert of_runs.writable_cache("ssp") == of_fmus.writable_cache("ssp") == folder
-    assert default_cache() == of_runs.cache_folder() == folder.parent
+        assert module.writable_cache("ssp") == folder
+    assert default_cache() == module.cache_folder() == folder.parent
 
 
-@MODULES
 @pytest.mark.skipif(not hasattr(os, "getuid"), reason="only POSIX has owners and modes of folders")
-def test_a_temporary_folder_that_others_can_write_to_is_not_used(module: ModuleType, temporary: Path) -> None:
+def test_a_temporary_folder_that_others_can_write_to_is_not_used(temporary: Path) -> None:
     """Machine code is run from the cache, so nobody else may put files there."""
     known = temporary / f"adaptimp-{os.getuid()}"
     known.mkdir()
@@ -69,10 +61,7 @@ def test_a_temporary_folder_that_others_can_write_to_is_not_used(module: ModuleT
     assert folder.parent.stat().st_mode & 0o022 == 0
 
 
-@MODULES
-def test_where_nothing_can_be_written_at_all_it_is_an_error(
-    module: ModuleType, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_where_nothing_can_be_written_at_all_it_is_an_error(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "taken").write_text("a file", encoding="utf-8")
     monkeypatch.setenv("ADAPTIMP_CACHE", str(tmp_path / "taken"))
     monkeypatch.setattr("tempfile.tempdir", str(tmp_path / "taken"))
@@ -86,8 +75,8 @@ def test_matplotlib_gets_a_folder_where_there_is_no_home(temporary: Path, monkey
     monkeypatch.setenv("MPLCONFIGDIR", "any")  # so that the test's end removes what is set below
     monkeypatch.delenv("MPLCONFIGDIR")
     monkeypatch.delitem(sys.modules, "matplotlib", raising=False)
-    with pytest.warns(of_runs.TemporaryCacheWarning):
-        of_runs.let_matplotlib_write()
+    with pytest.warns(module.TemporaryCacheWarning):
+        module.let_matplotlib_write()
     assert Path(os.environ["MPLCONFIGDIR"]).is_relative_to(temporary)
 
 

@@ -1,9 +1,9 @@
-"""The folder of caches, and a temporary one in its place where nothing can be written.
+"""The folder of caches, and a temporary one in its place where nothing can be written, or another user wrote.
 
-The module imports nothing of this package, because compiled code depends on it. `adaptimp_fmu.cache_folder` does
-the same for FMUs; both share the environment variable, so that a process and its children warn once.
+The environment variable names the temporary one from then on, so that a process and its children warn once.
 """
 
+import errno
 import os
 import stat
 import sys
@@ -12,6 +12,8 @@ import warnings
 from pathlib import Path
 
 import platformdirs
+
+from adaptimp_fmu.files.temporary_folder import folder_until_exit
 
 VARIABLE = "ADAPTIMP_CACHE"
 
@@ -28,8 +30,8 @@ def cache_folder() -> Path:
 def writable_cache(*parts: str) -> Path:
     """Return an existing folder in the cache to which files can be written.
 
-    Where that is impossible, the folder is in a temporary cache of the user. Then ``$ADAPTIMP_CACHE`` names the
-    temporary cache from then on, and a warning says so.
+    Where that is impossible, or the cache belongs to another user, the folder is in a temporary cache of the user.
+    Then ``$ADAPTIMP_CACHE`` names the temporary cache from then on, and a warning says so.
 
     Raises
     ------
@@ -38,7 +40,9 @@ def writable_cache(*parts: str) -> Path:
     """
     folder = cache_folder()
     try:
-        return _written_to(folder.joinpath(*parts))
+        made = _written_to(folder.joinpath(*parts))
+        for trusted in (folder, made):
+            _require_trust(trusted)
     except OSError as error:
         temporary = _temporary()
         if temporary == folder:
@@ -50,6 +54,25 @@ def writable_cache(*parts: str) -> Path:
         )
         warnings.warn(msg, TemporaryCacheWarning, stacklevel=2)
         return _written_to(temporary.joinpath(*parts))
+    return made
+
+
+def is_trusted(path: Path) -> bool:
+    """Return whether a file or folder is there and belongs to this user or to the administrator.
+
+    Machine code is run from the cache, so whatever another user has put there counts as missing.
+    """
+    try:
+        status = path.lstat()
+    except OSError:
+        return False
+    return not hasattr(os, "getuid") or status.st_uid in (0, os.getuid())
+
+
+def _require_trust(folder: Path) -> None:
+    """Refuse a folder of another user."""
+    if not is_trusted(folder.resolve()):
+        raise PermissionError(errno.EPERM, "It belongs to another user")
 
 
 def _written_to(folder: Path) -> Path:
@@ -67,9 +90,9 @@ def _temporary() -> Path:
         folder.mkdir(mode=0o700, exist_ok=True)
         status = folder.lstat()
     except OSError:
-        return Path(tempfile.mkdtemp(prefix="adaptimp-"))
+        return folder_until_exit()
     own = stat.S_ISDIR(status.st_mode) and status.st_uid == user and not status.st_mode & 0o022
-    return folder if own or user == "cache" else Path(tempfile.mkdtemp(prefix="adaptimp-"))
+    return folder if own or user == "cache" else folder_until_exit()
 
 
 def let_matplotlib_write() -> None:
