@@ -42,6 +42,7 @@ if TYPE_CHECKING:
     from orchestration.paper.ready import scenario
     from orchestration.results.comparison import ColumnDifference, Comparison, compare
     from orchestration.results.result import Result
+    from orchestration.sandbox.guard import ProcessChangedWarning
     from orchestration.system.system import Component, Connection, System
 
 _HOME = {
@@ -62,6 +63,7 @@ _HOME = {
     "OrchestrationError": "errors",
     "Pace": "master.pacing",
     "PowerBond": "analysis.energy",
+    "ProcessChangedWarning": "sandbox.guard",
     "Result": "results.result",
     "RunInterrupted": "errors",
     "SignalError": "errors",
@@ -102,6 +104,7 @@ __all__ = [
     "OrchestrationError",
     "Pace",
     "PowerBond",
+    "ProcessChangedWarning",
     "Result",
     "RunInterrupted",
     "SignalError",

@@ -20,10 +20,12 @@ from orchestration.cli.options import (
     ROWS,
     TIME,
     Controller,
+    Isolate,
     Json,
     Mapping,
     SampleTime,
     Settings,
+    StaleInputs,
     SystemName,
 )
 from orchestration.cli.output import never_fail_on_characters, output
@@ -242,14 +244,8 @@ def run(
             rich_help_panel=CARE,
         ),
     ] = False,
-    allow_stale_inputs: Annotated[
-        bool,
-        typer.Option(
-            "--allow-stale-inputs",
-            help="Let a step hold several ticks, on the inputs of its start.",
-            rich_help_panel=CARE,
-        ),
-    ] = False,
+    allow_stale_inputs: StaleInputs = False,
+    isolate: Isolate = None,
     json: Json = False,
 ) -> None:
     """Run a system, and print or write what it did."""
@@ -276,6 +272,7 @@ def run(
             strict=strict,
             assumptions=assumptions,
             allow_stale_inputs=allow_stale_inputs,
+            isolate=tuple(isolate or ()),
             json=json,
             outside=OutsideRequest(tuple(input_ or ()), tuple(at or ()), pace),
         )

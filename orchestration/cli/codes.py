@@ -2,6 +2,8 @@
 
 from enum import IntEnum
 
+from orchestration.sandbox.guard import EXIT_CODE
+
 
 class ExitCode(IntEnum):
     """What became of a command, for scripts."""
@@ -10,6 +12,7 @@ class ExitCode(IntEnum):
     FAILED = 1
     REFUSED = 2
     FAULT = 3
+    ENDED_BY_FMU = EXIT_CODE
     INTERRUPTED = 130  # as shells have it
 
 
@@ -18,6 +21,7 @@ MEANINGS = {
     ExitCode.FAILED: "a run failed on its way, or a file cannot be used",
     ExitCode.REFUSED: "the request cannot be carried out as it is",
     ExitCode.FAULT: "a fault of adaptimp itself",
+    ExitCode.ENDED_BY_FMU: "an FMU ended the program",
     ExitCode.INTERRUPTED: "interrupted by Ctrl-C",
 }
 """What each code says, in the words of the help."""

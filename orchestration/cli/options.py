@@ -51,6 +51,23 @@ SampleTime = Annotated[
     float | None,
     typer.Option(metavar="H", help="Communication step and every sample_time, s.", rich_help_panel=TIME),
 ]
+StaleInputs = Annotated[
+    bool,
+    typer.Option(
+        "--allow-stale-inputs",
+        help="Let a step hold several ticks, on the inputs of its start.",
+        rich_help_panel=CARE,
+    ),
+]
+Isolate = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--isolate",
+        metavar="[COMP,...]",
+        help="Run the FMUs of these components, or of all, in processes of their own; repeatable.",
+        rich_help_panel=CARE,
+    ),
+]
 Json = Annotated[
     bool,
     typer.Option(

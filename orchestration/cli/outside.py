@@ -5,6 +5,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from orchestration.cli.isolation import completed
 from orchestration.cli.program import Command
 from orchestration.errors import SystemDescriptionError
 
@@ -13,11 +14,11 @@ HELD, LINEAR = "held", "linear"
 
 
 class RunCommand(Command):
-    """A command whose option ``--at`` takes two words each time: a time, and what changes then."""
+    """A command whose option ``--at`` takes two words, a time and what changes then, and ``--isolate`` one or none."""
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
-        """Parse the words of the command line, with the two words of ``--at`` made one."""
-        return super().parse_args(ctx, joined(args))
+        """Parse the words of the command line, after each option got the one word that it takes."""
+        return super().parse_args(ctx, completed(joined(args)))
 
 
 def joined(words: Sequence[str]) -> list[str]:

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from orchestration.cli.algorithms import AlgorithmRequest
 from orchestration.cli.assumptions import print_assumptions
+from orchestration.cli.isolation import isolation_of
 from orchestration.cli.output import output, watched, width
 from orchestration.cli.outside import OutsideRequest
 from orchestration.cli.report import RunReport
@@ -53,6 +54,7 @@ class RunRequest:
     assumptions: bool = False
     allow_stale_inputs: bool = False
     json: bool = False
+    isolate: Sequence[str] = ()
     outside: OutsideRequest = field(default_factory=OutsideRequest)
 
 
@@ -114,6 +116,7 @@ def _options(request: RunRequest, line: ProgressLine) -> Options:
         ratios=numbers("--ratio", request.ratios, int),
         crossings=Crossings(request.crossings),
         progress=line.steps,
+        isolate=isolation_of(request.isolate),
         **request.outside.options(start_value),
     )
 
@@ -163,8 +166,9 @@ def _judge(simulation: Simulation, report: RunReport) -> None:
 
     judged = simulation.system.set(simulation.first_inputs), report.step, simulation.algorithm
     try:
-        if not is_stable(*judged):
-            report.warnings.append(str(stability(*judged)))
+        isolation = simulation.options.isolation
+        if not is_stable(*judged, isolation=isolation):
+            report.warnings.append(str(stability(*judged, isolation=isolation)))
             output.remark(f"Warning: {report.warnings[-1]}")
     except OrchestrationError as error:
         report.notices.append(f"no verdict on stability: {error}")

@@ -133,6 +133,11 @@ class Instance:
         return self.scaled.component if self.scaled else self._handle or 0
 
     @property
+    def isolated(self) -> bool:
+        """Whether the FMU lives in a process of its own."""
+        return self.library.isolated
+
+    @property
     def is_open(self) -> bool:
         """Whether the instance has not been freed yet."""
         return self._handle is not None

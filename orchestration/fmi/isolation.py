@@ -4,7 +4,7 @@ from collections.abc import Collection
 from dataclasses import dataclass
 
 from orchestration.errors import SystemDescriptionError
-from orchestration.fmi.given import positive, require_names, require_type, shown
+from orchestration.fmi.given import positive, require_names, shown
 
 GIBIBYTE = 1024**3
 

@@ -108,6 +108,7 @@ class Library:
         If the library, or one that it needs, cannot be loaded.
     """
 
+    isolated = False
     ending = ""
     """How the process of the library ended, such as ``died of SIGSEGV``; empty if it is this process."""
 

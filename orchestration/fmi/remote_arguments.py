@@ -99,9 +99,7 @@ def as_bytes(text: str) -> bytes:
     return text.encode("latin-1")
 
 
-def deliver(
-    function: str, arguments: Sequence[Any], answers: dict[str, Any], kept: list[Any], *, status: int
-) -> int:
+def deliver(function: str, arguments: Sequence[Any], answers: dict[str, Any], kept: list[Any], *, status: int) -> int:
     """Write what the function has written behind the pointers of the caller; returns the status.
 
     Parameters

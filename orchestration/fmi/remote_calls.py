@@ -6,16 +6,13 @@ answer: first in a loop, then by letting other threads run, then in Python, whic
 lives. `server` is the other side, as text for LLVM, so that the process of the FMU need not load numba.
 """
 
-import platform
 from collections.abc import Callable
 from contextlib import suppress
 from functools import cache
 from pathlib import Path
 from typing import Any, cast
 
-from llvmlite import ir
 from numba import njit, types
-from numba.core import cgutils
 from numba.core.ccallback import CFunc
 
 from orchestration.fmi.codes import Status
@@ -23,17 +20,26 @@ from orchestration.fmi.machine_code import code_folder
 from orchestration.fmi.native_calls import (
     SOURCES,
     copy_bytes,
+    emit_rates,
     emit_state,
     emit_transfer,
-    emit_rates,
-    emitted,
     keep_machine_code,
     load_integer,
     load_real,
     store_integer,
     store_real,
 )
-from orchestration.fmi.remote_layout import COMMON, GONE, IDLE, LONGEST_SLEEP, NUMBERS, SLOW, WORD, Caller, Server, Word
+from orchestration.fmi.remote_layout import COMMON, GONE, IDLE, NUMBERS, SLOW, WORD, Caller, Server, Word
+from orchestration.fmi.remote_words import (
+    call_direction,
+    call_step,
+    let_others_run,
+    pass_byte,
+    pause,
+    poll,
+    read_word,
+    write_word,
+)
 
 _FATAL, _ERROR, _WARNING = int(Status.FATAL), int(Status.ERROR), int(Status.WARNING)
 _SERVER_FILE = "server.ll"
@@ -42,8 +48,6 @@ _OPTIONS = {"error_model": "numpy", "_nrt": False}
 _DO_STEP, _SET_STATE = NUMBERS["fmi2DoStep"], NUMBERS["fmi2SetFMUstate"]
 _GET_STATE, _RATES = NUMBERS["fmi2GetFMUstate"], NUMBERS["fmi2SetRealInputDerivatives"]
 _DIRECTION = NUMBERS["fmi2GetDirectionalDerivative"]
-_PAUSES = {"x86_64": "llvm.x86.sse2.pause", "AMD64": "llvm.x86.sse2.pause"}
-_BYTES, _WORD, _INT, _REAL = ir.IntType(8).as_pointer(), ir.IntType(64), ir.IntType(32), ir.DoubleType()
 # Distances from the beginning of a record or of the shared memory.
 _CALL, _STATUS, _N, _M = (8 * word for word in (Word.CALL, Word.STATUS, Word.N, Word.M))
 _TIME, _STEP, _FINAL, _ARRAYS = (8 * word for word in (Word.TIME, Word.STEP, Word.FINAL, Word.ARRAYS))
@@ -57,107 +61,6 @@ _COMPONENT, _READ, _FUNCTIONS = (8 * word for word in (Server.COMPONENT, Server.
 _SPINS, _YIELDS, _YIELD, _WRITE, _BELL, _BYTE = (8 * word for word in COMMON)
 
 
-@emitted
-def _read_word(typing: Any, address: Any) -> Any:
-    """Read a word that the other process writes, and after it what was written before it."""
-
-    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        return builder.load_atomic(builder.inttoptr(arguments[0], _WORD.as_pointer()), "seq_cst", 8)
-
-    return _I64(_I64), generate
-
-
-@emitted
-def _write_word(typing: Any, address: Any, value: Any) -> Any:
-    """Write a word for the other process, which then sees what was written before it."""
-
-    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        builder.store_atomic(arguments[1], builder.inttoptr(arguments[0], _WORD.as_pointer()), "seq_cst", 8)
-        return context.get_dummy_value()
-
-    return types.void(_I64, _I64), generate
-
-
-@emitted
-def _pause(typing: Any) -> Any:
-    """Tell the processor that this is a loop that waits."""
-
-    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        name = _PAUSES.get(platform.machine())
-        if name is not None:
-            kind = ir.FunctionType(ir.VoidType(), [])
-            builder.call(cgutils.get_or_insert_function(builder.module, kind, name), [])
-        return context.get_dummy_value()
-
-    return types.void(), generate
-
-
-@emitted
-def _let_others_run(typing: Any, function: Any) -> Any:
-    """Call ``int sched_yield(void)`` by address."""
-
-    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        kind = ir.FunctionType(_INT, [])
-        return builder.call(builder.inttoptr(arguments[0], kind.as_pointer()), [])
-
-    return _I32(_I64), generate
-
-
-@emitted
-def _pass_byte(typing: Any, function: Any, descriptor: Any, byte: Any) -> Any:
-    """Call ``ssize_t read(int, void *, size_t)`` or ``write`` by address, for one byte."""
-
-    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        kind = ir.FunctionType(_WORD, [_INT, _BYTES, _WORD])
-        callee = builder.inttoptr(arguments[0], kind.as_pointer())
-        place = builder.inttoptr(arguments[2], _BYTES)
-        return builder.call(callee, [builder.trunc(arguments[1], _INT), place, ir.Constant(_WORD, 1)])
-
-    return _I64(_I64, _I64, _I64), generate
-
-
-@emitted
-def _poll(typing: Any, function: Any, descriptors: Any) -> Any:
-    """Call ``int poll(struct pollfd *, nfds_t, int)`` by address, for the two descriptors of a record."""
-
-    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        kind = ir.FunctionType(_INT, [_BYTES, _WORD, _INT])
-        callee = builder.inttoptr(arguments[0], kind.as_pointer())
-        place = builder.inttoptr(arguments[1], _BYTES)
-        return builder.call(callee, [place, ir.Constant(_WORD, 2), ir.Constant(_INT, LONGEST_SLEEP)])
-
-    return _I32(_I64, _I64), generate
-
-
-@emitted
-def _call_step(typing: Any, function: Any, component: Any, t: Any, h: Any, final: Any) -> Any:
-    """Call fmi2DoStep by address, with the last argument as it is given."""
-    kind = ir.FunctionType(_INT, [_BYTES, _REAL, _REAL, _INT])
-
-    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        callee = builder.inttoptr(arguments[0], kind.as_pointer())
-        pointer = builder.inttoptr(arguments[1], _BYTES)
-        return builder.call(callee, [pointer, *arguments[2:4], builder.trunc(arguments[4], _INT)])
-
-    return _I32(_I64, _I64, _F64, _F64, _I64), generate
-
-
-@emitted
-def _call_direction(typing: Any, function: Any, component: Any, y: Any, n: Any, u: Any, m: Any, du: Any, dy: Any) -> Any:
-    """Call fmi2GetDirectionalDerivative by address; all arguments but the numbers are addresses."""
-    kind = ir.FunctionType(_INT, [_BYTES, _BYTES, _WORD, _BYTES, _WORD, _BYTES, _BYTES])
-
-    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        callee = builder.inttoptr(arguments[0], kind.as_pointer())
-        given = [
-            builder.inttoptr(a, t) if isinstance(t, ir.PointerType) else a
-            for a, t in zip(arguments[1:], kind.args, strict=True)
-        ]
-        return builder.call(callee, given)
-
-    return _I32(*[_I64] * 8), generate
-
-
 def _part(function: Callable[..., Any]) -> Callable[..., Any]:
     """Compile a function as a part of those that call it."""
     return cast("Callable[..., Any]", njit(no_cpython_wrapper=True, no_cfunc_wrapper=True, **_OPTIONS)(function))
@@ -169,13 +72,13 @@ def _exchange(caller, call):
     if load_integer(caller + _ENDED) != 0:
         return types.int32(_FATAL)
     shared = load_integer(caller + _SHARED)
-    _write_word(shared + _CALL, call)
-    if _read_word(shared + _SERVER_SLEEPS) != 0:
-        _pass_byte(load_integer(caller + _WRITE), load_integer(caller + _BELL), load_integer(caller + _BYTE))
+    write_word(shared + _CALL, call)
+    if read_word(shared + _SERVER_SLEEPS) != 0:
+        pass_byte(load_integer(caller + _WRITE), load_integer(caller + _BELL), load_integer(caller + _BYTE))
     _wait(caller, shared, IDLE)
-    if _read_word(shared + _CALL) != IDLE:
+    if read_word(shared + _CALL) != IDLE:
         _sleep(caller, shared)
-    if _read_word(shared + _CALL) != IDLE or _read_word(shared + _SAID) != 0:
+    if read_word(shared + _CALL) != IDLE or read_word(shared + _SAID) != 0:
         return emit_state(load_integer(caller + _ATTEND), caller, 0)
     return types.int32(load_integer(shared + _STATUS))
 
@@ -185,24 +88,24 @@ def _sleep(caller, shared):
     """Sleep until the process has answered, has something to say or has ended, but not for long."""
     polled = load_integer(caller + _POLLED)
     woken = True
-    _write_word(shared + _MASTER_SLEEPS, 1)
-    while woken and _read_word(shared + _CALL) != IDLE:
-        woken = _poll(load_integer(caller + _POLL), polled) > 0 and load_integer(polled + 8) >> 48 == 0
-        _pass_byte(load_integer(caller + _CALLER_READ), load_integer(caller + _BELL), load_integer(caller + _BYTE))
-    _write_word(shared + _MASTER_SLEEPS, 0)
+    write_word(shared + _MASTER_SLEEPS, 1)
+    while woken and read_word(shared + _CALL) != IDLE:
+        woken = poll(load_integer(caller + _POLL), polled) > 0 and load_integer(polled + 8) >> 48 == 0
+        pass_byte(load_integer(caller + _CALLER_READ), load_integer(caller + _BELL), load_integer(caller + _BYTE))
+    write_word(shared + _MASTER_SLEEPS, 0)
 
 
 @_part
 def _wait(record, shared, ready):
     """Wait a while until the call is `IDLE` if `ready` is `IDLE`, else until there is a call."""
     for _ in range(load_integer(record + _SPINS)):
-        if (_read_word(shared + _CALL) == IDLE) == (ready == IDLE):
+        if (read_word(shared + _CALL) == IDLE) == (ready == IDLE):
             return
-        _pause()
+        pause()
     for _ in range(load_integer(record + _YIELDS)):
-        if (_read_word(shared + _CALL) == IDLE) == (ready == IDLE):
+        if (read_word(shared + _CALL) == IDLE) == (ready == IDLE):
             return
-        _let_others_run(load_integer(record + _YIELD))
+        let_others_run(load_integer(record + _YIELD))
 
 
 @_part
@@ -210,14 +113,14 @@ def _await_call(server, shared):
     """Wait for the next call, at last asleep; returns it, or `GONE` if the other process has ended."""
     while True:
         _wait(server, shared, SLOW)
-        call = _read_word(shared + _CALL)
+        call = read_word(shared + _CALL)
         if call != IDLE:
             return call
-        _write_word(shared + _SERVER_SLEEPS, 1)
+        write_word(shared + _SERVER_SLEEPS, 1)
         woken = 1
-        if _read_word(shared + _CALL) == IDLE:
-            woken = _pass_byte(load_integer(server + _READ), load_integer(server + _BELL), load_integer(server + _BYTE))
-        _write_word(shared + _SERVER_SLEEPS, 0)
+        if read_word(shared + _CALL) == IDLE:
+            woken = pass_byte(load_integer(server + _READ), load_integer(server + _BELL), load_integer(server + _BYTE))
+        write_word(shared + _SERVER_SLEEPS, 0)
         if woken == 0:
             return GONE
 
@@ -238,7 +141,7 @@ def _make(server, shared, call):
         return types.int32(_ERROR)
     if call == _DO_STEP:
         t, h = load_real(shared + _TIME), load_real(shared + _STEP)
-        return _call_step(function, component, t, h, load_integer(shared + _FINAL))
+        return call_step(function, component, t, h, load_integer(shared + _FINAL))
     if call == _GET_STATE:
         return emit_state(function, component, first)
     if call == _SET_STATE:
@@ -249,7 +152,7 @@ def _make(server, shared, call):
     if call == _DIRECTION:
         m = load_integer(shared + _M)
         seed = _after(second, m, 4)
-        return _call_direction(function, component, first, n, second, m, seed, _after(seed, m, 8))
+        return call_direction(function, component, first, n, second, m, seed, _after(seed, m, 8))
     return emit_transfer(function, component, first, n, second)
 
 
@@ -261,9 +164,9 @@ def _serve(server):
         if call < IDLE or call >= SLOW:
             return types.int32(call)
         store_integer(shared + _STATUS, types.int64(_make(server, shared, call)))
-        _write_word(shared + _CALL, IDLE)
-        if _read_word(shared + _MASTER_SLEEPS) != 0:
-            _pass_byte(load_integer(server + _WRITE), load_integer(server + _BELL), load_integer(server + _BYTE))
+        write_word(shared + _CALL, IDLE)
+        if read_word(shared + _MASTER_SLEEPS) != 0:
+            pass_byte(load_integer(server + _WRITE), load_integer(server + _BELL), load_integer(server + _BYTE))
 
 
 def _do_step(caller, t, h, final):
@@ -392,7 +295,9 @@ def _compiled_as(body: Callable[..., Any], signature: Any) -> CFunc:
 @cache
 def _folder() -> Path | None:
     """Return the folder that keeps the machine code of this module; None if nothing is kept."""
-    return code_folder([Path(__file__), Path(__file__).with_name("remote_layout.py"), *SOURCES])
+    return code_folder(
+        [Path(__file__), *(Path(__file__).with_name(f"remote_{part}.py") for part in ("layout", "words")), *SOURCES]
+    )
 
 
 _kept: dict[str, Any] = {}  # keeps the code that addresses point to

@@ -83,6 +83,8 @@ class RemoteLibrary(Library):
         If the library, or one that it needs, cannot be loaded, or the process ends over it.
     """
 
+    isolated = True
+
     def __init__(self, path: Path, process: RemoteProcess) -> None:
         self.path, self._process = path, process
         self._words = (ct.c_int64 * Word.ARRAYS).from_buffer(process.memory)
@@ -110,7 +112,10 @@ class RemoteLibrary(Library):
         words |= {Caller.YIELD: _address(c.sched_yield), Caller.WRITE: _address(c.write)}
         words |= {Caller.READ: _address(c.read), Caller.POLL: _address(c.poll)}
         words |= {Caller.POLLED: ct.addressof(self._polled)}
-        words |= {Caller.CAPACITY: len(self._process.memory) - WORD * Word.ARRAYS, Caller.ATTEND: _address(self._attend)}
+        words |= {
+            Caller.CAPACITY: len(self._process.memory) - WORD * Word.ARRAYS,
+            Caller.ATTEND: _address(self._attend),
+        }
         return [words[Caller(k)] for k in range(Caller.LENGTH)]
 
     @property

@@ -15,6 +15,7 @@ from orchestration.master.options import Options
 from orchestration.master.outside import Outside
 from orchestration.master.step_arrays import Experiment, Layout, layout
 from orchestration.master.time_grid import Grid
+from orchestration.sandbox.guard import Guard
 from orchestration.system.system import System
 
 
@@ -44,6 +45,7 @@ def flat_run(
     *,
     options: Options,
     outside: Outside,
+    guard: Guard | None = None,
 ) -> FlatRun:
     """Flatten a system with its instances, initialize the instances, and lay out the arrays of a run.
 
@@ -57,7 +59,8 @@ def flat_run(
     start = float(grid.times[0])
     assembly = assemble(system, instances, options.record, options.crossings.outputs, outside.inputs.names)
     table = outside.inputs.table(assembly.driven)
-    initialize(system, instances, assembly, start, None if table is None else (table, float(grid.lengths[0])))
+    first = None if table is None else (table, float(grid.lengths[0]))
+    initialize(system, instances, assembly, start, first, guard=guard)
     addresses = None if table is None else (series.address(), table.ctypes.data)
     operations = operations_of_step(assembly.plan, sequential=algorithm.exchange == SEQUENTIAL, series=addresses)
     arrays = layout(system, instances, assembly, algorithm, Experiment.of(grid, options), table)

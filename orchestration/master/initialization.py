@@ -21,6 +21,7 @@ from orchestration.master.kernel.codes import CALL_NAMES, Column
 from orchestration.master.kernel.flat_system import Plan, copy_links, get_outputs, set_inputs
 from orchestration.master.kernel.series import give
 from orchestration.sandbox.archive import unpacked
+from orchestration.sandbox.guard import Guard
 from orchestration.sandbox.remote import RemoteProcess
 from orchestration.stages import stage
 from orchestration.system.system import Component, System
@@ -30,10 +31,11 @@ LONG_CHAIN = 20
 
 
 @contextmanager
-def opened(system: System, isolation: Isolation | None = None) -> Iterator[list[Instance]]:
+def opened(system: System, isolation: Isolation | None = None, guard: Guard | None = None) -> Iterator[list[Instance]]:
     """Instantiate every component of a system; the end of the context frees all instances.
 
-    The FMUs of components that the isolation covers live in processes of their own.
+    The FMUs of components that the isolation covers live in processes of their own. What others change in this
+    process is put back.
 
     Yields
     ------
@@ -51,6 +53,7 @@ def opened(system: System, isolation: Isolation | None = None) -> Iterator[list[
         folders: dict[tuple[Path, str], Path] = {}
         instances, scales = [], _scales(system)
         processes = stack.enter_context(_processes(system, isolation))
+        guard = guard or Guard()
         for component in system.components:
             path, alone = component.description.path, component.description.can(ONE_INSTANCE)
             key = (path, component.name if alone else "")
@@ -59,12 +62,25 @@ def opened(system: System, isolation: Isolation | None = None) -> Iterator[list[
                     folders[key] = stack.enter_context(unpacked(path, needed_to_run))
             folder = folders[key]
             process = processes.get(component.name)
-            instance = Instance.open(component.name, component.description, folder, process=process)
-            stack.callback(instance.close)
+            with guard.over(
+                [component.name] if process is None else [], "while its library was loaded and instantiated"
+            ):
+                instance = Instance.open(component.name, component.description, folder, process=process)
+            stack.callback(_close, instance, guard)
             if component.name in scales:
                 instance.scale_inputs(scales[component.name])
             instances.append(instance)
         yield instances
+
+
+def exposed(instances: Sequence[Instance]) -> list[str]:
+    """Names of the instances whose FMUs run in this process."""
+    return [instance.name for instance in instances if not instance.isolated]
+
+
+def _close(instance: Instance, guard: Guard) -> None:
+    with guard.over(exposed([instance]), "while it was freed"):
+        instance.close()
 
 
 @contextmanager
@@ -95,6 +111,8 @@ def initialize(
     assembly: Assembly,
     t0: float,
     series: tuple[np.ndarray, float] | None = None,
+    *,
+    guard: Guard | None = None,
 ) -> None:
     """Set start values, propagate outputs to inputs in initialization mode, and leave this mode.
 
@@ -116,6 +134,8 @@ def initialize(
     series
         Table of time series, whose inputs get their values for the first step, and the length of this step, s. None
         without series.
+    guard
+        Puts back what an FMU changes in this process.
 
     Raises
     ------
@@ -124,14 +144,17 @@ def initialize(
     """
     counted = f"{len(instances)} component{'s' if len(instances) != 1 else ''} of {system.name}"
     with stage(f"initializing {counted}", f"initialized {counted}"):
+        guard = guard or Guard()
         for component, instance in zip(system.components, instances, strict=True):
-            _start(component, instance, t0)
-        if series is not None:
-            give(series[0], t0, series[1])
-        _propagate(system, instances, assembly)
-        for instance in instances:
-            instance.call("fmi2ExitInitializationMode")
-        _get_all(instances, assembly)
+            with guard.over(exposed([instance]), "while it was initialized"):
+                _start(component, instance, t0)
+        with guard.over(exposed(instances), "while it was initialized"):
+            if series is not None:
+                give(series[0], t0, series[1])
+            _propagate(system, instances, assembly)
+            for instance in instances:
+                instance.call("fmi2ExitInitializationMode")
+            _get_all(instances, assembly)
 
 
 def _start(component: Component, instance: Instance, t0: float) -> None:

@@ -5,8 +5,8 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from orchestration.errors import SystemDescriptionError
-from orchestration.fmi.isolation import Isolation
 from orchestration.fmi.given import a_number, positive, require_names, require_type, shown
+from orchestration.fmi.isolation import Isolation
 from orchestration.master.changes import Changes, times_of
 from orchestration.master.pacing import Pace
 

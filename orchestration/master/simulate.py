@@ -149,7 +149,14 @@ def simulate(
         raise SystemDescriptionError(msg)
     with ExitStack() as stack:
         show = stack.enter_context(progress_bar()) if progress is True else progress or None
-        given = {"record": record, "progress": show, "inputs": inputs, "changes": changes, "pace": pace, "isolate": isolate}
+        given = {
+            "record": record,
+            "progress": show,
+            "inputs": inputs,
+            "changes": changes,
+            "pace": pace,
+            "isolate": isolate,
+        }
         run = prepare(system, stop_time, step, algorithm, order=order, times=times, options=_chosen(options, given))
         simulation = stack.enter_context(run)
         simulation.run()

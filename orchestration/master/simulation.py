@@ -33,7 +33,7 @@ from orchestration.master.discard import end_of_simulation
 from orchestration.master.failure_text import failure_message
 from orchestration.master.flat_run import flat_run
 from orchestration.master.form import report_libraries
-from orchestration.master.initialization import opened, set_values
+from orchestration.master.initialization import exposed, opened, set_values
 from orchestration.master.kernel import fixed_step
 from orchestration.master.kernel.codes import Failure
 from orchestration.master.memory import require_memory
@@ -47,6 +47,7 @@ from orchestration.master.time_grid import Grid
 from orchestration.results.columns import ENDED, FAILED, INTERRUPTED
 from orchestration.results.formats import require_parquet
 from orchestration.results.result import Result
+from orchestration.sandbox.guard import Guard
 from orchestration.system.system import System
 
 if TYPE_CHECKING:
@@ -120,7 +121,8 @@ class Simulation:
         self._ended = ""  # a sentence, once a component has ended the simulation
         self._changed_at = -1  # point at which scheduled changes were made last
         self._stream: ParquetSink | None = None
-        self._stack = ExitStack()
+        self._stack, self._guard = ExitStack(), Guard()
+        self._exposed: list[str] = []
         self._chunks = Chunks()
         self._block = Block(system.name)
 
@@ -132,10 +134,13 @@ class Simulation:
     def __enter__(self) -> Self:
         """Open and initialize the components, record row 0, and compile the loop."""
         with ExitStack() as stack:
-            self._instances: list[Instance] = stack.enter_context(opened(self.system, self.options.isolation))
+            self._instances: list[Instance] = stack.enter_context(
+                opened(self.system, self.options.isolation, self._guard)
+            )
+            self._exposed = exposed(self._instances)
             report_libraries(self._instances, strict=self.options.strict)
             run = (self.system, self._instances, self.algorithm, self.grid)
-            self._flat = flat_run(*run, options=self.options, outside=self._outside)
+            self._flat = flat_run(*run, options=self.options, outside=self._outside, guard=self._guard)
             self._assembly, self._layout = self._flat.assembly, self._flat.layout
             self._state = self._layout.coupling.state
             stack.callback(lambda: self._layout.free(self._instances))
@@ -236,7 +241,8 @@ class Simulation:
                 self._apply_changes()
                 reach = self._outside.reach(self.grid, int(self._state.interval), last)
                 self._chunks.begin()
-                self._run_plain(reach) if self._plain else self._run_general(reach)
+                with self._guard.over(self._exposed, f"in a step after t = {self.time:.9g} s"):
+                    self._run_plain(reach) if self._plain else self._run_general(reach)
                 self._raise_interrupt()
                 self._chunks.end()
                 if self.options.progress is not None:
@@ -402,6 +408,7 @@ class Simulation:
         for instance in self._instances:
             if instance.library.ending:
                 continue
-            status = instance.status("fmi2Terminate")
+            with self._guard.over(exposed([instance]), "while it was terminated"):
+                status = instance.status("fmi2Terminate")
             if status > WORST_ACCEPTED:
                 raise SimulationError(instance.failure("fmi2Terminate", status), self.result())

@@ -62,5 +62,3 @@ def unruly(unruly_file: Callable[[str], Path]) -> Unruly:
 def adaptimp(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Command:
     """The command line."""
     return runner(monkeypatch, capsys)
-
-

@@ -49,7 +49,7 @@ def test_the_end_of_the_process_is_an_error_with_the_rows_before(unruly: Unruly,
 
 
 def test_a_call_that_does_not_return_is_ended(unruly: Unruly) -> None:
-    with pytest.raises(SimulationError, match=f"did not return within 1 s at t = 0.5 s") as failed:
+    with pytest.raises(SimulationError, match=r"did not return within 1 s at t = 0\.5 s") as failed:
         simulate(unruly("step hang"), 1.0, 0.1, isolate=Isolation(time_limit=1.0))
     assert failed.value.result is not None
     assert len(failed.value.result.time) == 6
@@ -62,7 +62,9 @@ def test_a_call_may_take_long(unruly: Unruly) -> None:
 
 
 def test_memory_is_limited(unruly: Unruly) -> None:
-    with pytest.raises(SimulationError, match=r"went beyond its memory limit of 600 MiB \(died of SIGABRT\) at t = 0.5"):
+    with pytest.raises(
+        SimulationError, match=r"went beyond its memory limit of 600 MiB \(died of SIGABRT\) at t = 0.5"
+    ):
         simulate(unruly("step memory"), 1.0, 0.1, isolate=Isolation(memory_limit=SMALL))
 
 
@@ -106,7 +108,7 @@ def test_others_are_ended_as_usual_after_a_crash(unruly_file: Callable[[str], Pa
 
 
 def test_messages_arrive(unruly: Unruly) -> None:
-    with pytest.raises(SimulationError, match='its last message: "this cannot be done at t = 0.5 s"'):
+    with pytest.raises(SimulationError, match=r'its last message: "this cannot be done at t = 0\.5 s"'):
         simulate(unruly("step files"), 1.0, 0.1, isolate=True)
 
 

@@ -14,6 +14,7 @@ import numpy as np
 from orchestration.errors import SimulationError, SystemDescriptionError
 from orchestration.fmi.codes import INTERPOLATES, REAL, SAVES_STATE, WORST_ACCEPTED
 from orchestration.fmi.instance import Instance
+from orchestration.fmi.isolation import Isolation
 from orchestration.fmi.native_calls import call_do_step, call_rates, call_state, call_transfer
 from orchestration.master.flatten import Assembly, assemble
 from orchestration.master.initialization import initialize, opened
@@ -129,7 +130,9 @@ class SavedComponent:
 
 
 @contextmanager
-def operating_point(system: System, step: float, at: float) -> Iterator[list[SavedComponent]]:
+def operating_point(
+    system: System, step: float, at: float, isolation: Isolation | None = None
+) -> Iterator[list[SavedComponent]]:
     """Bring a system to its operating point, and save the states of all components there.
 
     Parameters
@@ -141,6 +144,8 @@ def operating_point(system: System, step: float, at: float) -> Iterator[list[Sav
     at
         Time of the operating point, s. It is rounded down to an instant at which every sampled component
         ticks.
+    isolation
+        Which FMUs live in processes of their own.
 
     Yields
     ------
@@ -163,7 +168,7 @@ def operating_point(system: System, step: float, at: float) -> Iterator[list[Sav
         raise SystemDescriptionError(msg)
     common = int(np.lcm.reduce([1, *system.steps_per_tick(step).values()]))
     n = int(at / (common * step) + 1e-9) * common
-    with opened(system) as instances, ExitStack() as stack:
+    with opened(system, isolation) as instances, ExitStack() as stack:
         assembly = assemble(system, instances, None)
         initialize(system, instances, assembly, 0.0)
         if n > 0:

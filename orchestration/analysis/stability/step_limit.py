@@ -25,6 +25,7 @@ from orchestration.analysis.stability.pulse_response import identify
 from orchestration.analysis.stability.step_map import Coupled
 from orchestration.errors import SimulationError
 from orchestration.fmi.description import SAMPLE_TIME
+from orchestration.fmi.isolation import Isolation
 from orchestration.master.algorithm import Algorithm
 from orchestration.system.system import System
 
@@ -82,6 +83,8 @@ class Examined:
         Components at the operating point.
     algorithm
         Co-simulation algorithm to be judged.
+    isolation
+        Which FMUs live in processes of their own.
     """
 
     system: System
@@ -89,6 +92,7 @@ class Examined:
     at: float
     saved: list[SavedComponent]
     algorithm: Algorithm
+    isolation: Isolation | None = None
 
     def coupled(self, h: float, order: int) -> Coupled:
         """Linear coupled system at a step of h, s; all sampling periods change in proportion to the step."""
@@ -129,7 +133,7 @@ class Examined:
             return
         scaled = {f"{name}.{SAMPLE_TIME}": period * h / self.step for name, period in periods.items()}
         system = self.system.set(scaled)
-        with operating_point(system, h, self.at) as saved:
+        with operating_point(system, h, self.at, self.isolation) as saved:
             yield system, saved
 
 

@@ -28,6 +28,7 @@ from orchestration.analysis.stability.step_map import Coupled
 from orchestration.errors import SystemDescriptionError
 from orchestration.fmi.codes import REAL
 from orchestration.fmi.given import a_number, positive
+from orchestration.fmi.isolation import Isolation
 from orchestration.master.algorithm import (
     MAX_ORDER,
     NEWTON,
@@ -139,7 +140,12 @@ class Verdict:
 
 
 def stability(
-    system: System, step: float | None = None, algorithm: str | Algorithm = "gauss-seidel", *, at: float = 0.0
+    system: System,
+    step: float | None = None,
+    algorithm: str | Algorithm = "gauss-seidel",
+    *,
+    at: float = 0.0,
+    isolation: Isolation | None = None,
 ) -> Verdict:
     """Predict whether a co-simulation algorithm is stable on a system, and give advice.
 
@@ -157,6 +163,8 @@ def stability(
     at
         Time of the operating point, s, rounded down to a common tick of all sampled components. The run to
         the operating point uses the Gauss-Seidel algorithm.
+    isolation
+        Components whose FMUs live in processes of their own; none if it is None.
 
     Returns
     -------
@@ -176,8 +184,8 @@ def stability(
     if a_number("The time", at) < 0:
         msg = f"The time of the verdict, at = {at:g} s, is before the start at 0 s; give a later time."
         raise SystemDescriptionError(msg)
-    with operating_point(system, step, at) as saved:
-        examined = Examined(system, step, at, saved, algorithm)
+    with operating_point(system, step, at, isolation) as saved:
+        examined = Examined(system, step, at, saved, algorithm, isolation)
         coupled = examined.coupled(step, algorithm.order)
         here = examined.judged(coupled, step)
         search = Search(examined, here)
@@ -195,7 +203,13 @@ def stability(
     )
 
 
-def is_stable(system: System, step: float | None = None, algorithm: str | Algorithm = "gauss-seidel") -> bool:
+def is_stable(
+    system: System,
+    step: float | None = None,
+    algorithm: str | Algorithm = "gauss-seidel",
+    *,
+    isolation: Isolation | None = None,
+) -> bool:
     """Whether a co-simulation algorithm is stable on a system at the start of a run.
 
     This function is faster than `stability`, because it neither searches for steps nor gives advice.
@@ -208,6 +222,8 @@ def is_stable(system: System, step: float | None = None, algorithm: str | Algori
         Communication step, s. Default: the step of the system.
     algorithm
         Co-simulation algorithm, or its name.
+    isolation
+        Components whose FMUs live in processes of their own; none if it is None.
 
     Raises
     ------
@@ -217,8 +233,8 @@ def is_stable(system: System, step: float | None = None, algorithm: str | Algori
         If initialization fails, or a step after it.
     """
     algorithm, step = find_algorithm(algorithm), system.run_step(step)
-    with operating_point(system, step, 0.0) as saved:
-        examined = Examined(system, step, 0.0, saved, algorithm)
+    with operating_point(system, step, 0.0, isolation) as saved:
+        examined = Examined(system, step, 0.0, saved, algorithm, isolation)
         return examined.judged(examined.coupled(step, algorithm.order), step).stable
 
 

@@ -1,0 +1,162 @@
+"""Guards this process while code of strangers runs in it: puts back what they change, and tells an exit for what it is.
+
+    guard = Guard()
+    with guard.over(["plant"], "while plant was loaded"):
+        ...  # calls of the stranger's library
+
+What was changed is put back, with one warning. If the library ends the process by ``exit``, the process ends with
+`EXIT_CODE` and a sentence on standard error, because an exit code of 0 would look like a run that succeeded. A library
+that ends the process by ``_exit``, or crashes, can be survived in another process only.
+"""
+
+import atexit
+import ctypes
+import os
+import platform
+import sys
+import threading
+import warnings
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from functools import cache
+from typing import Any
+
+from orchestration.sandbox.process_state import ProcessState
+
+EXIT_CODE = 4
+"""Exit code of a process that an FMU has ended."""
+MOST_NAMES = 4
+"""Components that a message names."""
+
+
+class ProcessChangedWarning(RuntimeWarning):
+    """Warning that an FMU has changed something of this process, such as the rounding mode; it was put back.
+
+    Examples
+    --------
+    To refuse FMUs that do so:
+
+    >>> import warnings
+    >>> from orchestration import ProcessChangedWarning, scenario, simulate
+    >>> with warnings.catch_warnings():
+    ...     warnings.simplefilter("error", ProcessChangedWarning)
+    ...     result = simulate(scenario("fig2"), stop_time=0.01)
+    """
+
+
+class Guard:
+    """Guards the process during one run; each warning is given once."""
+
+    def __init__(self) -> None:
+        self._said: set[tuple[str, ...]] = set()
+
+    @contextmanager
+    def over(self, names: Sequence[str], when: str) -> Iterator[None]:
+        """Guard the process as long as the context lasts.
+
+        Parameters
+        ----------
+        names
+            Components whose libraries may be called. Without any, nothing is guarded.
+        when
+            What happens meanwhile, as the end of a sentence.
+        """
+        if not names or sys.is_finalizing():  # nobody would see the warning
+            yield
+            return
+        before = ProcessState.now()
+        try:
+            with _exits.told(f"{_either(names)} ended the process {when}"):
+                yield
+        finally:
+            self._put_back(before, names, when)
+
+    def _put_back(self, before: ProcessState, names: Sequence[str], when: str) -> None:
+        changed = before.restore()
+        for what in changed:
+            key = (*names, what)
+            if key in self._said:
+                continue
+            self._said.add(key)
+            msg = (
+                f"{_either(names)} changed {what} {when}, for everybody in this process; it was put back. Results of"
+                " this run may be affected; isolate the component to keep such changes out."
+            )
+            warnings.warn(msg, ProcessChangedWarning, stacklevel=3)
+
+
+def _either(names: Sequence[str]) -> str:
+    """The component, or one of the components."""
+    if len(names) == 1:
+        return names[0]
+    more = f" or {len(names) - MOST_NAMES} more" if len(names) > MOST_NAMES else ""
+    return f"One of the components {', '.join(names[:MOST_NAMES])}{more}"
+
+
+class _Exits:
+    """What is said if the process is ended by ``exit`` while code of strangers runs."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._sentences: dict[int, list[str]] = {}
+        self._armed, self._registered = 0, False
+        self._function = ctypes.CFUNCTYPE(None, ctypes.c_void_p)(self._end)
+        self._mark = ctypes.create_string_buffer(8)  # its address tells this function from others
+
+    @contextmanager
+    def told(self, sentence: str) -> Iterator[None]:
+        """Say a sentence if the process ends by ``exit`` within the context."""
+        thread = threading.get_ident()
+        with self._lock:
+            self._sentences.setdefault(thread, []).append(sentence)
+            self._armed += 1
+            if self._armed == 1 and _can_be_told():
+                self._arm()
+        try:
+            yield
+        finally:
+            with self._lock:
+                self._sentences[thread].pop()
+                if not self._sentences[thread]:
+                    del self._sentences[thread]
+                self._armed -= 1
+                if self._armed == 0:
+                    self._disarm()
+
+    def _arm(self) -> None:
+        """Have the function called at an exit."""
+        if not self._registered:
+            self._registered = True
+            atexit.register(self._disarm)  # Python cannot be called once it has ended
+        getattr(_c(), "__cxa_atexit")(self._function, None, self._mark)
+
+    def _disarm(self) -> None:
+        """Take the function back, which calls it once."""
+        if _can_be_told():
+            armed, self._armed = self._armed, 0
+            getattr(_c(), "__cxa_finalize")(self._mark)
+            self._armed = armed
+
+    def _end(self, _: int | None) -> None:
+        """End the process in place of the exit that is under way."""
+        if not self._armed:
+            return
+        own = self._sentences.get(threading.get_ident())
+        said = own[-1] if own else next(iter(self._sentences.values()))[-1]
+        advice = "The run has no result; isolate the component to keep the rows before."
+        os.write(2, f"Error: {said}, as if the program were at its end. {advice}\n".encode(errors="replace"))
+        os._exit(EXIT_CODE)
+
+
+@cache
+def _can_be_told() -> bool:
+    """Whether the C library of this system takes such functions back."""
+    return sys.platform == "darwin" or platform.libc_ver()[0] == "glibc"
+
+
+@cache
+def _c() -> Any:
+    return ctypes.CDLL(None)
+
+
+_exits = _Exits()

@@ -1,0 +1,90 @@
+"""What an FMU that is not isolated changes in the process is put back and said, and its exit is no success."""
+
+import locale
+import os
+import signal
+import subprocess
+import sys
+import warnings
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from orchestration import ProcessChangedWarning, System, simulate
+from orchestration.sandbox.guard import EXIT_CODE
+from tests.isolation.conftest import Unruly
+
+CHANGES = {
+    "folder": r"the working directory \(to /\)",
+    "locale": "the locale",
+    "rounding": "the rounding mode",
+    "flush": "whether tiny numbers become 0",
+    "signals": "what happens on SIGINT, SIGTERM",
+}
+
+
+def state() -> tuple[object, ...]:
+    """What the FMUs here change."""
+    numbers = np.add(1.0, 2.0**-53), np.multiply(np.float64(5e-324), 1.0)
+    return os.getcwd(), locale.setlocale(locale.LC_ALL), signal.getsignal(signal.SIGINT), *numbers
+
+
+@pytest.mark.parametrize("deed", CHANGES)
+@pytest.mark.parametrize("place", ["instantiate", "step", "terminate"])
+def test_changes_are_put_back_and_said_once(unruly: Unruly, place: str, deed: str) -> None:
+    before = state()
+    with pytest.warns(ProcessChangedWarning, match=f"^m changed {CHANGES[deed]}.* put back") as said:
+        simulate(unruly(f"{place} {deed}"), 1.0, 0.1)
+    assert len(said) == 1
+    assert state() == before
+
+
+def test_a_library_that_is_loaded_with_fast_mathematics_changes_no_other_run(unruly: Unruly) -> None:
+    with pytest.warns(ProcessChangedWarning, match="^m changed whether tiny numbers become 0 while its library was"):
+        simulate(unruly("load flush"), 1.0, 0.1)
+    assert np.multiply(np.float64(5e-324), 1.0) == 5e-324
+
+
+def test_the_candidates_are_named(unruly_file: Callable[[str], Path]) -> None:
+    system = System.of({"a": unruly_file("step none"), "b": unruly_file("step rounding")})
+    with pytest.warns(ProcessChangedWarning, match="^One of the components a, b changed the rounding mode in a step"):
+        simulate(system, 1.0, 0.1)
+    with pytest.warns(ProcessChangedWarning, match="^b changed the rounding mode in a step after t = 0 s"):
+        simulate(system, 1.0, 0.1, isolate=["a"])
+
+
+def test_a_calm_fmu_is_not_blamed(unruly: Unruly) -> None:
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        simulate(unruly("step none"), 1.0, 0.1)
+
+
+@pytest.mark.parametrize(
+    ("deed", "when"),
+    [
+        ("load exit", "while its library was loaded and instantiated"),
+        ("instantiate exit", "while its library was loaded and instantiated"),
+        ("step exit", "in a step after t = 0 s"),
+        ("terminate exit", "while it was terminated"),
+    ],
+)
+def test_an_exit_is_no_success(unruly_file: Callable[[str], Path], tmp_path: Path, deed: str, when: str) -> None:
+    script = tmp_path / "run.py"
+    system = f"System.of({{'m': {str(unruly_file(deed))!r}}})"
+    script.write_text(f"from orchestration import System, simulate\nsimulate({system}, 1.0, 0.1)\nprint('done')\n")
+    ended = subprocess.run([sys.executable, str(script)], capture_output=True, text=True, check=False)
+    assert (ended.returncode, ended.stdout) == (EXIT_CODE, "")
+    assert ended.stderr.startswith(f"Error: m ended the process {when}, as if the program were at its end.")
+
+
+def test_the_exit_of_a_program_within_a_run_is_its_own(unruly_file: Callable[[str], Path], tmp_path: Path) -> None:
+    script = tmp_path / "run.py"
+    system = f"System.of({{'m': {str(unruly_file('step none'))!r}}})"
+    script.write_text(
+        "import sys\nfrom orchestration import System, prepare\n"
+        f"with prepare({system}, 1.0, 0.1) as run:\n    run.run(until=0.2)\n    sys.exit(7)\n"
+    )
+    ended = subprocess.run([sys.executable, str(script)], capture_output=True, text=True, check=False)
+    assert (ended.returncode, ended.stderr) == (7, "")

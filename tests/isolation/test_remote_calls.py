@@ -1,0 +1,111 @@
+"""Every function of FMI reaches the process of an isolated FMU, and what the function writes comes back."""
+
+import ctypes as ct
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack
+from pathlib import Path
+
+import pytest
+
+from orchestration.fmi import signatures
+from orchestration.fmi.codes import Status
+from orchestration.fmi.description import read_description
+from orchestration.fmi.instance import Instance, c_references
+from orchestration.fmi.isolation import Isolation
+from orchestration.fmi.remote_library import start_process
+from orchestration.sandbox.archive import unpacked
+
+Opened = Callable[..., Instance]
+
+
+@pytest.fixture
+def opened(unruly_file: Callable[[str], Path]) -> Iterator[Opened]:
+    """Open an FMU of a kind, isolated or not."""
+    with ExitStack() as stack:
+
+        def open_one(kind: str, *, isolated: bool = True) -> Instance:
+            description = read_description(unruly_file(kind))
+            folder = stack.enter_context(unpacked(description.path))
+            process = start_process(Isolation(), len(description.variables)) if isolated else None
+            instance = Instance.open("m", description, folder, process=process)
+            stack.callback(instance.close)
+            return instance
+
+        yield open_one
+
+
+def test_texts(opened: Opened) -> None:
+    instance = opened("text")
+    texts = [b"", "Grüße, Welt".encode()]
+    assert instance.set("String", [2, 3], texts) == Status.OK
+    assert instance.get("String", [2, 3, 1]) == (Status.OK, [*texts, b"abc!"])
+    assert instance.set("String", [0], [b"abcdef"]) == Status.OK
+    assert instance.get("Real", [1]) == (Status.OK, [6.0])
+
+
+def test_numbers_of_all_types(opened: Opened) -> None:
+    instance = opened("none")
+    for kind, values in (("Real", [0.1, -2.5]), ("Integer", [-7, 2**31 - 1]), ("Boolean", [1, 0])):
+        assert instance.set(kind, [2, 3], values) == Status.OK
+        assert instance.get(kind, [3, 2]) == (Status.OK, values[::-1])
+        assert instance.get(kind, []) == (Status.OK, [])
+
+
+def test_states(opened: Opened) -> None:
+    instance = opened("none")
+    instance.set("Real", [2], [5.0])
+    saved = instance.save()
+    handle = ct.c_void_p()
+    instance.call("fmi2GetFMUstate", ct.byref(handle))
+    instance.set("Real", [2], [6.0])
+    instance.restore(saved)
+    assert instance.get("Real", [2]) == (Status.OK, [5.0])
+    instance.set("Real", [2], [7.0])
+    instance.call("fmi2SetFMUstate", handle)
+    assert instance.get("Real", [2]) == (Status.OK, [5.0])
+    instance.call("fmi2FreeFMUstate", ct.byref(handle))
+    assert handle.value is None
+
+
+def test_a_serialized_state_is_that_of_the_fmu_itself(opened: Opened) -> None:
+    """Both end in the callbacks, an address: only what comes before is compared."""
+    saved = [opened("none", isolated=isolated).save() for isolated in (True, False)]
+    assert len(saved[0]) == len(saved[1]) > 100
+    assert saved[0][:-8] == saved[1][:-8]
+
+
+def test_questions_after_a_discarded_step(opened: Opened) -> None:
+    instance = opened("none")
+    reached, ends = ct.c_double(), ct.c_int(7)
+    assert instance.ask("fmi2GetRealStatus", 2, ct.byref(reached)) == Status.OK
+    assert instance.ask("fmi2GetBooleanStatus", 3, ct.byref(ends)) == Status.OK
+    assert (reached.value, ends.value) == (0.0, 0)
+    text = ct.c_char_p(b"unchanged")
+    assert instance.status("fmi2GetStringStatus", 1, ct.byref(text)) == Status.DISCARD
+
+
+def test_the_other_functions(opened: Opened) -> None:
+    instance = opened("none")
+    assert instance.library.function("fmi2GetVersion")() == b"2.0"
+    assert instance.library.function("fmi2GetTypesPlatform")() == b"default"
+    categories = (ct.c_char_p * 2)(b"one", b"two")
+    assert instance.status("fmi2SetDebugLogging", 1, 2, categories) == Status.OK
+    assert instance.status("fmi2Reset") == Status.OK
+    assert instance.status("fmi2CancelStep") == Status.ERROR
+    values, orders = (ct.c_double * 1)(), (ct.c_int * 1)(1)
+    assert instance.status("fmi2GetRealOutputDerivatives", c_references([1]), 1, orders, values) == Status.ERROR
+    assert instance.library.lacks() == []
+    assert all(instance.library.address(name) for name in signatures.ARGUMENTS)
+
+
+def test_more_than_fits_is_an_error(opened: Opened) -> None:
+    assert opened("none").set("Real", [2] * 10_000, [0.0] * 10_000) == Status.ERROR
+
+
+def test_after_the_end_every_call_is_fatal_at_once(opened: Opened) -> None:
+    instance = opened("set crash")
+    assert instance.set("Real", [2], [1.0]) == Status.FATAL
+    assert instance.failure("fmi2SetReal", Status.FATAL) == "m: fmi2SetReal died of SIGSEGV; it logged nothing."
+    assert instance.set("Real", [2], [1.0]) == Status.FATAL
+    assert instance.status("fmi2Reset") == Status.FATAL
+    assert instance.get("String", [2])[0] == Status.FATAL
