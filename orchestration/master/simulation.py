@@ -5,12 +5,12 @@ An algorithm that neither extrapolates nor corrects inputs nor controls its step
 second at a time, so that interrupts are noticed and progress is shown.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
 from types import TracebackType
-from typing import TYPE_CHECKING, Self
+from typing import TYPE_CHECKING, Any, Self, TypeVar
 
 import numpy as np
 
@@ -52,6 +52,8 @@ from orchestration.system.system import System
 
 if TYPE_CHECKING:
     from orchestration.results.parquet_file import ParquetSink
+
+Found = TypeVar("Found")
 
 _CHUNK_VALUES = 2**17  # recorded in a chunk: they are checked while they are in the processor's cache
 
@@ -143,7 +145,7 @@ class Simulation:
             self._flat = flat_run(*run, options=self.options, outside=self._outside, guard=self._guard)
             self._assembly, self._layout = self._flat.assembly, self._flat.layout
             self._state = self._layout.coupling.state
-            stack.callback(lambda: self._layout.free(self._instances))
+            stack.callback(self._guarded, self._layout.free, self._instances)
             self._columns = (*self._assembly.columns, *self._outside.units)
             self._units = self._assembly.units | self._outside.units
             known = None if self._varies else self.grid.n // self.options.every + 1
@@ -154,7 +156,7 @@ class Simulation:
             name = identity(self.system, self._columns, self.grid.times, known_by)
             parts = (self._instances, self._assembly, self._layout, self._recorder)
             self._saving = Saving(self.system.name, name, *parts)
-            stack.callback(self._saving.free)
+            stack.callback(self._guarded, self._saving.free)
             times, rows = self._recorder.room()
             times[0], rows[0, len(self._assembly.columns) :] = self.grid.times[0], 0.0
             self._assembly.record(rows[0])
@@ -288,7 +290,7 @@ class Simulation:
             changed.components, self.system.components, self._instances, strict=True
         ):
             named = [name.partition(".")[2] for name in values if name.partition(".")[0] == component.name]
-            set_values(before, instance, {name: component.start[name] for name in named})
+            self._guarded(set_values, before, instance, {name: component.start[name] for name in named})
             self._changes += [[self.time, f"{component.name}.{name}", component.start[name]] for name in named]
 
     def save(self) -> Snapshot:
@@ -300,7 +302,7 @@ class Simulation:
             If a component does not save states, or rows go to a file.
         """
         self._block.require_open()
-        return self._saving.save(self.time, self._changes)
+        return self._guarded(self._saving.save, self.time, self._changes)
 
     def restore(self, snapshot: Snapshot) -> None:
         """Restore a state that was saved, here or in another run of the same system.
@@ -312,7 +314,7 @@ class Simulation:
         """
         self._block.require_open()
         require_type("The snapshot", snapshot, Snapshot, "give one of save(), or of Snapshot.read(path)")
-        self._changes, self._ended = self._saving.restore(snapshot), ""
+        self._changes, self._ended = self._guarded(self._saving.restore, snapshot), ""
         self._changed_at = -1
 
     def _described(self) -> dict[str, str]:
@@ -384,6 +386,11 @@ class Simulation:
             self._recorder.drop(len(times) - fault[0])
             self._recorder.flush()
             raise SimulationError(fault[1], self._broken_off(FAILED, fault[1]))
+
+    def _guarded(self, call: Callable[..., Found], *arguments: Any) -> Found:
+        """Call a function that calls components, outside of steps."""
+        with self._guard.over(self._exposed, "between two steps"):
+            return call(*arguments)
 
     def _raise_interrupt(self) -> None:
         for instance in self._instances:

@@ -12,6 +12,7 @@ import os
 import select
 import signal
 import sys
+import tempfile
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
@@ -52,7 +53,7 @@ class Report:
         A word of the documented table; ``ended`` if the process ended before the run did; ``refused`` if an error
         has no place for rows.
     detail
-        The error's message, the signal's name, or the exit code.
+        The error's message, the signal's name, or the exit code and what is on standard error.
     rows
         Number of rows.
     same
@@ -86,10 +87,12 @@ def print_line(content: dict) -> None:
 
 def _in_child(case: Case, fmus: tuple[Path, Path], healthy: Result) -> Report:
     reader, writer = os.pipe()
+    errors = tempfile.TemporaryFile("w+")
     child = os.fork()
     if child == 0:
         os.close(reader)
         os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
+        os.dup2(errors.fileno(), 2)
         report = _run(case, fmus, healthy)
         os.write(writer, json.dumps(asdict(report)).encode())
         os._exit(0)
@@ -104,7 +107,11 @@ def _in_child(case: Case, fmus: tuple[Path, Path], healthy: Result) -> Report:
         return Report(HANGS)
     if code < 0:
         return Report(KILLED, signal.Signals(-code).name)
-    return Report(**json.loads(said)) if said else Report(ENDED, str(code))
+    if said:
+        return Report(**json.loads(said))
+    with errors:
+        errors.seek(0)
+        return Report(ENDED, f"{code}: {errors.read().strip()}")
 
 
 def _run(case: Case, fmus: tuple[Path, Path], healthy: Result) -> Report:
