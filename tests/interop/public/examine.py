@@ -47,9 +47,10 @@ def experiment(path: Path) -> tuple[np.ndarray, float, list[str]]:
 
 def ours(path: Path, out: Path) -> None:
     """Run it here."""
-    times, _, names = experiment(path)
     warnings.simplefilter("ignore")
-    result = simulate(System.of({"m": path}), times=times, record=[f"m.{name}" for name in names])
+    system = System.of({"m": path})
+    times, _, names = experiment(path)
+    result = simulate(system, times=times, record=[f"m.{name}" for name in names])
     np.savez(out, time=result.time, rows=np.column_stack([result[f"m.{name}"] for name in names]))
 
 
