@@ -16,7 +16,7 @@ from tests.interop.public.compare import ALONE, BITWISE, DIFFERS, NEITHER, REFUS
 from tests.interop.public.outcomes import Entry, read
 from tests.interop.public.packages import PACKAGES, Package, PackageError, download, fmus_in
 from tests.interop.public.process import Examination, examined
-from tests.interop.public.render import table
+from tests.interop.public.render import cell, table
 
 DOCUMENT = Path(__file__).parents[2] / "docs" / "interop.md"
 NOT_THERE = Package("adaptimp-no-such-package", "1.0")
@@ -85,6 +85,13 @@ def test_runs_are_compared_bit_by_bit(runs: Callable[[float], Examination]) -> N
     assert judged(runs(4.0), runs(4.0)) == Run(BITWISE, rows=3)
     assert judged(runs(0.0), runs(-0.0)) == Run(DIFFERS, "by 0e+00", 3)
     assert judged(runs(4.0 + 3.9e-10), runs(4.0)) == Run(DIFFERS, "by 1e-10", 3)
+
+
+def test_a_run_that_the_fmu_ends_may_be_shorter(runs: Callable[[float], Examination], tmp_path: Path) -> None:
+    np.savez(tmp_path / "short.npz", time=np.arange(2.0), rows=np.array([[1.0], [2.0]]))
+    short = judged(Examination(tmp_path / "short.npz"), runs(4.0))
+    assert cell(short) == "bitwise, 2 rows; the FMU ends the simulation, and fmpy shows 1 row more"
+    assert judged(runs(4.0), Examination(tmp_path / "short.npz")) == Run(DIFFERS, "3 rows, and 2 in fmpy", 3)
 
 
 def test_runs_that_are_not_there_have_reasons(runs: Callable[[float], Examination]) -> None:

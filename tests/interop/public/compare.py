@@ -20,7 +20,8 @@ class Run:
         `BITWISE`: all rows are equal, bit by bit; `DIFFERS`; `REFUSED`: it runs in fmpy, and not here; `NEITHER`: it
         runs nowhere; `ALONE`: it runs here, and not in fmpy.
     detail
-        Why it does not run, or the largest difference over its column's largest absolute value.
+        Why it does not run, the largest difference over its column's largest absolute value, or rows that fmpy alone
+        shows.
     rows
         Rows that are compared.
     """
@@ -38,6 +39,10 @@ def judged(ours: Examination, theirs: Examination) -> Run:
         return Run(ALONE, f"fmpy: {theirs.failure}")
     with np.load(ours.out) as mine, np.load(theirs.out) as other:
         rows, expected = mine["rows"], other["rows"]
+    more = len(expected) - len(rows)
+    if more > 0 and rows.tobytes() == expected[: len(rows)].tobytes():
+        detail = f"the FMU ends the simulation, and fmpy shows {more} row{'s' if more > 1 else ''} more"
+        return Run(BITWISE, detail, len(rows))
     if rows.shape != expected.shape:
         return Run(DIFFERS, f"{len(rows)} rows, and {len(expected)} in fmpy", len(rows))
     if rows.tobytes() == expected.tobytes():

@@ -39,7 +39,7 @@ _summed = {
 def cell(run: Run) -> str:
     """What came of a run, in a table."""
     if run.kind == BITWISE:
-        return f"bitwise, {run.rows} rows"
+        return "; ".join(filter(None, (f"bitwise, {run.rows} rows", run.detail)))
     return f"{_WORDS[run.kind]}: {_safe(run.detail)}"
 
 
