@@ -25,6 +25,7 @@ PROCESSES = (
     "conformance/sanitizers/*",
     "conformance/test_description.py",
     "faults/test_check_command.py",
+    "faults/test_lies.py",
     "interop/*",
     "scenarios/test_tutorial.py",
     "unit/adaptimp_fmu/test_toolchain.py",

@@ -16,13 +16,15 @@ _SHIM = Path(__file__).with_name("shim.c")
 _PARAMETERS = ("fault", "function", "after")
 
 
-def decay(name: str, start: float, through: float) -> ContinuousModel:
+def decay(
+    name: str, start: float, through: float, fault: int = NO_FAULT, function: int = -1, after: int = 0
+) -> ContinuousModel:
     """dx/dt = u - x, y = x + through u, with outputs of all types, and with parameters for the fault."""
     model = ContinuousModel(name, "A decay", dt_max=STEP / 4)
     u = model.input("u", 0.5, description="Drives x")
     model.input("n", 0, type=Type.INTEGER, description="Unused")
     model.input("b", 0, type=Type.BOOLEAN, description="Unused")
-    for parameter, value in {"fault": NO_FAULT, "function": -1, "after": 0}.items():
+    for parameter, value in {"fault": fault, "function": function, "after": after}.items():
         model.parameter(parameter, value, type=Type.INTEGER, description="How the FMU misbehaves")
     x = model.state("x", start)
     model.derivative(x, u - x)
@@ -32,9 +34,16 @@ def decay(name: str, start: float, through: float) -> ContinuousModel:
     return model
 
 
-def misbehaving(folder: Path) -> Path:
-    """Build ``Faulty.fmu``, whose functions are wrapped by the shim."""
-    model = decay("Faulty", 1.0, 0.25)
+def misbehaving(folder: Path, fault: Fault | None = None, function: str = "", after: int = 0) -> Path:
+    """Build ``Faulty.fmu``, whose functions are wrapped by the shim.
+
+    Parameters
+    ----------
+    fault, function, after
+        Start values: what the FMU does unless other values are set.
+    """
+    numbers = (NO_FAULT, -1) if fault is None else (int(fault), NUMBERS[function])
+    model = decay("Faulty", 1.0, 0.25, *numbers, after)
     sources, description = definition(model)
     library = folder / f"Faulty{host_platform().extension}"
     _compile(sources, {name: model.reference(name) for name in _PARAMETERS}, folder / "sources", library)
