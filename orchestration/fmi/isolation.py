@@ -51,10 +51,10 @@ class Isolation:
             require_names("isolate", self.components, "'controller'")
             names = (self.components,) if isinstance(self.components, str) else tuple(self.components)
             object.__setattr__(self, "components", names)
-        for name in ("time_limit", "memory_limit", "descriptor_limit"):
+        for name, unit in (("time_limit", "s"), ("memory_limit", "bytes"), ("descriptor_limit", "")):
             value = getattr(self, name)
             if value is not None:
-                positive(f"{name} of Isolation", value)
+                positive(f"{name} of Isolation", value, unit=unit)
 
     @classmethod
     def of(cls, given: object) -> "Isolation | None":

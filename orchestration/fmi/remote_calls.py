@@ -63,7 +63,7 @@ _SPINS, _YIELDS, _YIELD, _WRITE, _BELL, _BYTE = (8 * word for word in COMMON)
 
 def _part(function: Callable[..., Any]) -> Callable[..., Any]:
     """Compile a function as a part of those that call it."""
-    return cast("Callable[..., Any]", njit(no_cpython_wrapper=True, no_cfunc_wrapper=True, **_OPTIONS)(function))
+    return cast("Any", njit)(no_cpython_wrapper=True, no_cfunc_wrapper=True, **_OPTIONS)(function)
 
 
 @_part

@@ -25,8 +25,9 @@ from orchestration.fmi.remote_layout import CALLS, IDLE, LOAD, SLOW, UNLOAD, WOR
 from orchestration.sandbox.remote import LONGEST_END, LONGEST_START, RemoteEndedError, RemoteProcess
 
 _PROGRAM = "orchestration.fmi.remote_program"
-_SPINS, _YIELDS = 200, 20
-"""Turns that each side waits in a loop and by letting others run, before it sleeps."""
+# Turns that a side waits in a loop, and by letting others run, before it sleeps. The process of an FMU sleeps early:
+# five of them that wait for long keep each other from the two cores (3 us per step and component, else 8 to 14 us).
+_MASTER_TURNS, _SERVER_TURNS = (200, 20), (50, 5)
 _ATTEND = ct.CFUNCTYPE(ct.c_int, ct.c_void_p, ct.c_void_p)
 
 
@@ -55,16 +56,17 @@ def start_process(isolation: Isolation, n_variables: int) -> RemoteProcess:
         time_limit=isolation.time_limit,
         memory_limit=isolation.memory_limit,
     )
+    spins, yields = _turns(_SERVER_TURNS)
     limits = {"memory": isolation.memory_limit, "descriptors": isolation.descriptor_limit}
     with suppress(RemoteEndedError):  # the first call says it
-        process.tell({"server": server(), "spins": _spins(), "yields": _YIELDS, "limits": limits})
+        process.tell({"server": server(), "spins": spins, "yields": yields, "limits": limits})
     return process
 
 
-def _spins() -> int:
-    """Turns of a loop that waits; none where the other side could not run meanwhile."""
+def _turns(usual: tuple[int, int]) -> tuple[int, int]:
+    """Turns of waiting; none in a loop where the other side could not run meanwhile."""
     one = (len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()) == 1
-    return 0 if one else _SPINS
+    return (0 if one else usual[0]), usual[1]
 
 
 class RemoteLibrary(Library):
@@ -106,8 +108,9 @@ class RemoteLibrary(Library):
     def _record(self) -> list[int]:
         """Words of the record that stands for the instance."""
         c = ct.CDLL(None)
+        spins, yields = _turns(_MASTER_TURNS)
         words = dict.fromkeys(Caller, 0)
-        words |= {Caller.SHARED: ct.addressof(self._words), Caller.SPINS: _spins(), Caller.YIELDS: _YIELDS}
+        words |= {Caller.SHARED: ct.addressof(self._words), Caller.SPINS: spins, Caller.YIELDS: yields}
         words |= {Caller.BELL: self._process.bell, Caller.BYTE: ct.addressof(self._byte)}
         words |= {Caller.YIELD: _address(c.sched_yield), Caller.WRITE: _address(c.write)}
         words |= {Caller.READ: _address(c.read), Caller.POLL: _address(c.poll)}

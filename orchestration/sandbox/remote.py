@@ -247,7 +247,7 @@ class RemoteProcess:
         """
         if self._process.returncode is None and not self._reap(LONGEST_END):
             self._fail("closed its connection to the master")
-        code = self._process.returncode
+        code = self._process.returncode or 0
         used = self._used
         if code < 0 and self.memory_limit is not None and used > _NEAR_LIMIT * self.memory_limit:
             self._fail(f"went beyond its memory limit of {self.memory_limit / 2**20:.0f} MiB ({death(code)})")

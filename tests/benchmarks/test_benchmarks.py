@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from orchestration.paper.built_fmus import find_scenario, fmus
-from tests.benchmarks import master, overhead, scaling, start
+from tests.benchmarks import isolation, master, overhead, scaling, start
 from tests.benchmarks.rig import BenchmarkError, Rig
 from tests.benchmarks.trivial import ring
 from tests.benchmarks.variants import Bench
@@ -139,6 +139,15 @@ def test_scaling_measures_sizes_and_lengths() -> None:
     assert [(record["fmus"], record["variables"]) for record in result["size"]] == [(2, 1), (3, 1), (2, 2), (3, 2)]
     assert [record["steps"] for record in result["length"]] == [50]
     assert all(record["ours"] > 0 for record in result["size"])
+
+
+@pytest.mark.skipif("sys.platform == 'win32'", reason="FMUs are not isolated on Windows")
+def test_isolation_measures_each_choice(tmp_path: Path) -> None:
+    file = tmp_path / "isolation.json"
+    assert isolation.main(["--json", str(file), "--steps", str(N_STEPS), "--repetitions", "1"]) == 0
+    result = json.loads(file.read_text(encoding="utf-8"))
+    assert set(result["microseconds_per_step"]) == set(isolation.CHOICES)
+    assert all(seconds > 0 for seconds in result["start_seconds"].values())
 
 
 @pytest.mark.skipif("sys.platform == 'win32'", reason="peak memory is asked from the module resource of Unix")
