@@ -19,6 +19,8 @@ from tests.faults.shim.fmus import AFTER, healthy, misbehaving
 from tests.faults.shim.offspring import Case, Report
 from tests.sharing import made_once
 
+pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="each case is a fork of a process")
+
 Run = Callable[[Case], Report]
 REPOSITORY = Path(__file__).parents[2]
 FAULTS = {fault.word: fault for fault in Fault}
