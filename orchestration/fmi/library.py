@@ -147,9 +147,6 @@ class Library:
         function = cast("Any", self.function(name))  # ctypes does not name the type of its functions
         return int(ctypes.cast(function, ctypes.c_void_p).value or 0)
 
-    def raise_interrupt(self) -> None:
-        """Raise a KeyboardInterrupt that came during a call and could not be raised then; here there is none."""
-
     def close(self) -> None:
         """Unload the library, so that its file can be removed; a second call does nothing."""
         if self._dll is not None:

@@ -29,7 +29,7 @@ from orchestration.fmi.native_calls import (
     store_integer,
     store_real,
 )
-from orchestration.fmi.remote_layout import COMMON, GONE, IDLE, NUMBERS, SLOW, WORD, Caller, Server, Word
+from orchestration.fmi.remote_layout import COMMON, GONE, IDLE, NO_RESULT, NUMBERS, SLOW, WORD, Caller, Server, Word
 from orchestration.fmi.remote_words import (
     call_direction,
     call_step,
@@ -56,6 +56,7 @@ _SHARED, _ENDED, _CAPACITY, _ATTEND = (
     8 * word for word in (Caller.SHARED, Caller.ENDED, Caller.CAPACITY, Caller.ATTEND)
 )
 _CALLER_READ, _POLL, _POLLED = (8 * word for word in (Caller.READ, Caller.POLL, Caller.POLLED))
+_RESULT = 8 * Caller.RESULT
 _COMPONENT, _READ, _FUNCTIONS = (8 * word for word in (Server.COMPONENT, Server.READ, Server.FUNCTIONS))
 # Both records have these in the same places.
 _SPINS, _YIELDS, _YIELD, _WRITE, _BELL, _BYTE = (8 * word for word in COMMON)
@@ -79,7 +80,10 @@ def _exchange(caller, call):
     if read_word(shared + _CALL) != IDLE:
         _sleep(caller, shared)
     if read_word(shared + _CALL) != IDLE or read_word(shared + _SAID) != 0:
-        return emit_state(load_integer(caller + _ATTEND), caller, 0)
+        store_integer(caller + _RESULT, NO_RESULT)
+        while load_integer(caller + _RESULT) == NO_RESULT and load_integer(caller + _ENDED) == 0:
+            emit_state(load_integer(caller + _ATTEND), caller, 0)
+        return types.int32(_FATAL if load_integer(caller + _ENDED) != 0 else load_integer(caller + _RESULT))
     return types.int32(load_integer(shared + _STATUS))
 
 

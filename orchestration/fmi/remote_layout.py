@@ -8,6 +8,8 @@ in a socket.
 
 from enum import IntEnum
 
+NO_RESULT = -1
+
 CALLS = (
     *("fmi2SetReal", "fmi2SetInteger", "fmi2SetBoolean", "fmi2GetReal", "fmi2GetInteger", "fmi2GetBoolean"),
     *("fmi2GetFMUstate", "fmi2SetFMUstate", "fmi2SetRealInputDerivatives", "fmi2GetDirectionalDerivative"),
@@ -59,12 +61,14 @@ class Caller(IntEnum):
     CAPACITY = 8
     """Bytes of the arrays."""
     ATTEND = 9
-    """Address of the function that waits on, in Python."""
+    """Address of the function that waits on, in Python. It may break off, so it is called until there is a result."""
     READ = 10
     POLL = 11
     POLLED = 12
     """Address of the two records of ``poll``: of the socket that wakes, and of that for messages."""
-    LENGTH = 13
+    RESULT = 13
+    """Status of the call, once ``ATTEND`` has waited for it."""
+    LENGTH = 14
 
 
 class Server(IntEnum):

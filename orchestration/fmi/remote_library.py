@@ -22,6 +22,7 @@ from orchestration.fmi.library import Library
 from orchestration.fmi.logging import heard
 from orchestration.fmi.remote_arguments import deliver, outward, types
 from orchestration.fmi.remote_layout import CALLS, IDLE, LOAD, SLOW, UNLOAD, WORD, Caller, Word, arrays_size
+from orchestration.sandbox.interrupts import noted
 from orchestration.sandbox.remote import LONGEST_END, LONGEST_START, RemoteEndedError, RemoteProcess
 
 _PROGRAM = "orchestration.fmi.remote_program"
@@ -141,17 +142,11 @@ class RemoteLibrary(Library):
         if name not in self._exported:
             msg = f"{self.path.name} does not export {name}."
             raise AttributeError(msg, name=name)
-        return self._attentive(self._found(name))
+        return noted()(self._found(name))
 
     def address(self, name: str) -> int:
         """Address of a function that hands its call over; 0 if the library does not export it."""
         return _address(self._found(name)) if name in self._exported else 0
-
-    def raise_interrupt(self) -> None:
-        """Raise the KeyboardInterrupt that came while a call was waited for."""
-        if self._process.interrupted:
-            self._process.interrupted = False
-            raise KeyboardInterrupt
 
     def close(self) -> None:
         """Unload the library and end the process; a second call does nothing."""
@@ -159,14 +154,6 @@ class RemoteLibrary(Library):
             self._request(UNLOAD, [], limit=LONGEST_END)
         self._caller[Caller.ENDED] = 1
         self._process.close()
-
-    def _attentive(self, function: Callable[..., Any]) -> Callable[..., Any]:
-        def call(*arguments: Any) -> Any:
-            result = function(*arguments)
-            self.raise_interrupt()
-            return result
-
-        return call
 
     def _found(self, name: str) -> Any:
         if name not in self._functions:
@@ -188,9 +175,13 @@ class RemoteLibrary(Library):
 
         def handed_over(_: int, *arguments: Any) -> int:
             answer = self._request(name, outward(name, arguments))
-            if answer is None:
-                return Status.FATAL
-            return deliver(name, arguments, answer["written"], self._kept, status=int(answer["status"]))
+            try:
+                if answer is not None:
+                    return deliver(name, arguments, answer["written"], self._kept, status=int(answer["status"]))
+            except (AttributeError, KeyError, TypeError, ValueError):  # the FMU has written over the process's memory
+                self._process.end("sent what is no answer")
+                self._caller[Caller.ENDED] = 1
+            return Status.FATAL
 
         return _kind(name)(handed_over)
 
@@ -217,18 +208,19 @@ class RemoteLibrary(Library):
         self._process.ring()
 
     def _wait_on(self, caller: int, _: int) -> int:  # noqa: ARG002 - the record is this object's
-        """Wait for the end of a call that takes long, or take in what the FMU has logged; returns the status."""
+        """Wait for a call that takes long, or take in what the FMU has logged; the record gets the status."""
         words = self._words
         words[Word.MASTER_SLEEPS] = 1
         try:
             self._process.wait(lambda: words[Word.CALL] == IDLE)
         except RemoteEndedError:
             self._caller[Caller.ENDED] = 1
-            return Status.FATAL
+            return 0
         finally:
             words[Word.MASTER_SLEEPS] = 0
             self._pass_on()
-        return int(words[Word.STATUS])
+        self._caller[Caller.RESULT] = words[Word.STATUS]
+        return 0
 
     def _pass_on(self) -> None:
         """Give the instance the messages that its FMU has logged."""

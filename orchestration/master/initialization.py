@@ -20,6 +20,7 @@ from orchestration.master.flatten import Assembly
 from orchestration.master.kernel.codes import CALL_NAMES, Column
 from orchestration.master.kernel.flat_system import Plan, copy_links, get_outputs, set_inputs
 from orchestration.master.kernel.series import give
+from orchestration.master.safeguard import exposed
 from orchestration.sandbox.archive import unpacked
 from orchestration.sandbox.guard import Guard
 from orchestration.sandbox.remote import RemoteProcess
@@ -71,11 +72,6 @@ def opened(system: System, isolation: Isolation | None = None, guard: Guard | No
                 instance.scale_inputs(scales[component.name])
             instances.append(instance)
         yield instances
-
-
-def exposed(instances: Sequence[Instance]) -> list[str]:
-    """Names of the instances whose FMUs run in this process."""
-    return [instance.name for instance in instances if not instance.isolated]
 
 
 def _close(instance: Instance, guard: Guard) -> None:

@@ -33,7 +33,7 @@ from orchestration.master.discard import end_of_simulation
 from orchestration.master.failure_text import failure_message
 from orchestration.master.flat_run import flat_run
 from orchestration.master.form import report_libraries
-from orchestration.master.initialization import exposed, opened, set_values
+from orchestration.master.initialization import opened, set_values
 from orchestration.master.kernel import fixed_step
 from orchestration.master.kernel.codes import Failure
 from orchestration.master.memory import require_memory
@@ -41,6 +41,7 @@ from orchestration.master.options import Options
 from orchestration.master.outside import Outside
 from orchestration.master.provenance import told_afterwards
 from orchestration.master.recorder import Recorder, Sink, not_finite
+from orchestration.master.safeguard import over_steps, terminated
 from orchestration.master.saving import Saving, choices
 from orchestration.master.snapshot import Snapshot, identity
 from orchestration.master.time_grid import Grid
@@ -124,7 +125,6 @@ class Simulation:
         self._changed_at = -1  # point at which scheduled changes were made last
         self._stream: ParquetSink | None = None
         self._stack, self._guard = ExitStack(), Guard()
-        self._exposed: list[str] = []
         self._chunks = Chunks()
         self._block = Block(system.name)
 
@@ -136,10 +136,8 @@ class Simulation:
     def __enter__(self) -> Self:
         """Open and initialize the components, record row 0, and compile the loop."""
         with ExitStack() as stack:
-            self._instances: list[Instance] = stack.enter_context(
-                opened(self.system, self.options.isolation, self._guard)
-            )
-            self._exposed = exposed(self._instances)
+            instances = opened(self.system, self.options.isolation, self._guard)
+            self._instances: list[Instance] = stack.enter_context(instances)
             report_libraries(self._instances, strict=self.options.strict)
             run = (self.system, self._instances, self.algorithm, self.grid)
             self._flat = flat_run(*run, options=self.options, outside=self._outside, guard=self._guard)
@@ -243,9 +241,8 @@ class Simulation:
                 self._apply_changes()
                 reach = self._outside.reach(self.grid, int(self._state.interval), last)
                 self._chunks.begin()
-                with self._guard.over(self._exposed, f"in a step after t = {self.time:.9g} s"):
+                with over_steps(self._instances, self._guard, self.time):
                     self._run_plain(reach) if self._plain else self._run_general(reach)
-                self._raise_interrupt()
                 self._chunks.end()
                 if self.options.progress is not None:
                     so_far, controlled = int(self._state.interval), self.algorithm.control is not None
@@ -392,13 +389,8 @@ class Simulation:
         with self._guard.over(self._exposed, "between two steps"):
             return call(*arguments)
 
-    def _raise_interrupt(self) -> None:
-        for instance in self._instances:
-            instance.library.raise_interrupt()
-
     def _fail(self, failure: Failure) -> None:
         self._recorder.flush()
-        self._raise_interrupt()
         where = f" at t = {self.time:.9g} s (step {self.steps_made})"
         self._ended = end_of_simulation(failure, where, self._instances)
         if self._ended:
@@ -412,10 +404,6 @@ class Simulation:
             self._stream.metadata |= self._described()
             if self._ended:
                 self._stream.status, self._stream.message = ENDED, self._ended
-        for instance in self._instances:
-            if instance.library.ending:
-                continue
-            with self._guard.over(exposed([instance]), "while it was terminated"):
-                status = instance.status("fmi2Terminate")
+        for instance, status in terminated(self._instances, self._guard):
             if status > WORST_ACCEPTED:
                 raise SimulationError(instance.failure("fmi2Terminate", status), self.result())

@@ -23,6 +23,7 @@ from pathlib import Path
 from typing import Any
 
 from orchestration.errors import OrchestrationError
+from orchestration.sandbox.interrupts import asked
 
 LONGEST_START = 120.0  # s that an interpreter may need to start on a machine that is busy
 LONGEST_END = 5.0  # s that a process may take to end by itself
@@ -32,7 +33,8 @@ _NEAR_LIMIT = 0.8  # share of its memory in use, from which on a death is that o
 _HEAD = struct.Struct("<IB")  # length and kind of a message
 REPLY, SAID = 0, 1
 """Kinds of a message: the answer to a request; a text that the process says of itself."""
-MOST_BYTES = 2**31
+MOST_BYTES, MOST_TEXT, MOST_SAID = 2**31, 2**16, 10_000
+"""Bytes of a message and of a text that are taken, and texts that are kept until somebody takes them."""
 _ROOT = str(Path(__file__).parents[2])
 
 
@@ -86,8 +88,8 @@ class RemoteProcess:
         Descriptors of the socket whose bytes wake the other process, and of that for messages.
     ending
         How the process ended, as the end of a sentence; empty while it lives.
-    interrupted
-        Whether Ctrl-C was noticed while the process was waited for.
+    said
+        Texts that the process has said and nobody has taken yet, the newest `MOST_SAID` of them.
     """
 
     def __init__(
@@ -99,7 +101,8 @@ class RemoteProcess:
         memory_limit: int | None = None,
     ) -> None:
         self.time_limit, self.memory_limit = time_limit, memory_limit
-        self.ending, self.interrupted, self.said = "", False, deque[str]()
+        self.ending, self.said = "", deque[str](maxlen=MOST_SAID)
+        self._used = 0  # bytes of memory that the process has used at most
         self._replies: deque[Any] = deque()
         self._received = bytearray()
         self._talk, talk = socket.socketpair()
@@ -162,17 +165,16 @@ class RemoteProcess:
         """
         limit = self.time_limit if limit is None else limit
         end, pause = (None if limit is None else time.monotonic() + limit), 0.0
+        interrupted = False
         while True:
-            try:
-                self._receive(pause)
-                if ready():
-                    return
-                if end is not None and time.monotonic() > end:
-                    self._fail("was interrupted" if self.interrupted else f"did not return within {limit:g} s")
-                pause = _LOOK if end is None else max(0.0, min(_LOOK, end - time.monotonic()))
-            except KeyboardInterrupt:
-                self.interrupted = True
-                end = time.monotonic() + GRACE
+            self._receive(pause)
+            if ready():
+                return
+            if end is not None and time.monotonic() > end:
+                self._fail("was interrupted" if interrupted else f"did not return within {limit:g} s")
+            if asked() and not interrupted:
+                interrupted, end = True, time.monotonic() + GRACE
+            pause = _LOOK if end is None else max(0.0, min(_LOOK, end - time.monotonic()))
 
     def close(self) -> None:
         """End the process, if it has not ended; a second call does nothing."""
@@ -206,16 +208,16 @@ class RemoteProcess:
         for descriptor, _ in self._poll.poll(1e3 * pause):
             end = self._bell if descriptor == self.bell else self._talk
             try:
-                while part := end.recv(2**16):
-                    if end is self._talk:
-                        self._received += part
+                part = end.recv(2**16)
             except BlockingIOError:
                 continue
             except OSError:
+                part = b""
+            if end is self._talk:
+                self._received += part
+            if not part:
                 self._unpack()
                 self._died()
-            self._unpack()
-            self._died()
         self._unpack()
         if pause > 0 and not self._replies and self._reap(0.0):
             self._died()
@@ -231,7 +233,7 @@ class RemoteProcess:
             content = bytes(self._received[_HEAD.size : _HEAD.size + length])
             del self._received[: _HEAD.size + length]
             if kind == SAID:
-                self.said.append(content.decode(errors="replace"))
+                self.said.append(content[:MOST_TEXT].decode(errors="replace"))
                 continue
             try:
                 self._replies.append(json.loads(content))
@@ -254,13 +256,15 @@ class RemoteProcess:
         self._fail(death(code))
 
     def _fail(self, how: str) -> None:
+        self.end(how)
+        raise RemoteEndedError(self.ending)
+
+    def end(self, how: str) -> None:
+        """End the process because of what it did, given as the end of a sentence."""
         self.ending = self.ending or how
         if self._process.returncode is None:
             self._process.kill()
             self._reap(None)
-        raise RemoteEndedError(self.ending)
-
-    _used = 0  # bytes of memory that the process has used at most
 
     def _reap(self, longest: float | None) -> bool:
         """Wait for the end of the process for at most so many seconds; returns whether it has ended."""

@@ -114,7 +114,7 @@ def test_messages_arrive(unruly: Unruly) -> None:
 
 def test_ctrl_c_ends_a_call_that_does_not_return(unruly: Unruly) -> None:
     with prepare(unruly("step hang"), 1.0, 0.1, isolate=Isolation(time_limit=None)) as run:
-        pressed = threading.Timer(1.0, signal.raise_signal, [signal.SIGINT])
+        pressed = threading.Timer(1.0, os.kill, [os.getpid(), signal.SIGINT])
         pressed.start()
         with pytest.raises(RunInterrupted) as interrupt:
             run.run()
