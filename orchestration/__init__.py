@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from orchestration.fmi.fmu import Fmu
     from orchestration.fmi.isolation import Isolation
     from orchestration.master.algorithm import Algorithm, Correction, StepControl, Tolerance
+    from orchestration.master.fmu_messages import FmuWarning
     from orchestration.master.form import FormalityWarning
     from orchestration.master.options import Crossings, Options
     from orchestration.master.pacing import Pace
@@ -55,6 +56,7 @@ _HOME = {
     "Correction": "master.algorithm",
     "Crossings": "master.options",
     "Fmu": "fmi.fmu",
+    "FmuWarning": "master.fmu_messages",
     "FormalityWarning": "master.form",
     "InitializationError": "errors",
     "Isolation": "fmi.isolation",
@@ -96,6 +98,7 @@ __all__ = [
     "Correction",
     "Crossings",
     "Fmu",
+    "FmuWarning",
     "FormalityWarning",
     "InitializationError",
     "Isolation",

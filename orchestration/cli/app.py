@@ -16,17 +16,25 @@ from orchestration.cli.codes import ExitCode, exit_code_of
 from orchestration.cli.options import (
     ALGORITHM,
     CARE,
-    OUTSIDE,
     ROWS,
     TIME,
+    AllowNan,
+    At,
     Controller,
+    FmuStopTime,
+    FmuTolerance,
+    Input,
     Isolate,
     Json,
     Mapping,
+    Pace,
     SampleTime,
     Settings,
     StaleInputs,
+    Start,
+    Strict,
     SystemName,
+    Variant,
 )
 from orchestration.cli.output import never_fail_on_characters, output
 from orchestration.cli.outside import RunCommand
@@ -91,16 +99,17 @@ def info(
         str,
         typer.Argument(
             metavar="NAME",
-            help="An .fmu or .ssp file, a result (.csv or .parquet), a scenario or a shipped FMU.",
+            help="An .fmu, .ssp or .ssd file, a folder, a result (.csv or .parquet), a scenario or a shipped FMU.",
             autocompletion=completion.subjects,
         ),
     ],
+    variant: Variant = None,
     json: Json = False,
 ) -> None:
     """Show what is in an FMU, a system or a result: variables, connections, columns."""
     from orchestration.cli.info import print_info
 
-    print_info(name, json=json)
+    print_info(name, variant, json=json)
 
 
 @app.command(
@@ -113,6 +122,7 @@ def info(
 @with_messages
 def run(
     system: SystemName,
+    variant: Variant = None,
     controller: Controller = None,
     map_: Mapping = None,
     set_: Settings = None,
@@ -179,11 +189,13 @@ def run(
         float | None, typer.Option(metavar="H", help="Communication step, s.", rich_help_panel=TIME)
     ] = None,
     sample_time: SampleTime = None,
-    start: Annotated[float, typer.Option(metavar="T", help="Start time, s.", rich_help_panel=TIME)] = 0.0,
+    start: Start = None,
     stop: Annotated[
         float | None,
         typer.Option(metavar="T", help="Stop time, s; by default that of the system.", rich_help_panel=TIME),
     ] = None,
+    fmu_tolerance: FmuTolerance = None,
+    fmu_stop_time: FmuStopTime = True,
     out: Annotated[
         Path | None,
         typer.Option("--out", "-o", metavar="FILE", help="File for the rows, .csv or .parquet.", rich_help_panel=ROWS),
@@ -198,44 +210,16 @@ def run(
         ),
     ] = None,
     every: Annotated[int, typer.Option(metavar="N", help="Record every n-th step.", rich_help_panel=ROWS)] = 1,
-    input_: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--input",
-            metavar="FILE[:held|:linear]",
-            help="Time series for inputs, .csv or .parquet with columns COMP.VAR; repeatable.",
-            rich_help_panel=OUTSIDE,
-        ),
-    ] = None,
-    at: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--at",
-            metavar="T COMP.VAR=VALUE",
-            help="Set a tunable parameter or a free input at T s; repeatable.",
-            rich_help_panel=OUTSIDE,
-        ),
-    ] = None,
-    pace: Annotated[
-        float | None,
-        typer.Option(
-            metavar="RATE",
-            help="Simulated seconds per second: 1 keeps step with the clock.",
-            rich_help_panel=OUTSIDE,
-        ),
-    ] = None,
+    input_: Input = None,
+    at: At = None,
+    pace: Pace = None,
     verdict: Annotated[
         bool,
         typer.Option(
             "--verdict/--no-verdict", help="Warn before the run if the algorithm is unstable.", rich_help_panel=CARE
         ),
     ] = True,
-    strict: Annotated[
-        bool,
-        typer.Option(
-            "--strict", help="Unconnected inputs, and FMUs that break rules of form, are errors.", rich_help_panel=CARE
-        ),
-    ] = False,
+    strict: Strict = False,
     assumptions: Annotated[
         bool,
         typer.Option(
@@ -246,6 +230,7 @@ def run(
     ] = False,
     allow_stale_inputs: StaleInputs = False,
     isolate: Isolate = None,
+    allow_nan: AllowNan = False,
     json: Json = False,
 ) -> None:
     """Run a system, and print or write what it did."""
@@ -257,7 +242,7 @@ def run(
 
     run_system(
         RunRequest(
-            asked=SystemRequest(system, controller, tuple(map_ or ()), tuple(set_ or ()), sample_time),
+            asked=SystemRequest(system, controller, tuple(map_ or ()), tuple(set_ or ()), sample_time, variant),
             algorithm=AlgorithmRequest(algorithm, exchange, input_order, tolerance, tuple(absolute or ())),
             ratios=tuple(ratio or ()),
             crossings=tuple(crossing or ()),
@@ -273,6 +258,9 @@ def run(
             assumptions=assumptions,
             allow_stale_inputs=allow_stale_inputs,
             isolate=tuple(isolate or ()),
+            allow_nan=allow_nan,
+            fmu_tolerance=fmu_tolerance,
+            fmu_stop_time=fmu_stop_time,
             json=json,
             outside=OutsideRequest(tuple(input_ or ()), tuple(at or ()), pace),
         )
@@ -291,6 +279,7 @@ def run(
 def export(
     system: SystemName,
     out: Annotated[Path, typer.Option("--out", "-o", metavar="FILE.ssp", help="File to write.")],
+    variant: Variant = None,
     controller: Controller = None,
     map_: Mapping = None,
     set_: Settings = None,
@@ -300,7 +289,8 @@ def export(
     from orchestration.cli.export import export_system
     from orchestration.cli.systems import SystemRequest
 
-    export_system(SystemRequest(system, controller, tuple(map_ or ()), tuple(set_ or ()), sample_time), out)
+    asked = SystemRequest(system, controller, tuple(map_ or ()), tuple(set_ or ()), sample_time, variant)
+    export_system(asked, out)
 
 
 @app.command(cls=Command, epilog=closing("adaptimp build -o fmus_built", "adaptimp build mine.py -o built --verbose"))

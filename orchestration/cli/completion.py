@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-FILES = (".fmu", ".ssp")
+FILES = (".fmu", ".ssp", ".ssd")
 RESULTS = (".csv", ".parquet")
 
 

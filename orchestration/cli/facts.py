@@ -1,6 +1,7 @@
 """Gathers what is in an FMU, a system or a file of results, as plain values that JSON knows."""
 
 import zipfile
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -44,12 +45,13 @@ def fmu_facts(path: Path) -> dict[str, Any]:
     }
 
 
-def system_facts(system: System) -> dict[str, Any]:
-    """What a system is made of."""
+def system_facts(system: System, variants: Sequence[str] = ()) -> dict[str, Any]:
+    """What a system is made of, and which variants its package has."""
     return {
         "kind": "system",
         "name": system.name,
-        "experiment": {"stop": system.stop_time, "step": system.step},
+        "variants": list(variants),
+        "experiment": {"start": system.start_time, "stop": system.stop_time, "step": system.step},
         "components": [_component(component) for component in system.components],
         "connections": [str(connection) for connection in system.connections],
         "unconnected_inputs": system.unconnected_inputs(),

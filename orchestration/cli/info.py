@@ -8,7 +8,7 @@ from typing import Any
 from orchestration.cli.facts import fmu_facts, result_facts, system_facts
 from orchestration.cli.output import output, watched, width
 from orchestration.cli.signals import signal_table
-from orchestration.cli.systems import FMU, PACKAGE, named_fmu, named_system
+from orchestration.cli.systems import FMU, is_package, named_fmu, named_system
 from orchestration.cli.tables import definitions, table
 from orchestration.errors import UnknownNameError
 from orchestration.fmi.codes import (
@@ -35,10 +35,10 @@ LONGEST = 200
 """Characters of a text of metadata that is shown; JSON has all."""
 
 
-def print_info(name: str, *, json: bool) -> None:
+def print_info(name: str, variant: str | None = None, *, json: bool) -> None:
     """Print what a file, a scenario or a shipped FMU holds, as text or as JSON."""
     with watched():
-        facts = _facts(name)
+        facts = _facts(name, variant)
     if json:
         output.data(formats.dumps(facts, indent=2))
         return
@@ -47,19 +47,23 @@ def print_info(name: str, *, json: bool) -> None:
         output.data(part)
 
 
-def _facts(name: str) -> dict[str, Any]:
+def _facts(name: str, variant: str | None) -> dict[str, Any]:
     from fmus.catalog import MODELS
     from orchestration.paper.scenarios import SCENARIOS, VARIANTS
 
     path, suffix = Path(name), Path(name).suffix.lower()
+    if is_package(name):
+        from orchestration.ssp.read import variants_of
+
+        return system_facts(named_system(name, variant), variants_of(path))
     if suffix in READERS:
         return result_facts(path)
     if suffix == FMU or name in MODELS:
         return fmu_facts(named_fmu(name))
-    if suffix == PACKAGE or name in SCENARIOS or name in VARIANTS:
-        return system_facts(named_system(name))
+    if name in SCENARIOS or name in VARIANTS:
+        return system_facts(named_system(name, variant))
     known = [*SCENARIOS, *VARIANTS, *MODELS]
-    msg = f"{name} is neither an .fmu, .ssp, .csv or .parquet file nor a scenario or a shipped FMU; "
+    msg = f"{name} is neither an .fmu, .ssp, .ssd, .csv or .parquet file nor a scenario or a shipped FMU; "
     raise UnknownNameError(msg + suggestion(name, known))
 
 
@@ -130,12 +134,15 @@ def _value(variable: Mapping[str, Any]) -> str:
 
 def _system_text(facts: Mapping[str, Any], width: int) -> Iterator[str]:
     counts = f"{len(facts['components'])} components, {len(facts['connections'])} connections"
-    times = _times({key: value for key, value in facts["experiment"].items() if value is not None})
+    given = {key: value for key, value in facts["experiment"].items() if value is not None}
+    times = _times({key: value for key, value in given.items() if key != "start" or value != 0})
     yield f"System {facts['name']}: {counts}" + (f"; {times}" if times else "")
     rows = [
         (c["name"], c["model"], _sampling(c), *(str(c[kind]) for kind in ("inputs", "outputs", "parameters")))
         for c in facts["components"]
     ]
+    if len(facts["variants"]) > 1:
+        yield f"  variants: {', '.join(facts['variants'])}"
     yield "\ncomponents, in the order of stepping"
     numbers = ("inputs", "outputs", "parameters")
     yield table(("name", "model", "sampling", *numbers), rows, width, numbers=numbers, together=2)
@@ -147,6 +154,9 @@ def _system_text(facts: Mapping[str, Any], width: int) -> Iterator[str]:
     if facts["start_values"]:
         yield "\nstart values that the system sets"
         yield _without_empty(("name", "unit", "value", "remark"), _start_values(facts), width, 4)
+    if facts["notices"]:
+        yield "\nnotices"
+        yield definitions([("", notice) for notice in facts["notices"]], width)
 
 
 def _start_values(facts: Mapping[str, Any]) -> list[tuple[str, str, str, str]]:

@@ -15,8 +15,16 @@ SystemName = Annotated[
     str,
     typer.Argument(
         metavar="SYSTEM",
-        help="A scenario ('adaptimp list' names them), an .ssp file or one .fmu file.",
+        help="A scenario ('adaptimp list' names them), an .ssp or .ssd file, a folder with one, or one .fmu file.",
         autocompletion=completion.systems,
+    ),
+]
+Variant = Annotated[
+    str | None,
+    typer.Option(
+        metavar="NAME",
+        help="Another .ssd file of the package; 'adaptimp info' lists them.",
+        rich_help_panel=SYSTEM,
     ),
 ]
 Controller = Annotated[
@@ -51,14 +59,6 @@ SampleTime = Annotated[
     float | None,
     typer.Option(metavar="H", help="Communication step and every sample_time, s.", rich_help_panel=TIME),
 ]
-StaleInputs = Annotated[
-    bool,
-    typer.Option(
-        "--allow-stale-inputs",
-        help="Let a step hold several ticks, on the inputs of its start.",
-        rich_help_panel=CARE,
-    ),
-]
 Isolate = Annotated[
     list[str] | None,
     typer.Option(
@@ -68,9 +68,73 @@ Isolate = Annotated[
         rich_help_panel=CARE,
     ),
 ]
+Input = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--input",
+        metavar="FILE[:held|:linear]",
+        help="Time series for inputs, .csv or .parquet with columns COMP.VAR; repeatable.",
+        rich_help_panel=OUTSIDE,
+    ),
+]
+At = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--at",
+        metavar="T COMP.VAR=VALUE",
+        help="Set a tunable parameter or a free input at T s; repeatable.",
+        rich_help_panel=OUTSIDE,
+    ),
+]
+Pace = Annotated[
+    float | None,
+    typer.Option(
+        metavar="RATE",
+        help="Simulated seconds per second: 1 keeps step with the clock.",
+        rich_help_panel=OUTSIDE,
+    ),
+]
 Json = Annotated[
     bool,
     typer.Option(
         "--json", help="Print one JSON object, and nothing else on standard output.", rich_help_panel=MESSAGES
     ),
+]
+Strict = Annotated[
+    bool,
+    typer.Option(
+        "--strict", help="Unconnected inputs, and FMUs that break rules of form, are errors.", rich_help_panel=CARE
+    ),
+]
+StaleInputs = Annotated[
+    bool,
+    typer.Option(
+        "--allow-stale-inputs",
+        help="Let a step hold several ticks, on the inputs of its start.",
+        rich_help_panel=CARE,
+    ),
+]
+AllowNan = Annotated[
+    bool,
+    typer.Option(
+        "--allow-nan", help="Go on when a recorded value is NaN or infinite, and keep it.", rich_help_panel=CARE
+    ),
+]
+FmuTolerance = Annotated[
+    float | None,
+    typer.Option(
+        metavar="R",
+        help="Relative tolerance that FMUs are told; by default that of each one's own default experiment.",
+        rich_help_panel=TIME,
+    ),
+]
+FmuStopTime = Annotated[
+    bool,
+    typer.Option(
+        "--fmu-stop-time/--no-fmu-stop-time", help="Tell FMUs the stop time of the run.", rich_help_panel=TIME
+    ),
+]
+Start = Annotated[
+    float | None,
+    typer.Option(metavar="T", help="Start time, s; by default the system's.", rich_help_panel=TIME),
 ]

@@ -38,6 +38,8 @@ class RunReport:
         ``complete``, ``ended``, ``failed``, ``interrupted`` or ``refused``; why; the exit code of the program.
     notices, warnings
         Sentences that the user should know.
+    messages
+        What the FMUs logged, each text after the name of its component.
     file, replaced
         File with the rows, and whether there was one of that name before.
     extremes
@@ -60,6 +62,7 @@ class RunReport:
     exit_code: int = ExitCode.SUCCESS
     notices: list[str] = field(default_factory=list)
     warnings: list[str] = field(default_factory=list)
+    messages: Sequence[str] = ()
     file: Path | None = None
     replaced: bool = False
     extremes: Extremes | None = None
@@ -75,6 +78,7 @@ class RunReport:
         signals = {} if self.extremes is None else signal_record(self.extremes)
         own = {f.name: _known(getattr(self, f.name)) for f in fields(self) if f.name != "extremes"}
         own |= {"file": None if self.file is None else str(self.file), "order": list(self.order)}
+        own["messages"] = list(self.messages)
         about = {"version": version("adaptimp")}
         return json.dumps({**about, **own, "signals": signals}, indent=2, allow_nan=False)
 

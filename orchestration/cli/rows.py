@@ -67,7 +67,7 @@ class Destination:
         if self.streamed is None:
             result.write(self.path)
         said = self._written(self.path, report)
-        output.say(f"{said}: {report.rows} rows, {len(result.names)} columns")
+        output.say(f"{said}: {report.rows} rows, {len(result)} columns")
         if output.data_only:
             report.extremes = extremes_of_file(self.path) if self.streamed else extremes([result])
 

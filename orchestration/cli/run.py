@@ -19,6 +19,7 @@ from orchestration.cli.signals import signal_record, signal_table
 from orchestration.cli.systems import SystemRequest
 from orchestration.errors import (
     OrchestrationError,
+    RecordedRows,
     RunInterrupted,
     SimulationError,
     SystemDescriptionError,
@@ -32,6 +33,9 @@ from orchestration.results.columns import ENDED
 from orchestration.results.result import Result
 
 LONG_COMPILATION = 1.0  # s, from which on it is said
+MOST_NAMED = 20  # components whose order is told whole
+MOST_JUDGED = 100  # connections: the verdict takes up to 5 s there, and grows with the cube of their number
+MOST_EXPLAINED = 60  # connections: the search for a stable step and for the culprit takes up to 15 s there
 
 
 @dataclass(frozen=True)
@@ -44,7 +48,7 @@ class RunRequest:
     ratios: Sequence[str] = ()
     order: Sequence[str] | None = None
     step: float | None = None
-    start: float = 0.0
+    start: float | None = None
     stop: float | None = None
     out: Path | None = None
     record: Sequence[str] | None = None
@@ -53,6 +57,9 @@ class RunRequest:
     strict: bool = False
     assumptions: bool = False
     allow_stale_inputs: bool = False
+    allow_nan: bool = False
+    fmu_tolerance: float | None = None
+    fmu_stop_time: bool = True
     json: bool = False
     isolate: Sequence[str] = ()
     outside: OutsideRequest = field(default_factory=OutsideRequest)
@@ -100,10 +107,16 @@ def _prepared(request: RunRequest, report: RunReport, line: ProgressLine) -> Sim
         system = system.ordered(request.order)
     check_tolerances(system, algorithm)
     report.step, report.order = system.run_step(request.step), [component.name for component in system.components]
-    output.say(f"{system.name}: {algorithm.name}, order {' > '.join(report.order)}, step {report.step:g} s")
+    output.say(f"{system.name}: {algorithm.name}, order {_ordered(report.order)}, step {report.step:g} s")
     simulation = prepare(system, request.stop, report.step, algorithm, options=_options(request, line))
     report.start_time, report.stop_time = (float(simulation.grid.times[i]) for i in (0, -1))
     return simulation
+
+
+def _ordered(names: Sequence[str]) -> str:
+    """The order of stepping; of very many components the first and the last."""
+    shown = names if len(names) <= MOST_NAMED else [*names[: MOST_NAMED // 2], "...", names[-1]]
+    return " > ".join(shown) + (f" ({len(names)} components)" if len(shown) < len(names) else "")
 
 
 def _options(request: RunRequest, line: ProgressLine) -> Options:
@@ -113,6 +126,9 @@ def _options(request: RunRequest, line: ProgressLine) -> Options:
         start_time=request.start,
         strict=request.strict,
         allow_stale_inputs=request.allow_stale_inputs,
+        allow_nan=request.allow_nan,
+        fmu_tolerance=request.fmu_tolerance,
+        fmu_stop_time=request.fmu_stop_time,
         ratios=numbers("--ratio", request.ratios, int),
         crossings=Crossings(request.crossings),
         progress=line.steps,
@@ -132,10 +148,12 @@ def _run(
                 line.begin("judging the stability of the algorithm")
                 _judge(simulation, report)
             result = _stepped(simulation, report, line)
+            _tell_messages(result, report)
             if result.status == ENDED:
                 report.status, report.message = result.status, result.message
                 output.remark(f"Notice: {result.message}")
     except SimulationError as error:
+        _tell_messages(error.result, report)
         destination.partial(error.result, report, "before the failure")
         raise
     except RunInterrupted as interrupt:
@@ -145,6 +163,13 @@ def _run(
         raise
     line.begin("writing the rows")
     destination.complete(result, report)
+
+
+def _tell_messages(result: RecordedRows | None, report: RunReport) -> None:
+    """Keep in the report what the FMUs logged, and say it if asked for."""
+    report.messages = result.messages if isinstance(result, Result) else ()
+    for text in report.messages if output.verbose else ():
+        output.remark(text)
 
 
 def _stepped(simulation: Simulation, report: RunReport, line: ProgressLine) -> Result:
@@ -161,18 +186,35 @@ def _stepped(simulation: Simulation, report: RunReport, line: ProgressLine) -> R
 
 
 def _judge(simulation: Simulation, report: RunReport) -> None:
-    """Warn if the algorithm is unstable at the start; a system that cannot be judged is run anyway."""
+    """Warn if the algorithm is unstable at the start; a system that cannot be judged in short time is run anyway."""
     from orchestration.analysis.stability.verdict import is_stable, stability
 
-    judged = simulation.system.set(simulation.first_inputs), report.step, simulation.algorithm
+    system, n = simulation.system, len(simulation.system.connections)
+    judged = system.set(simulation.first_inputs), report.step, simulation.algorithm
     try:
+        _require_few(n)
         isolation = simulation.options.isolation
         if not is_stable(*judged, isolation=isolation):
-            report.warnings.append(str(stability(*judged, isolation=isolation)))
+            told = (
+                str(stability(*judged, isolation=isolation)) if n <= MOST_EXPLAINED else _unstable(simulation, report)
+            )
+            report.warnings.append(told)
             output.remark(f"Warning: {report.warnings[-1]}")
     except OrchestrationError as error:
         report.notices.append(f"no verdict on stability: {error}")
         output.remark(f"Notice: {report.notices[-1]}")
+
+
+def _require_few(n_connections: int) -> None:
+    if n_connections > MOST_JUDGED:
+        msg = f"it would take long with {n_connections} connections; System.stability gives one."
+        raise SystemDescriptionError(msg)
+
+
+def _unstable(simulation: Simulation, report: RunReport) -> str:
+    """Sentence on an unstable run of so many connections that a search for the culprit would take long."""
+    run = f"{simulation.system.name}: {simulation.algorithm.name} with a step of {report.step:g} s"
+    return f"{run} is UNSTABLE at the start; System.stability searches for a stable step, which takes long."
 
 
 @contextmanager

@@ -1,7 +1,7 @@
 """Finds the system that a command line names, with another controller and other start values if asked for."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from orchestration.cli.settings import setting_of, start_value
@@ -9,7 +9,7 @@ from orchestration.errors import SystemDescriptionError
 from orchestration.fmi.names import suggestion
 from orchestration.system.system import System
 
-FMU, PACKAGE = ".fmu", ".ssp"
+FMU, PACKAGE, DEFINITION = ".fmu", ".ssp", ".ssd"
 
 
 @dataclass(frozen=True)
@@ -19,7 +19,7 @@ class SystemRequest:
     Attributes
     ----------
     name
-        A scenario, an .ssp file or an .fmu file.
+        A scenario, an .ssp or .ssd file, a folder with an .ssd file, or an .fmu file.
     controller
         FMU in the place of the component ``controller``: a file or the name of a shipped model.
     mapping
@@ -28,6 +28,8 @@ class SystemRequest:
         Texts COMPONENT.VARIABLE=VALUE: start values.
     sample_time
         Communication step and every sampling period, s.
+    variant
+        Name of another .ssd file of a package.
     """
 
     name: str
@@ -35,6 +37,7 @@ class SystemRequest:
     mapping: Sequence[str] = ()
     settings: Sequence[str] = ()
     sample_time: float | None = None
+    variant: str | None = None
 
     def system(self) -> System:
         """Make the system; FMUs that are not there yet are built.
@@ -47,7 +50,7 @@ class SystemRequest:
         if self.mapping and self.controller is None:
             msg = "--map says what --controller calls our variables; give one."
             raise SystemDescriptionError(msg)
-        system = named_system(self.name)
+        system = named_system(self.name, self.variant)
         if self.controller is not None:
             names: Mapping[str, str] = dict(map(setting_of("--map"), self.mapping))
             system = system.replace("controller", named_fmu(self.controller), names)
@@ -55,16 +58,31 @@ class SystemRequest:
         return system if self.sample_time is None else system.with_sample_time(self.sample_time)
 
 
-def named_system(name: str) -> System:
-    """The system of a file, or a scenario by name."""
+def is_package(name: str) -> bool:
+    """Whether a name is that of a package, an .ssd file or a folder; a scenario goes before a folder of its name."""
+    from orchestration.paper.scenarios import SCENARIOS, VARIANTS
+
+    if Path(name).suffix.lower() in (PACKAGE, DEFINITION):
+        return True
+    return Path(name).is_dir() and name not in SCENARIOS and name not in VARIANTS
+
+
+def named_system(name: str, variant: str | None = None) -> System:
+    """The system of a file or folder, or a scenario by name."""
     path = Path(name)
+    if is_package(name):
+        return System.read(path, variant)
+    if variant is not None:
+        msg = f"--variant {variant}: only a package has variants, and {name} is none."
+        raise SystemDescriptionError(msg)
     if path.suffix.lower() == FMU:
         component = path.stem.replace(".", "_")
-        return System.of({component: path}, component)
-    if path.suffix.lower() == PACKAGE:
-        return System.read(path)
+        system = System.of({component: path}, component)
+        own = system[component].description.experiment  # it stands alone, so its own experiment is the run's
+        return replace(system, step=own.step, stop_time=own.stop_time, start_time=own.start_time or 0.0)
     if path.suffix:
-        msg = f"{path}: a system is read from an .ssp or .fmu file; scenarios have names, such as adaptimp run fig5."
+        kinds = "an .ssp, .ssd or .fmu file, or from a folder"
+        msg = f"{path}: a system is read from {kinds}; scenarios have names, such as adaptimp run fig5."
         raise SystemDescriptionError(msg)
     from orchestration.paper.ready import scenario
 

@@ -4,6 +4,7 @@
 to `orchestration.check`.
 """
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
@@ -26,6 +27,7 @@ from orchestration.fmi.document import (
     read_bytes,
     require_valid,
 )
+from orchestration.fmi.experiment import UNKNOWN, Experiment
 from orchestration.fmi.formalities import RULES
 from orchestration.fmi.names import arrays
 from orchestration.fmi.units import UnitDefinition, defined
@@ -34,7 +36,7 @@ from orchestration.sandbox.missing import require_file
 
 SAMPLE_TIME = "sample_time"
 """Name of the parameter that tells a sampled component's period, s."""
-_VERSIONS = ("1.0", "2.0", "3.0")
+_VERSION = re.compile(r"1\.0|2\.0|3\.\d+([.-].*)?")  # those of FMI 3 may have a patch, or name a draft
 
 
 @dataclass(frozen=True)
@@ -43,6 +45,8 @@ class Variable:
 
     Attributes
     ----------
+    start
+        Start value that the FMU declares: a number, or the text of a String; None if it declares none.
     direct
         Whether an output depends on an input at the same instant. An output whose dependencies are not
         declared depends on all inputs (FMI 2.0.4, section 2.2.8).
@@ -62,7 +66,7 @@ class Variable:
     causality: str
     variability: str
     unit: str
-    start: float | None
+    start: float | str | None
     description: str = ""
     direct: bool = False
     relative: bool = False
@@ -91,6 +95,8 @@ class Description:
         Names of the flags of the co-simulation element that are true.
     formalities
         Sentences on rules of form that the FMU breaks; see `orchestration.fmi.formalities`.
+    experiment
+        Default experiment that the FMU suggests.
     """
 
     path: Path
@@ -101,6 +107,7 @@ class Description:
     units: Mapping[str, UnitDefinition]
     capabilities: frozenset[str] = frozenset()
     formalities: tuple[str, ...] = ()
+    experiment: Experiment = UNKNOWN
 
     def __repr__(self) -> str:
         """Model name, file and number of variables."""
@@ -141,6 +148,10 @@ class Description:
             if variable.type != STRING:
                 found.setdefault(variable.causality, []).append(variable)
         return found
+
+    def texts(self, causality: str) -> list[Variable]:
+        """Strings of a causality, in their order."""
+        return [v for v in self.variables.values() if v.causality == causality and v.type == STRING]
 
     def unit(self, variable: Variable) -> UnitDefinition | None:
         """The unit of a variable; None if it declares none."""
@@ -205,6 +216,7 @@ def _read_description(path: Path, modified: int, size: int) -> Description:  # n
         {name: UnitDefinition(name, u if u and u.convertible else None) for name, u in document.units.items()},
         frozenset(filter(document.flag, CAPABILITIES)),
         tuple(formalities),
+        Experiment(*(document.experiment(name) for name in ("startTime", "stopTime", "tolerance", "stepSize"))),
     )
 
 
@@ -217,12 +229,13 @@ def _document(path: Path) -> Document:
     """The document of an FMU of the right kind, valid against the schema."""
     root = parsed(read_bytes(path))
     version = root.get("fmiVersion")
-    if root.tag != "fmiModelDescription" or version not in _VERSIONS:
+    if root.tag != "fmiModelDescription" or not _VERSION.fullmatch(version or ""):
         msg = f"the root element is {root.tag} with the fmiVersion {version}, which is not a version of FMI."
         raise DocumentError(msg)
     exchange = root.find("CoSimulation") is None and root.find("Implementation") is None
     if version != "2.0" or exchange:
-        kind = "model exchange" if exchange else "co-simulation"
+        scheduled = exchange and root.find("ScheduledExecution") is not None and root.find("ModelExchange") is None
+        kind = "scheduled execution" if scheduled else "model exchange" if exchange else "co-simulation"
         msg = f"{path} is an FMI {version} FMU for {kind}; one of FMI 2.0 for co-simulation is needed."
         raise ArchiveError(msg)
     require_valid(root)
@@ -280,7 +293,7 @@ def _variable(declared: Declared, *, direct: bool) -> Variable:
         causality=declared.causality,
         variability="discrete" if unfit else declared.variability,
         unit=declared.unit,
-        start=declared.number,
+        start=declared.start if declared.type == STRING else declared.number,
         description=declared.description,
         direct=direct,
         relative=declared.relative,

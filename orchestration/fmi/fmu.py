@@ -30,6 +30,7 @@ from orchestration.fmi.arrays import Signals, Value
 from orchestration.fmi.codes import Status, accepted
 from orchestration.fmi.description import Variable, read_description
 from orchestration.fmi.display import Variables, variables_html
+from orchestration.fmi.experiment import Experiment
 from orchestration.fmi.given import a_number, a_path, require_type
 from orchestration.fmi.instance import Instance
 from orchestration.fmi.library import needed_to_run
@@ -61,6 +62,10 @@ class Fmu:
         Start values by name: a number, a text, or an array (k,) for an array of k variables.
     start_time
         Time of the initialization, s.
+    stop_time
+        Last time of the experiment, s, if the FMU is to know it.
+    tolerance
+        Relative tolerance that the FMU is told. Default: that of its default experiment, if any.
     **values
         More start values, for names that Python can write.
 
@@ -100,6 +105,8 @@ class Fmu:
         /,
         *,
         start_time: float = 0.0,
+        stop_time: float | None = None,
+        tolerance: float | None = None,
         **values: Value,
     ) -> None:
         self.path = a_path("An FMU", path)
@@ -117,7 +124,10 @@ class Fmu:
             opened.callback(self._instance.close)
             others, inputs = by_time(self.description, {**(start or {}), **values})
             self.set(others)
-            self._call("fmi2SetupExperiment", 0, 0.0, self.time, 0, 0.0)
+            given = (("stop time", stop_time), ("tolerance", tolerance or self.description.experiment.tolerance))
+            numbers = (None if v is None else a_number(f"{self.name}: the {what}", v, SignalError) for what, v in given)
+            known = Experiment(None, *numbers).told
+            self._call("fmi2SetupExperiment", *known[0], self.time, *known[1])
             self._call("fmi2EnterInitializationMode")
             self.set(inputs)
             self._call("fmi2ExitInitializationMode")

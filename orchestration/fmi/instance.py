@@ -17,8 +17,10 @@ from orchestration.fmi.codes import (
     accepted,
     status_name,
 )
+from orchestration.fmi.deferred import raise_kept
 from orchestration.fmi.description import Description
 from orchestration.fmi.display import listed
+from orchestration.fmi.experiment import UNKNOWN, Experiment
 from orchestration.fmi.library import Library, library_path, needed_functions
 from orchestration.fmi.logging import Messages, callbacks, listen
 from orchestration.fmi.signatures import CO_SIMULATION
@@ -45,7 +47,7 @@ class Instance:
     identity
         GUID of the FMU, and URL of its resources.
     messages
-        Receives the texts that the FMU logs; by default only the last texts are kept.
+        Receives the texts that the FMU logs.
     announce
         Receives the name of each function before the call, and an empty text after it.
 
@@ -53,6 +55,8 @@ class Instance:
     ----------
     worst
         Worst status that `status` returned.
+    failed_in
+        Function that failed within a call that stands for several functions; the next sentence names it.
     scaled
         Stand-in for the FMU if inputs are converted; see `orchestration.fmi.input_scaling`.
 
@@ -78,6 +82,7 @@ class Instance:
         self.messages = Messages() if messages is None else messages
         self.scaled: ScaledInputs | None = None
         self.worst = int(Status.OK)
+        self.failed_in = ""
         self._announce, self._unloads = announce, False
         self._callbacks = callbacks(self.messages)
         guid, resources = (text.encode() for text in identity)
@@ -138,6 +143,11 @@ class Instance:
         return self.library.isolated
 
     @property
+    def handle(self) -> int:
+        """Address of the instance for the library's own functions, which convert no inputs."""
+        return self._handle or 0
+
+    @property
     def is_open(self) -> bool:
         """Whether the instance has not been freed yet."""
         return self._handle is not None
@@ -168,8 +178,10 @@ class Instance:
     def status(self, function: str, *arguments: Any) -> int:
         """Call an FMI function with the instance as first argument; returns the fmi2Status."""
         listen()
+        self.messages.begin_call()
         status = self._call(function, self._handle, *arguments)
         self.worst = max(self.worst, status)
+        raise_kept()
         return status
 
     def ask(self, function: str, kind: int, answer: Any) -> int | None:
@@ -177,7 +189,8 @@ class Instance:
         return None if self.library.lacks([function]) else self._call(function, self._handle, kind, answer)
 
     def failure(self, function: str, status: int, where: str = "") -> str:
-        """Return a sentence that names a call, its status and the instance's last message."""
+        """Return a sentence that names a call, how it ended, and the messages of this call."""
+        function, self.failed_in = self.failed_in or function, ""
         how = self.library.ending or f"returned {status_name(status)}"
         return f"{self.name}: {function} {how}{where}; {self.messages.last()}."
 
@@ -192,14 +205,15 @@ class Instance:
         status = self.status(f"fmi2Get{kind}", c_references(references), len(references), array)
         return status, list(array)
 
-    def set_up(self, start_time: float) -> None:
-        """Set the start time, s, of the experiment, without a stop time and without a tolerance.
+    def set_up(self, start_time: float, experiment: Experiment = UNKNOWN) -> None:
+        """Tell the FMU of an experiment from a start time, s: its stop time and its tolerance, if they are known.
 
         Raises
         ------
         InitializationError
         """
-        self.call("fmi2SetupExperiment", 0, 0.0, start_time, 0, 0.0)
+        tolerance, stop_time = experiment.told
+        self.call("fmi2SetupExperiment", *tolerance, start_time, *stop_time)
 
     def save(self) -> Any:
         """Save the state: as bytes if the FMU serializes it, else as an fmi2FMUstate, which `free_state` frees.
@@ -278,7 +292,8 @@ def _loaded(name: str, description: Description, folder: Path, process: "RemoteP
         path = library_path(folder, description)
         library = Library(path) if process is None else _remote(path, process)
     except OSError as error:
-        msg = f"{name}: {description.path.name} cannot be loaded: {error}"
+        said = str(error).replace(f"{folder}/", "").rstrip(".")  # the folder is a temporary one
+        msg = f"{name}: {description.path.name} cannot be loaded: {said}."
         raise ArchiveError(msg) from error
     if missing := library.lacks(needed_functions(description)):
         library.close()

@@ -19,7 +19,7 @@ from orchestration.fmi import signatures
 from orchestration.fmi.codes import Status
 from orchestration.fmi.isolation import Isolation
 from orchestration.fmi.library import Library
-from orchestration.fmi.logging import heard
+from orchestration.fmi.logging import Message, heard
 from orchestration.fmi.remote_arguments import deliver, outward, types
 from orchestration.fmi.remote_layout import CALLS, IDLE, LOAD, SLOW, UNLOAD, WORD, Caller, Word, arrays_size
 from orchestration.sandbox.interrupts import noted
@@ -58,7 +58,7 @@ def start_process(isolation: Isolation, n_variables: int) -> RemoteProcess:
         memory_limit=isolation.memory_limit,
     )
     spins, yields = _turns(_SERVER_TURNS)
-    limits = {"memory": isolation.memory_limit, "descriptors": isolation.descriptor_limit}
+    limits = [isolation.memory_limit, isolation.descriptor_limit]
     with suppress(RemoteEndedError):  # the first call says it
         process.tell({"server": server(), "spins": spins, "yields": yields, "limits": limits})
     return process
@@ -229,7 +229,7 @@ class RemoteLibrary(Library):
         while said:
             text = said.popleft()
             if self._messages is not None:
-                self._messages.append(text)
+                self._messages.append(Message(text[1:], int(text[0]) if text[:1].isdigit() else 0))
 
 
 def _address(function: Any) -> int:

@@ -16,6 +16,7 @@ import socket
 import sys
 import threading
 from contextlib import suppress
+from pathlib import Path
 from typing import Any
 
 from llvmlite import binding as llvm
@@ -24,9 +25,10 @@ from orchestration.fmi import signatures
 from orchestration.fmi.logging import Messages, callbacks, listen
 from orchestration.fmi.remote_arguments import Inward, as_text, types
 from orchestration.fmi.remote_layout import CALLS, GONE, IDLE, LOAD, UNLOAD, Server, Word
-from orchestration.sandbox.limits import limit_process
+from orchestration.sandbox.confinement import Limits, limit
 from orchestration.sandbox.remote import REPLY, SAID, packed, received
 
+MOST_WRITTEN = 4 * 1024**3  # bytes of a file, so that an FMU that writes for ever fills no disk
 _DECLARED = re.compile(r"^declare [^@\n]*@([\w.$]+)", re.MULTILINE)
 
 
@@ -38,7 +40,9 @@ class _Voice(Messages):
         self._served = served
 
     def append(self, text: str) -> None:  # pyright: ignore[reportIncompatibleMethodOverride]
-        self._served.send(SAID, text.encode())
+        """Send a text, after a digit for its fmi2Status."""
+        status = min(getattr(text, "status", 0), 9)
+        self._served.send(SAID, f"{status}{''.join(text)}".encode())
         self._served.words[Word.SAID] += 1
 
 
@@ -66,7 +70,8 @@ class _Served:
         self._library: Any = None
         self._kept: list[Any] = []
         self._voice = _Voice(self)
-        limit_process(plan["limits"])
+        memory_limit, files = plan["limits"]
+        limit(Limits(None if memory_limit is None else _addresses() + memory_limit, MOST_WRITTEN, files))
 
     def run(self) -> None:
         """Serve the master until it closes the connection."""
@@ -151,6 +156,15 @@ def _compiled(name: str, text: str) -> tuple[Any, Any]:
     engine = llvm.create_mcjit_compiler(module, llvm.Target.from_default_triple().create_target_machine(opt=2))
     engine.finalize_object()
     return engine, ct.CFUNCTYPE(ct.c_int, ct.c_int64)(engine.get_function_address(name))
+
+
+def _addresses() -> int:
+    """Bytes of addresses that this process has taken; 0 where the system does not tell."""
+    try:
+        pages = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[0])
+    except OSError:
+        return 0
+    return pages * mmap.PAGESIZE
 
 
 def _end_with_master(descriptor: int) -> None:

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Sequence
 
+from orchestration.fmi.display import listed
 from orchestration.fmi.instance import Instance
 from orchestration.master.discard import how_far
 from orchestration.master.flatten import Assembly
@@ -19,6 +20,9 @@ def failure_message(
 ) -> str:
     """Return the sentence for a failure of a compiled loop; `where` gives time and step."""
     subject, call, status = failure
+    if status in tuple(Reason) and (wrong := _not_finite(assembly)):
+        why = "iterations and step control need finite values; use algorithm gauss-seidel or jacobi, with allow_nan"
+        return f"{wrong}{where}: {why}."
     if status == Reason.NOT_CONVERGED:
         return _not_converged(subject, where, layout, assembly)
     if status == Reason.SINGULAR:
@@ -34,6 +38,12 @@ def failure_message(
     method = layout.coupling.method
     further = how_far(failure, instances, smallest=float(method.smallest_step) if method.controlled else None)
     return said + further + _given(instances[subject].name, assembly)
+
+
+def _not_finite(assembly: Assembly) -> str:
+    """Outputs that are not finite, with their values; empty if there are none."""
+    values = ((name, assembly.plan.reals[place]) for name, place in assembly.real_outputs.items())
+    return listed([f"{name} = {value:g}" for name, value in values if not math.isfinite(value)])
 
 
 def _given(component: str, assembly: Assembly) -> str:

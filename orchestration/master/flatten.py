@@ -12,6 +12,7 @@ from orchestration.fmi.names import chosen, suggestion
 from orchestration.master.kernel import flat_system
 from orchestration.master.kernel.codes import GROUP_SIZE, N_COLUMNS, Column, Group
 from orchestration.master.kernel.flat_system import Plan
+from orchestration.master.texts import TextCall, Texts
 from orchestration.system.system import Component, Connection, System
 
 Path = tuple[str, str]  # component, variable
@@ -33,13 +34,15 @@ class Assembly:
     Attributes
     ----------
     columns
-        Recorded variables as ``component.variable``.
+        Recorded variables, but for Strings, as ``component.variable``.
     real_outputs
         Index of each fetched Real output in the plan's buffer of reals, by ``component.variable``.
     driven
         Address of the place of each input that is driven from outside, by ``component.variable``.
     real_connections, discrete_connections
         Connection of each Real link, and of each discrete link.
+    texts
+        Recorded Strings, and the texts of all Strings.
     alive
         Arrays of value references, which must outlive the plan because it has only their addresses.
     """
@@ -51,6 +54,7 @@ class Assembly:
     driven: dict[str, int]
     real_connections: tuple[Connection, ...]
     discrete_connections: tuple[Connection, ...]
+    texts: Texts
     alive: tuple[np.ndarray, ...]
 
     def record(self, row: np.ndarray) -> None:
@@ -69,13 +73,16 @@ class _Buffers:
     discretes: dict[Key, int] = field(default_factory=dict)
 
     def of(self, kind: str) -> dict[Key, int]:
-        """Return the places in the buffer of a type; Integers and Booleans share a buffer."""
+        """Return the places in the buffer of a type; Integers, Booleans and numbers of texts share a buffer."""
         return self.reals if kind == REAL else self.discretes
 
 
 @dataclass(frozen=True)
 class _Call:
-    """One set or get call of a component: variables of a type, side by side from `first` on."""
+    """One set or get call of a component: variables of a type, side by side from `first` on.
+
+    A call for Integers is one for Strings, too, which stand after the Integers.
+    """
 
     row: int
     component: Component
@@ -91,27 +98,33 @@ def assemble(
     record: Collection[str] | None,
     fetched: Collection[str] = (),
     driven: Collection[str] = (),
+    *,
+    beside: int = 0,
 ) -> Assembly:
     """Flatten a system for a run, with its instances in the order of the components.
 
     Outputs in `fetched` are fetched even if they are neither recorded nor connected. Inputs in `driven` have places
-    although they have no connection.
+    although they have no connection. In a row, `beside` free columns stand between the numbers and the texts.
 
     Raises
     ------
     SystemDescriptionError
-        If a variable to record is unknown or a String.
+        If a variable to record is unknown.
     """
-    recorded = recorded_paths(system, record)
+    chosen_paths = recorded_paths(system, record)
+    texts = [path for path in chosen_paths if _is_text(system, path)]
+    recorded = [path for path in chosen_paths if path not in set(texts)]
     sources = {(c.target, c.input): c for c in system.connections}
     buffers = _Buffers()
     shown = {(c.source, c.output) for c in system.connections}
-    wanted = {*recorded, *shown, *(_path(system, name) for name in fetched)}
+    wanted = {*chosen_paths, *shown, *(_path(system, name) for name in fetched)}
     driven_paths = {_path(system, name): name for name in driven}
     calls = _calls(system, {"output": wanted, "input": {*sources, *driven_paths}}, buffers)
     reals, discretes = np.zeros(len(buffers.reals)), np.zeros(len(buffers.discretes), np.int32)
-    table, references = _table(instances, calls, reals, discretes)
+    found = _texts(system, [f"{c}.{v}" for c, v in texts], len(recorded) + beside, buffers)
+    table, references = _table(instances, calls, (reals, discretes), found)
     columns = {path: column for column, path in enumerate(recorded)}
+    columns |= {path: column for column, path in enumerate(texts, found.first)}
     real_links, real_connections = _links(system, buffers.reals, sources, table, Column.FIRST_REAL)
     discrete_links, discrete_connections = _links(system, buffers.discretes, sources, table, Column.FIRST_DISCRETE)
     plan = Plan(
@@ -135,8 +148,19 @@ def assemble(
         driven={name: _address(path, buffers, reals, discretes) for path, name in driven_paths.items()},
         real_connections=real_connections,
         discrete_connections=discrete_connections,
+        texts=found,
         alive=tuple(references),
     )
+
+
+def _texts(system: System, columns: Sequence[str], first: int, buffers: _Buffers) -> Texts:
+    """Return the texts of a run, whose numbers have places in the buffer of discretes."""
+    places = [place for (_, *path), place in buffers.discretes.items() if _is_text(system, (path[0], path[1]))]
+    return Texts(tuple(columns), first, np.array(places, np.int64))
+
+
+def _is_text(system: System, path: Path) -> bool:
+    return system.component(path[0]).variable(path[1]).type == STRING
 
 
 def _address(path: Path, buffers: _Buffers, reals: np.ndarray, discretes: np.ndarray) -> int:
@@ -161,9 +185,12 @@ def _calls(system: System, wanted: dict[str, set[Path]], buffers: _Buffers) -> l
 
 
 def _table(
-    instances: Sequence[Instance], calls: Sequence[_Call], reals: np.ndarray, discretes: np.ndarray
+    instances: Sequence[Instance], calls: Sequence[_Call], buffers: tuple[np.ndarray, np.ndarray], texts: Texts
 ) -> tuple[np.ndarray, list[np.ndarray]]:
-    """Return the table of components, without ranges of links, and the arrays of value references behind it."""
+    """Return the table of components, without ranges of links, and the arrays of value references behind it.
+
+    `buffers` are those of reals and of discretes.
+    """
     table = np.zeros((len(instances), N_COLUMNS), np.int64)
     for row, instance in zip(table, instances, strict=True):
         row[Column.INSTANCE] = instance.component
@@ -172,9 +199,14 @@ def _table(
     for call in calls:
         column, function = _CALLS[call.causality, call.kind]
         references = np.array([call.component.variable(n).reference for n in call.names], np.uint32)
-        buffer = reals if call.kind == REAL else discretes
+        buffer = buffers[0] if call.kind == REAL else buffers[1]
         group = table[call.row, column : column + GROUP_SIZE]
         group[Group.FUNCTION] = instances[call.row].address(function)
+        n_numbers = sum(call.component.variable(name).type != STRING for name in call.names)
+        if n_numbers < len(call.names):
+            own = TextCall(instances[call.row], function[4:7], n_numbers, references, texts.table)
+            texts.alive.append(own)
+            group[Group.FUNCTION] = own.address
         group[Group.REFERENCES] = references.ctypes.data
         group[Group.COUNT] = len(call.names)
         group[Group.VALUES] = buffer.ctypes.data + call.first * buffer.itemsize
@@ -193,12 +225,13 @@ def recorded_paths(system: System, record: Collection[str] | None) -> list[Path]
     Raises
     ------
     SystemDescriptionError
-        If a pattern chooses nothing, or a variable is unknown or a String.
+        If a pattern chooses nothing, or a variable is unknown.
     """
     outputs = {
         f"{component.name}.{variable.name}": (component.name, variable.name)
         for component in system.components
-        for variable in component.description.of_causality("output")
+        for variable in component.description.variables.values()
+        if variable.causality == "output"
     }
     if record is None:
         return list(outputs.values())
@@ -216,12 +249,7 @@ def _of_any_causality(system: System, name: str, outputs: Collection[str]) -> li
     if "*" in name or "?" in name:
         msg = f"record: no output fits {name!r}; {suggestion(name.strip('*?'), outputs)}"
         raise SystemDescriptionError(msg)
-    found = [system.resolve(path) for path in system.elements(name)]
-    for component, variable in found:
-        if variable.type == STRING:
-            msg = f"record: {component.name}.{variable.name} is a String; only numbers and Booleans can be recorded."
-            raise SystemDescriptionError(msg)
-    return [(component.name, variable.name) for component, variable in found]
+    return [_path(system, path) for path in system.elements(name)]
 
 
 def _path(system: System, name: str) -> Path:
@@ -233,7 +261,12 @@ def _names(component: Component, causality: str, kind: str, wanted: Collection[P
     """Return the variables of a component that a single call sets or gets; a get call has the outputs first."""
     first = component.description.of_causality(causality)
     others = [v for v in component.description.variables.values() if causality == "output" != v.causality]
-    return [v.name for v in (*first, *others) if v.type == kind and (component.name, v.name) in wanted]
+    numbers = [v.name for v in (*first, *others) if v.type == kind and (component.name, v.name) in wanted]
+    if kind != INTEGER:
+        return numbers
+    texts = component.description.texts
+    strings = [*texts(causality), *(v for v in others if v.type == STRING)]
+    return numbers + [v.name for v in strings if (component.name, v.name) in wanted]
 
 
 def _links(

@@ -2,12 +2,15 @@
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
 from orchestration.errors import InitializationError
+from orchestration.fmi.blame import blaming
 from orchestration.fmi.codes import ONE_INSTANCE, REAL, WORST_ACCEPTED, accepted
+from orchestration.fmi.experiment import UNKNOWN, Experiment
 from orchestration.fmi.instance import Instance
 from orchestration.fmi.isolation import Isolation
 from orchestration.fmi.library import needed_to_run
@@ -58,15 +61,13 @@ def opened(system: System, isolation: Isolation | None = None, guard: Guard | No
         for component in system.components:
             path, alone = component.description.path, component.description.can(ONE_INSTANCE)
             key = (path, component.name if alone else "")
-            if key not in folders:  # a copy of the library has a memory of its own
-                with stage(f"unpacking {path.name}", f"unpacked {path}"):
-                    folders[key] = stack.enter_context(unpacked(path, needed_to_run))
-            folder = folders[key]
             process = processes.get(component.name)
-            with guard.over(
-                [component.name] if process is None else [], "while its library was loaded and instantiated"
-            ):
-                instance = Instance.open(component.name, component.description, folder, process=process)
+            with blaming(f"{component.name}: {path.name}", path):
+                if key not in folders:  # a copy of the library has a memory of its own
+                    with stage(f"unpacking {path.name}", f"unpacked {path.name} of {component.name}"):
+                        folders[key] = stack.enter_context(unpacked(path, needed_to_run))
+                with guard.over([component.name] if process is None else [], "while it was loaded and instantiated"):
+                    instance = Instance.open(component.name, component.description, folders[key], process=process)
             stack.callback(_close, instance, guard)
             if component.name in scales:
                 instance.scale_inputs(scales[component.name])
@@ -109,6 +110,7 @@ def initialize(
     series: tuple[np.ndarray, float] | None = None,
     *,
     guard: Guard | None = None,
+    experiment: Experiment = UNKNOWN,
 ) -> None:
     """Set start values, propagate outputs to inputs in initialization mode, and leave this mode.
 
@@ -132,6 +134,9 @@ def initialize(
         without series.
     guard
         Puts back what an FMU changes in this process.
+    experiment
+        Stop time and tolerance that the FMUs are told. An FMU is told the tolerance of its own default experiment if
+        no other is given.
 
     Raises
     ------
@@ -143,7 +148,7 @@ def initialize(
         guard = guard or Guard()
         for component, instance in zip(system.components, instances, strict=True):
             with guard.over(exposed([instance]), "while it was initialized"):
-                _start(component, instance, t0)
+                _start(component, instance, t0, experiment)
         with guard.over(exposed(instances), "while it was initialized"):
             if series is not None:
                 give(series[0], t0, series[1])
@@ -153,11 +158,13 @@ def initialize(
             _get_all(instances, assembly)
 
 
-def _start(component: Component, instance: Instance, t0: float) -> None:
+def _start(component: Component, instance: Instance, t0: float, experiment: Experiment) -> None:
     """Set the start values of a component, and enter initialization mode."""
     before, within = by_time(component.description, component.start)
     set_values(component, instance, before)
-    instance.set_up(t0)
+    if experiment.tolerance is None:
+        experiment = replace(experiment, tolerance=component.description.experiment.tolerance)
+    instance.set_up(t0, experiment)
     instance.call("fmi2EnterInitializationMode")
     set_values(component, instance, within)
 

@@ -42,6 +42,30 @@ def require_memory(name: str, n_steps: float, n_rows: float, n_columns: int) -> 
         raise SystemDescriptionError(msg)
 
 
+def require_matrix(name: str, n: int) -> None:
+    """Refuse Newton's method on so many inputs that their Jacobian, 8 bytes for each pair, cannot fit.
+
+    Parameters
+    ----------
+    name
+        Name of the system, for the message.
+    n
+        Number of corrected inputs.
+
+    Raises
+    ------
+    SystemDescriptionError
+        Naming the number and both sizes.
+    """
+    needed, present = 8.0 * n * (n + 1), machine_memory()
+    if needed > present:
+        msg = (
+            f"System {name}: the Jacobian of {n} corrected inputs needs {_size(needed)} of memory, the machine has"
+            f" {_size(present)}; use the algorithm iterative."
+        )
+        raise SystemDescriptionError(msg)
+
+
 def _size(n_bytes: float) -> str:
     """A number of bytes with a prefix."""
     power = 0

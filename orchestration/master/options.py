@@ -59,12 +59,19 @@ class Options:
     every
         Every n-th step is recorded. Row 0 is always recorded.
     start_time
-        Time of row 0, s.
+        Time of row 0, s. Default: the start time of the system.
     strict
         Whether an unconnected input, and an FMU that breaks a rule of form, is an error instead of a warning.
     allow_stale_inputs
         Whether a sampling period need not be a multiple of the step. A tick within a step then uses the
         inputs of the beginning of the step.
+    allow_nan
+        Whether a run goes on when a recorded value is NaN or infinite, and keeps the value. By default it is an error.
+        Iterations, step control and a verdict on stability refuse such values in any case.
+    fmu_tolerance
+        Relative tolerance that every FMU is told for its own solver. Default: that of its default experiment, if any.
+    fmu_stop_time
+        Whether the FMUs are told the stop time of the run, beyond which FMI then forbids them to compute.
     ratios
         Multirate: the number of communication steps that one step of a component takes, by component
         name. A sampled component shows its outputs at the beginning of its step, a continuous component
@@ -98,9 +105,12 @@ class Options:
 
     record: str | Collection[str] | None = None
     every: int = 1
-    start_time: float = 0.0
+    start_time: float | None = None
     strict: bool = False
     allow_stale_inputs: bool = False
+    allow_nan: bool = False
+    fmu_tolerance: float | None = None
+    fmu_stop_time: bool = True
     ratios: Mapping[str, int] = field(default_factory=dict)
     crossings: Crossings = field(default_factory=Crossings)
     progress: Progress | None = None
@@ -130,8 +140,11 @@ class Options:
 
     def _require_types(self) -> None:
         """Refuse values of another type."""
-        a_number("start_time", self.start_time)
-        for name in ("strict", "allow_stale_inputs"):
+        if self.start_time is not None:
+            a_number("start_time", self.start_time)
+        if self.fmu_tolerance is not None:
+            positive("fmu_tolerance", self.fmu_tolerance, unit="")
+        for name in ("strict", "allow_stale_inputs", "allow_nan", "fmu_stop_time"):
             require_type(name, getattr(self, name), bool, "give True or False")
         require_type("ratios", self.ratios, Mapping, 'give one for each component, as {"plant": 2}')
         require_type("crossings", self.crossings, Crossings, "give Crossings, as Crossings(['plant.gap'])")

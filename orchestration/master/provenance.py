@@ -85,7 +85,7 @@ def _fmu(component: Component, digests: dict[Path, str]) -> dict[str, str]:
         try:
             digests[description.path] = file_hash(description.path)
         except OSError as error:
-            msg = f"{component.name}: {description.path} cannot be read: {error.strerror or error}."
+            msg = f"{component.name}: {description.path.name} cannot be read: {error.strerror or error}."
             raise ArchiveError(msg) from error
     return {
         "name": component.name,

@@ -86,6 +86,10 @@ class Recorder:
         parts = [*self._full, present]
         return np.concatenate([t for t, _ in parts]), np.concatenate([r for _, r in parts])
 
+    def parts(self) -> list[np.ndarray]:
+        """Return the rows in memory, shape (n, n_columns) each, without a copy."""
+        return [*(rows for _, rows in self._full), self._rows[: self._filled]]
+
     def flush(self) -> None:
         """Hand the rows in memory to the sink."""
         if self._sink is not None and self._filled:
@@ -134,4 +138,8 @@ def not_finite(columns: tuple[str, ...], times: np.ndarray, rows: np.ndarray, *,
     k, column = int(bad[0, 0]), bad[0, 1]
     why = "the run has diverged" if first + k > 0 else "start values are wrong or missing"
     where = f"at t = {times[k]:.9g} s (row {first + k})"
-    return k, f"{columns[column]} is {rows[k, column]} {where}; {why}."
+    return k, f"{columns[column]} is {rows[k, column]} {where}; {why}. With allow_nan, --allow-nan, a run goes on."
+
+
+def any_value(columns: tuple[str, ...], times: np.ndarray, rows: np.ndarray, *, first: int) -> None:
+    """Accept every row; the counterpart of `not_finite` for runs in which NaN is allowed."""

@@ -1,11 +1,16 @@
 """What is guarded while a run calls its FMUs: the state of the process, its exit, and Ctrl-C where it would be lost."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, nullcontext
+from typing import Any, TypeVar
 
+from orchestration.errors import RecordedRows, SimulationError
+from orchestration.fmi.codes import WORST_ACCEPTED
 from orchestration.fmi.instance import Instance
 from orchestration.sandbox.guard import Guard
 from orchestration.sandbox.interrupts import noted
+
+Found = TypeVar("Found")
 
 
 def exposed(instances: Sequence[Instance]) -> list[str]:
@@ -28,10 +33,30 @@ def over_steps(instances: Sequence[Instance], guard: Guard, time: float) -> Iter
             yield
 
 
-def terminated(instances: Sequence[Instance], guard: Guard) -> Iterator[tuple[Instance, int]]:
-    """Terminate the instances whose processes live; yields each with the fmi2Status."""
+def guarded(run: tuple[Sequence[Instance], Guard], call: Callable[..., Found], *arguments: Any) -> Found:
+    """Call a function that calls instances between two steps, with the process guarded."""
+    instances, guard = run
+    with guard.over(exposed(instances), "between two steps"):
+        return call(*arguments)
+
+
+def terminate(instances: Sequence[Instance], guard: Guard, rows: Callable[[], RecordedRows]) -> None:
+    """Terminate the instances whose processes live.
+
+    Parameters
+    ----------
+    rows
+        Returns the rows of the run, for an error.
+
+    Raises
+    ------
+    SimulationError
+        If an FMU does not terminate.
+    """
     for instance in instances:
-        if not instance.library.ending:
-            with guard.over(exposed([instance]), "while it was terminated"):
-                status = instance.status("fmi2Terminate")
-            yield instance, status
+        if instance.library.ending:
+            continue
+        with guard.over(exposed([instance]), "while it was terminated"):
+            status = instance.status("fmi2Terminate")
+        if status > WORST_ACCEPTED:
+            raise SimulationError(instance.failure("fmi2Terminate", status), rows())

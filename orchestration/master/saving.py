@@ -52,6 +52,7 @@ class Saving:
         arrays = self.layout.save()
         arrays |= {"reals": plan.reals.copy(), "discretes": plan.discretes.copy()}
         arrays |= {"times": times.copy(), "rows": rows.copy(), "changes": np.array(json.dumps(changes))}
+        arrays |= self.assembly.texts.table.save() if self.assembly.texts else {}
         snapshot = Snapshot(time, self.identity, arrays, states)
         if not all(isinstance(state, bytes) for state in states):
             self.kept.append(snapshot)
@@ -74,6 +75,8 @@ class Saving:
         plan = self.assembly.plan
         self.layout.restore(snapshot.arrays)
         plan.reals[:], plan.discretes[:] = snapshot.arrays["reals"], snapshot.arrays["discretes"]
+        if self.assembly.texts:
+            self.assembly.texts.table.restore(snapshot.arrays)
         self.recorder.reset(snapshot.arrays["times"], snapshot.arrays["rows"])
         return json.loads(str(snapshot.arrays["changes"]))
 

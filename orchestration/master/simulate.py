@@ -318,7 +318,8 @@ def _grid(
         msg = f"Algorithm {algorithm.name} chooses its communication points itself; do not give times."
         raise SystemDescriptionError(msg)
     if times is None:
-        span, step = (options.start_time, system.run_stop_time(stop_time)), system.run_step(step)
+        start = system.start_time if options.start_time is None else options.start_time
+        span, step = (start, system.run_stop_time(stop_time)), system.run_step(step)
         if algorithm.control is not None:
             return tick_grid(system, span, step)
         grid = fixed_grid(system, span, step, stale=options.allow_stale_inputs)

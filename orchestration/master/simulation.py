@@ -5,12 +5,12 @@ An algorithm that neither extrapolates nor corrects inputs nor controls its step
 second at a time, so that interrupts are noticed and progress is shown.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
 from types import TracebackType
-from typing import TYPE_CHECKING, Any, Self, TypeVar
+from typing import TYPE_CHECKING, Self
 
 import numpy as np
 
@@ -20,29 +20,30 @@ from orchestration.errors import (
     RunInterrupted,
     SimulationError,
 )
-from orchestration.fmi.codes import WORST_ACCEPTED
+from orchestration.fmi.deferred import raise_kept
 from orchestration.fmi.given import a_number, require_type
 from orchestration.fmi.instance import Instance
 from orchestration.master.algorithm import Algorithm
 from orchestration.master.block import Block
-from orchestration.master.capabilities import check_capabilities, check_crossings, check_steps, require_settable_in_run
-from orchestration.master.changes import require_free
+from orchestration.master.capabilities import check_capabilities, check_crossings, check_steps
 from orchestration.master.chunks import Chunks
 from orchestration.master.compilation import compile_loop
 from orchestration.master.discard import end_of_simulation
 from orchestration.master.failure_text import failure_message
 from orchestration.master.flat_run import flat_run
+from orchestration.master.fmu_messages import kept_messages, report_warnings
 from orchestration.master.form import report_libraries
-from orchestration.master.initialization import opened, set_values
+from orchestration.master.initialization import opened
 from orchestration.master.kernel import fixed_step
 from orchestration.master.kernel.codes import Failure
 from orchestration.master.memory import require_memory
 from orchestration.master.options import Options
 from orchestration.master.outside import Outside
 from orchestration.master.provenance import told_afterwards
-from orchestration.master.recorder import Recorder, Sink, not_finite
-from orchestration.master.safeguard import over_steps, terminated
+from orchestration.master.recorder import Recorder, Sink, any_value, not_finite
+from orchestration.master.safeguard import guarded, over_steps, terminate
 from orchestration.master.saving import Saving, choices
+from orchestration.master.setting import set_in_run
 from orchestration.master.snapshot import Snapshot, identity
 from orchestration.master.time_grid import Grid
 from orchestration.results.columns import ENDED, FAILED, INTERRUPTED
@@ -52,9 +53,7 @@ from orchestration.sandbox.guard import Guard
 from orchestration.system.system import System
 
 if TYPE_CHECKING:
-    from orchestration.results.parquet_file import ParquetSink
-
-Found = TypeVar("Found")
+    from orchestration.master.row_file import RowFile
 
 _CHUNK_VALUES = 2**17  # recorded in a chunk: they are checked while they are in the processor's cache
 
@@ -120,13 +119,13 @@ class Simulation:
         self._path: Path | None = None
         self._varies = algorithm.control is not None or bool(options.crossings.outputs)  # the number of rows
         self._plain = algorithm.plain and not options.crossings.outputs and not options.slow
+        self._fault = any_value if options.allow_nan else not_finite
         self._changes: list[list[float | str]] = []  # time, variable, value
         self._ended = ""  # a sentence, once a component has ended the simulation
         self._changed_at = -1  # point at which scheduled changes were made last
-        self._stream: ParquetSink | None = None
+        self._stream: RowFile | None = None
         self._stack, self._guard = ExitStack(), Guard()
-        self._chunks = Chunks()
-        self._block = Block(system.name)
+        self._chunks, self._block = Chunks(), Block(system.name)
 
     def __repr__(self) -> str:
         """System, algorithm and how far the run is."""
@@ -143,22 +142,23 @@ class Simulation:
             self._flat = flat_run(*run, options=self.options, outside=self._outside, guard=self._guard)
             self._assembly, self._layout = self._flat.assembly, self._flat.layout
             self._state = self._layout.coupling.state
-            stack.callback(self._guarded, self._layout.free, self._instances)
+            stack.callback(guarded, (self._instances, self._guard), self._layout.free, self._instances)
             self._columns = (*self._assembly.columns, *self._outside.units)
-            self._units = self._assembly.units | self._outside.units
+            self._units, self._texts = self._assembly.units | self._outside.units, self._assembly.texts
+            every_column = (*self._columns, *self._texts.columns)
             known = None if self._varies else self.grid.n // self.options.every + 1
             if known is not None and self._path is None:
-                require_memory(self.system.name, self.grid.n, known, len(self._columns))
-            self._recorder = Recorder(len(self._columns), known, self._sink(stack))
+                require_memory(self.system.name, self.grid.n, known, len(every_column))
+            self._recorder = Recorder(len(every_column), known, self._sink(stack))
             known_by = choices(self.algorithm, self.options, self._outside.inputs)
-            name = identity(self.system, self._columns, self.grid.times, known_by)
+            name = identity(self.system, every_column, self.grid.times, known_by)
             parts = (self._instances, self._assembly, self._layout, self._recorder)
             self._saving = Saving(self.system.name, name, *parts)
-            stack.callback(self._guarded, self._saving.free)
+            stack.callback(guarded, (self._instances, self._guard), self._saving.free)
             times, rows = self._recorder.room()
             times[0], rows[0, len(self._assembly.columns) :] = self.grid.times[0], 0.0
             self._assembly.record(rows[0])
-            if fault := not_finite(self._columns, *self._recorder.filled(1), first=0):
+            if fault := self._fault(self._columns, *self._recorder.filled(1), first=0):
                 raise InitializationError(fault[1])
             self.compile_seconds = compile_loop(lambda: self._run_plain(0) if self._plain else self._run_general(0))
             self._stack = stack.pop_all()
@@ -244,11 +244,14 @@ class Simulation:
                 with over_steps(self._instances, self._guard, self.time):
                     self._run_plain(reach) if self._plain else self._run_general(reach)
                 self._chunks.end()
+                raise_kept()
+                self._texts.forget([self._assembly.plan.discretes], self._recorder.parts)
                 if self.options.progress is not None:
                     so_far, controlled = int(self._state.interval), self.algorithm.control is not None
                     self.options.progress(*self.grid.progress(so_far, self.time, controlled=controlled))
                 if self._outside.pacer is not None:
                     self._outside.pacer.wait(self.time)
+            report_warnings(() if self._ended else self._instances)
         except KeyboardInterrupt as interrupt:
             raise RunInterrupted(self._broken_off(INTERRUPTED, "The run was interrupted.")) from interrupt
 
@@ -256,8 +259,9 @@ class Simulation:
         """Return the rows recorded so far; the arrays are views of the run's memory where that is possible."""
         self._block.require_begun()
         times, rows = self._recorder.rows()
-        periods = self.system.sample_times
-        found = Result(times, self._columns, rows, self._units, self.steps_per_tick, self._described(), periods)
+        numbers, texts = self._texts.split(rows)
+        about = (self._units, self.steps_per_tick, self._described(), self.system.sample_times)
+        found = Result(times, self._columns, numbers, *about, texts=texts)
         return replace(found, status=ENDED, message=self._ended) if self._ended else found
 
     def _broken_off(self, status: str, message: str) -> Result:
@@ -279,16 +283,9 @@ class Simulation:
             If the component refuses, for example because the parameter is fixed.
         """
         self._block.require_open()
-        values = self.system.elementwise(values)
-        require_settable_in_run(self.system, values)
-        require_free(values, self._outside.inputs.names)
-        changed = System("_", self.system.components).set(values)
-        for component, before, instance in zip(
-            changed.components, self.system.components, self._instances, strict=True
-        ):
-            named = [name.partition(".")[2] for name in values if name.partition(".")[0] == component.name]
-            self._guarded(set_values, before, instance, {name: component.start[name] for name in named})
-            self._changes += [[self.time, f"{component.name}.{name}", component.start[name]] for name in named]
+        asked = (self.system, self._instances, values, self._outside.inputs.names)
+        taken = guarded((self._instances, self._guard), set_in_run, *asked)
+        self._changes += [[self.time, name, value] for name, value in taken.items()]
 
     def save(self) -> Snapshot:
         """Save the state of the whole run.
@@ -299,7 +296,7 @@ class Simulation:
             If a component does not save states, or rows go to a file.
         """
         self._block.require_open()
-        return self._guarded(self._saving.save, self.time, self._changes)
+        return guarded((self._instances, self._guard), self._saving.save, self.time, self._changes)
 
     def restore(self, snapshot: Snapshot) -> None:
         """Restore a state that was saved, here or in another run of the same system.
@@ -311,21 +308,22 @@ class Simulation:
         """
         self._block.require_open()
         require_type("The snapshot", snapshot, Snapshot, "give one of save(), or of Snapshot.read(path)")
-        self._changes, self._ended = self._guarded(self._saving.restore, snapshot), ""
-        self._changed_at = -1
+        self._changes = guarded((self._instances, self._guard), self._saving.restore, snapshot)
+        self._ended, self._changed_at = "", -1
 
     def _described(self) -> dict[str, str]:
         told = told_afterwards(self._changes, None if self._plain else self._state)
-        return self._metadata | self._outside.described() | told
+        return self._metadata | self._outside.described() | told | kept_messages(self._instances)
 
     def _sink(self, stack: ExitStack) -> Sink | None:
         if self._path is None:
             return None
-        from orchestration.results.parquet_file import ParquetSink
+        from orchestration.master.row_file import RowFile
 
         ticks = {"steps_per_tick": self.steps_per_tick, "sample_times": self.system.sample_times}
-        metadata = self._metadata | self._outside.inputs.described()
-        self._stream = stack.enter_context(ParquetSink(self._path, self._columns, self._units, metadata, **ticks))
+        about = {"metadata": self._metadata | self._outside.inputs.described(), **ticks}
+        self._stream = RowFile.of(self._path, self._columns, self._units, self._texts, about)
+        stack.enter_context(self._stream.file)
         return self._stream
 
     def _apply_changes(self) -> None:
@@ -377,20 +375,15 @@ class Simulation:
     def _finish_rows(self, times: np.ndarray, rows: np.ndarray) -> None:
         """Refuse rows with values that are not finite; rows before them stay."""
         if self._outside.pacer is not None:
-            rows[:, -1] = self._outside.pacer.lateness(times)
-        first = self._recorder.count - len(times)
-        if fault := not_finite(self._columns, times, rows, first=first):
+            rows[:, len(self._assembly.columns)] = self._outside.pacer.lateness(times)
+        if fault := self._fault(self._columns, times, rows, first=self._recorder.count - len(times)):
             self._recorder.drop(len(times) - fault[0])
             self._recorder.flush()
             raise SimulationError(fault[1], self._broken_off(FAILED, fault[1]))
 
-    def _guarded(self, call: Callable[..., Found], *arguments: Any) -> Found:
-        """Call a function that calls components, outside of steps."""
-        with self._guard.over(self._exposed, "between two steps"):
-            return call(*arguments)
-
     def _fail(self, failure: Failure) -> None:
         self._recorder.flush()
+        raise_kept()
         where = f" at t = {self.time:.9g} s (step {self.steps_made})"
         self._ended = end_of_simulation(failure, where, self._instances)
         if self._ended:
@@ -401,9 +394,7 @@ class Simulation:
     def _terminate(self) -> None:
         self._recorder.flush()
         if self._stream is not None:
-            self._stream.metadata |= self._described()
+            self._stream.file.metadata |= self._described()
             if self._ended:
-                self._stream.status, self._stream.message = ENDED, self._ended
-        for instance, status in terminated(self._instances, self._guard):
-            if status > WORST_ACCEPTED:
-                raise SimulationError(instance.failure("fmi2Terminate", status), self.result())
+                self._stream.file.status, self._stream.file.message = ENDED, self._ended
+        terminate(self._instances, self._guard, self.result)

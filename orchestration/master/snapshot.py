@@ -22,7 +22,7 @@ from orchestration.fmi.codes import SERIALIZES_STATE
 from orchestration.sandbox.missing import no_file
 from orchestration.system.system import System
 
-FORMAT = 2
+FORMAT = 3
 # Exceptions of numpy, zipfile and json for bytes that are not an archive of arrays, or that are a damaged archive.
 _DAMAGED = (
     ValueError,

@@ -27,6 +27,7 @@ from orchestration.master.kernel.records import Method, Records, Watched
 from orchestration.master.kernel.series import Column as SeriesColumn
 from orchestration.master.kernel.series import Form as SeriesForm
 from orchestration.master.kernel.series import address as series_address
+from orchestration.master.memory import require_matrix
 from orchestration.master.options import Crossings, Options
 from orchestration.master.time_grid import Grid
 from orchestration.system.system import Component, Connection, System
@@ -159,7 +160,7 @@ def layout(
         exact=_exact(system, assembly),
         watched=_watched(system, assembly, watched, algorithm.control),
         crossings=np.array([assembly.real_outputs[x] for x in experiment.crossings.outputs], np.int64),
-        jacobian=np.zeros((len(assumed), len(assumed) + 1)),
+        jacobian=_jacobian(system.name, len(assumed) if method.newton else 0),
         pivots=np.zeros(len(assumed), np.int64),
         method=method,
         state=state[0],
@@ -167,6 +168,12 @@ def layout(
     return Layout(
         coupling, state, connections, tuple(watched), (references, one, kept_discretes, *listed, *assembly.alive)
     )
+
+
+def _jacobian(name: str, n: int) -> np.ndarray:
+    """Memory for the Jacobian of n assumed inputs and a right side; none is needed without Newton's method."""
+    require_matrix(name, n)
+    return np.zeros((n, n + 1))
 
 
 def _straight(assembly: Assembly, series: np.ndarray | None) -> list[str]:

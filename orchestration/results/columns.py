@@ -14,6 +14,9 @@ TIME = "time"
 LATENESS = "lateness"
 """Name of the column of a run that keeps step with a clock: by how many seconds each row was made after it was due."""
 
+MESSAGES = "messages"
+"""Key of the metadata with what FMUs logged, as JSON of a list of texts."""
+
 COMPLETE, ENDED, FAILED, INTERRUPTED = "complete", "ended", "failed", "interrupted"
 """What became of the run that recorded the numbers."""
 
@@ -27,7 +30,7 @@ class Columns:
     time
         Communication points, s, shape (n_rows,).
     names
-        Columns as ``component.variable``, without time; the last one of a paced run is `LATENESS`.
+        Columns of numbers as ``component.variable``, without time; the last one of a paced run is `LATENESS`.
     rows
         Values, float64, shape (n_rows, n_columns), in the units of the columns. Booleans and Integers are
         stored as numbers.
@@ -44,6 +47,9 @@ class Columns:
         ``interrupted`` where the rows are those before.
     message
         Why the status is not ``complete``, as a sentence.
+    texts
+        Columns of recorded Strings by ``component.variable``, arrays of objects of type str, shape (n_rows,). A file
+        has them after the columns of numbers.
     """
 
     time: np.ndarray
@@ -55,3 +61,4 @@ class Columns:
     sample_times: Mapping[str, float] = field(default_factory=dict)
     status: str = COMPLETE
     message: str = ""
+    texts: Mapping[str, np.ndarray] = field(default_factory=dict)

@@ -24,7 +24,7 @@ class ColumnDifference:
     Attributes
     ----------
     largest
-        Largest absolute difference, in the unit of the column.
+        Largest absolute difference, in the unit of the column. Texts that differ count as infinitely different.
     at
         Time of the largest difference, s.
     relative
@@ -169,12 +169,28 @@ def compare(first: Columns, second: Columns) -> Comparison:
         for i, name in enumerate(first.names)
         if name in places
     ]
+    both = [name for name in first.texts if name in second.texts]
+    found += [_of_texts(name, first.texts[name][rows], second.texts[name][others], first.time[rows]) for name in both]
     return Comparison(
         tuple(sorted(found, key=lambda d: -d.relative if d.relative == d.relative else -np.inf)),
         len(rows),
-        tuple(name for name in first.names if name not in places),
-        tuple(name for name in second.names if name not in first.names),
+        _missing(first, second),
+        _missing(second, first),
     )
+
+
+def _missing(first: Columns, second: Columns) -> tuple[str, ...]:
+    """Columns of the first result that the second one lacks."""
+    numbers, texts = set(second.names), second.texts
+    return (*(n for n in first.names if n not in numbers), *(name for name in first.texts if name not in texts))
+
+
+def _of_texts(name: str, a: np.ndarray, b: np.ndarray, times: np.ndarray) -> ColumnDifference:
+    """How a column of texts differs from another."""
+    unequal = a != b
+    at = float(times[np.argmax(unequal)])
+    size = np.inf if unequal.any() else 0.0
+    return ColumnDifference(name, "", size, at, size, size, at if unequal.any() else None)
 
 
 def _some(names: tuple[str, ...]) -> str:

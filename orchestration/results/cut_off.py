@@ -7,7 +7,8 @@ results tells at its beginning, between the mark of Parquet and the first group 
 
 Readers of Parquet skip these bytes, because a table of contents names the places of the groups. Without the table,
 a group is read page by page: a page begins with a header in Thrift's compact protocol, which has the length of the
-page. The values of a page are doubles whose bytes are split into eight streams, compressed by zstd.
+page. The values of a page are doubles whose bytes are split into eight streams, or texts one after the other, each
+with its length; both are compressed by zstd.
 """
 
 import json
@@ -23,7 +24,7 @@ MAGIC, MARK = b"PAR1", b"adaptimp.rows\0"
 _LENGTH = struct.Struct("<I")
 LONGEST_DESCRIPTION = 2**26  # bytes of JSON
 LONGEST_HEADER = 2**10  # bytes of the header of a page; with statistics of doubles there are less than 100
-_BYTE_STREAM_SPLIT = 9  # number of the encoding in Parquet
+_PLAIN, _BYTE_STREAM_SPLIT = 0, 9  # numbers of encodings in Parquet
 _UNCOMPRESSED, _COMPRESSED, _VALUES = 2, 3, 5  # fields of a page's header
 _COUNT, _ENCODING = 1, 2  # fields of a struct in field `_VALUES`
 _STOP, _TRUE, _FALSE, _BYTE, _DOUBLE, _TEXT, _STRUCT = 0, 1, 2, 3, 7, 8, 12  # types of Thrift's compact protocol
@@ -86,8 +87,14 @@ class CutOff:
                 raise ValueError(msg)
             return cls(path, described, file.tell())
 
-    def groups(self) -> Iterator[np.ndarray]:
-        """Read the complete groups of rows, each with shape (n, n_columns + 1): time, s, and the columns."""
+    def groups(self) -> Iterator[tuple[np.ndarray, dict[str, np.ndarray]]]:
+        """Read the complete groups of rows.
+
+        Yields
+        ------
+        tuple
+            Time, s, and the columns of numbers, shape (n, n_columns + 1); columns of texts by name, shape (n,).
+        """
         n_columns, n_rows = len(self.described["names"]) + 1, int(self.described["rows_per_group"])
         with self.path.open("rb") as file:
             file.seek(self.first)
@@ -95,14 +102,17 @@ class CutOff:
                 rows = np.empty((n_rows, n_columns))
                 try:
                     for column in rows.T:
-                        _read_chunk(file, column)
+                        _read_chunk(file, column, _BYTE_STREAM_SPLIT)
+                    texts = {name: np.empty(n_rows, object) for name in self.described.get("texts", ())}
+                    for column in texts.values():
+                        _read_chunk(file, column, _PLAIN)
                 except (ValueError, IndexError, OSError, struct.error):  # here the file ends, or its table begins
                     return
-                yield rows
+                yield rows, texts
 
 
-def _read_chunk(file: IO[bytes], column: np.ndarray) -> None:
-    """Read the pages of a column's part of a group, until the column is full.
+def _read_chunk(file: IO[bytes], column: np.ndarray, encoding: int) -> None:
+    """Read the pages of a column's part of a group, of doubles or of texts, until the column is full.
 
     Raises
     ------
@@ -117,16 +127,35 @@ def _read_chunk(file: IO[bytes], column: np.ndarray) -> None:
         header, length = _struct(file.read(LONGEST_HEADER), 0)
         file.seek(place + length)
         count, size = header[_VALUES][_COUNT], header[_COMPRESSED]
-        if header[_VALUES][_ENCODING] != _BYTE_STREAM_SPLIT or not 0 < count <= len(column) - done:
+        if header[_VALUES][_ENCODING] != encoding or not 0 < count <= len(column) - done:
             msg = f"there is no page at byte {place}"
             raise ValueError(msg)
-        packed = file.read(size)
-        if len(packed) != size or header[_UNCOMPRESSED] != 8 * count:
+        packed, whole = file.read(size), header[_UNCOMPRESSED]
+        if len(packed) != size or (encoding == _BYTE_STREAM_SPLIT and whole != 8 * count):
             msg = f"the page at byte {place} is cut off"
             raise ValueError(msg)
-        streams = np.frombuffer(codec.decompress(packed, 8 * count), np.uint8).reshape(8, count)
-        column[done : done + count] = np.ascontiguousarray(streams.T).view("<f8")[:, 0]
+        page = codec.decompress(packed, whole, asbytes=True)
+        column[done : done + count] = _doubles(page, count) if encoding == _BYTE_STREAM_SPLIT else _texts(page, count)
         done += count
+
+
+def _doubles(page: bytes, count: int) -> np.ndarray:
+    """Doubles of a page, whose bytes are split into eight streams."""
+    streams = np.frombuffer(page, np.uint8).reshape(8, count)
+    return np.ascontiguousarray(streams.T).view("<f8")[:, 0]
+
+
+def _texts(page: bytes, count: int) -> list[str]:
+    """Texts of a page, each after its length in bytes."""
+    found, at = [], 0
+    for _ in range(count):
+        (length,) = _LENGTH.unpack_from(page, at)
+        at += _LENGTH.size + length
+        if at > len(page):
+            msg = "a text is longer than its page"
+            raise ValueError(msg)
+        found.append(page[at - length : at].decode())
+    return found
 
 
 class _Fields(dict[int, Any]):

@@ -17,7 +17,10 @@ def result_html(result: "Result") -> str:
     """Rows, time span, and every column or array with unit, smallest and largest value."""
     whole = arrays(result.names)
     names = dict.fromkeys(base_name(name) if base_name(name) in whole else name for name in result.names)
-    rows = [(f"{name}{_shape(result[name])}", result.unit(name), *_extremes(result[name])) for name in names]
+    rows: list[tuple[object, ...]] = [
+        (f"{name}{_shape(result[name])}", result.unit(name), *_extremes(result[name])) for name in names
+    ]
+    rows += [(name, "", "", f"last: {texts[-1]}" if len(texts) else "") for name, texts in result.texts.items()]
     span = f", t = {result.time[0]:g} to {result.time[-1]:g} s" if len(result.time) else ""
     state = "" if result.status == COMPLETE else f"<p>{escape(result.status)}: {escape(result.message)}</p>"
     head = f"<p><b>Result</b>: {len(result.time)} rows{span}</p>"

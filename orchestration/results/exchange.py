@@ -17,6 +17,8 @@ def to_pandas(result: "Result") -> "pd.DataFrame":
     import pandas as pd
 
     frame = pd.DataFrame(result.rows, index=pd.Index(result.time, name=TIME), columns=list(result.names))
+    for name, texts in result.texts.items():
+        frame[name] = texts
     units = {TIME: "s", **result.units}
     said = {"metadata": dict(result.metadata), "status": result.status, "message": result.message}
     frame.attrs = {"units": units, **said}
@@ -27,8 +29,8 @@ def to_xarray(result: "Result") -> "xr.Dataset":
     """A Dataset with one variable for each column or array; see `Result.to_xarray`."""
     import xarray as xr
 
-    whole = arrays(result.names)
-    names = dict.fromkeys(base_name(name) if base_name(name) in whole else name for name in result.names)
+    whole = arrays(tuple(result))
+    names = dict.fromkeys(base_name(name) if base_name(name) in whole else name for name in result)
     variables: dict[str, Any] = {}
     for name in names:
         values = result[name]

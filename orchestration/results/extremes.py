@@ -1,7 +1,7 @@
 """Smallest, largest and last value of each column of a result, also of files that do not fit into memory."""
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import chain
 from pathlib import Path
 
@@ -25,6 +25,8 @@ class Extremes:
         First and last time, s; None without rows.
     smallest, largest, last
         Values of the columns, float64, shape (n_columns,); NaN without rows.
+    texts
+        Last text of each column of texts, by name; empty without rows.
     """
 
     names: tuple[str, ...]
@@ -37,6 +39,7 @@ class Extremes:
     smallest: np.ndarray
     largest: np.ndarray
     last: np.ndarray
+    texts: Mapping[str, str] = field(default_factory=dict)
 
 
 def extremes(parts: Iterable[Columns]) -> Extremes:
@@ -44,7 +47,7 @@ def extremes(parts: Iterable[Columns]) -> Extremes:
     rest = iter(parts)
     first = next(rest)
     smallest = largest = last = np.full(len(first.names), np.nan)
-    rows, span = 0, None
+    rows, span, texts = 0, None, dict.fromkeys(first.texts, "")
     for part in chain([first], rest):
         if len(part.time):
             rows += len(part.time)
@@ -52,8 +55,9 @@ def extremes(parts: Iterable[Columns]) -> Extremes:
             smallest = np.fmin(smallest, np.fmin.reduce(part.rows))
             largest = np.fmax(largest, np.fmax.reduce(part.rows))
             last = part.rows[-1]
+            texts = {name: str(column[-1]) for name, column in part.texts.items()}
     about = (first.names, first.units, first.metadata, first.status, first.message)
-    return Extremes(*about, rows, span, smallest, largest, last)
+    return Extremes(*about, rows, span, smallest, largest, last, texts)
 
 
 def extremes_of_file(path: Path) -> Extremes:

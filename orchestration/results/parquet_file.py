@@ -13,16 +13,17 @@ from dataclasses import replace
 from itertools import chain
 from pathlib import Path
 from types import TracebackType
-from typing import TYPE_CHECKING, NamedTuple, Self
+from typing import TYPE_CHECKING, Any, NamedTuple, Self
 
 import numpy as np
 
 from adaptimp_fmu.files.whole_file import Draft
 from orchestration.errors import OrchestrationError
 from orchestration.results.arrow_table import arrow_schema, arrow_table, columns_of, rows_per_group
-from orchestration.results.columns import COMPLETE, FAILED, INTERRUPTED, Columns
+from orchestration.results.columns import COMPLETE, FAILED, INTERRUPTED, TIME, Columns
 from orchestration.results.cut_off import CutOff, description
 from orchestration.results.places import partial_path, write_errors
+from orchestration.results.texts import joined_texts
 
 if TYPE_CHECKING:
     from pyarrow.parquet import ParquetFile, ParquetWriter
@@ -55,9 +56,10 @@ def write_parquet(columns: Columns, path: Path) -> None:
         If the file cannot be written.
     """
     ticks = {"steps_per_tick": columns.steps_per_tick, "sample_times": columns.sample_times}
-    with ParquetSink(path, columns.names, columns.units, columns.metadata, **ticks) as sink:
+    texts = tuple(columns.texts)
+    with ParquetSink(path, columns.names, columns.units, columns.metadata, texts=texts, **ticks) as sink:
         sink.status, sink.message = columns.status, columns.message
-        sink.append(columns.time, columns.rows)
+        sink.append(columns.time, columns.rows, columns.texts)
 
 
 def read_parquet(path: Path) -> Columns:
@@ -110,9 +112,9 @@ def cut_off_parts(path: Path) -> Iterator[Columns]:
     units, ratios, periods = (found.described.get(key, {}) for key in (UNITS, STEPS_PER_TICK, SAMPLE_TIMES))
     kept = {"units": units, "steps_per_tick": ratios, "sample_times": periods, "message": "The process was killed."}
     names, count = tuple(found.described["names"]), 0
-    for rows in found.groups():
+    for rows, texts in found.groups():
         count += 1
-        yield replace(Columns(rows[:, 0].copy(), names, rows[:, 1:].copy(), status=INTERRUPTED), **kept)
+        yield replace(Columns(rows[:, 0].copy(), names, rows[:, 1:].copy(), status=INTERRUPTED, texts=texts), **kept)
     if not count:
         msg = "it ends before its first group of rows was complete"
         raise ValueError(msg)
@@ -122,7 +124,7 @@ def read_cut_off(path: Path) -> Columns:
     """Read the rows of an unfinished file at once; errors as `cut_off_parts`."""
     parts = list(cut_off_parts(path))
     whole = {"time": np.concatenate([p.time for p in parts]), "rows": np.concatenate([p.rows for p in parts])}
-    return replace(parts[0], **whole)
+    return replace(parts[0], texts=joined_texts([p.texts for p in parts], tuple(parts[0].texts)), **whole)
 
 
 def _rescue(draft: Path, path: Path) -> None:
@@ -133,10 +135,10 @@ def _rescue(draft: Path, path: Path) -> None:
     except ValueError:
         return
     ticks = {"steps_per_tick": first.steps_per_tick, "sample_times": first.sample_times}
-    with ParquetSink(partial_path(path), first.names, first.units, **ticks) as sink:
+    with ParquetSink(partial_path(path), first.names, first.units, texts=tuple(first.texts), **ticks) as sink:
         sink.status, sink.message = first.status, first.message
         for part in chain([first], parts):
-            sink.append(part.time, part.rows)
+            sink.append(part.time, part.rows, part.texts)
 
 
 class _Draft(NamedTuple):
@@ -170,6 +172,8 @@ class ParquetSink:
         Number of steps per sampling period, by the name of a sampled component.
     sample_times
         Sampling periods, s, by the name of a sampled component.
+    texts
+        Columns of texts as ``component.variable``.
 
     Attributes
     ----------
@@ -198,9 +202,10 @@ class ParquetSink:
         *,
         steps_per_tick: Mapping[str, int] | None = None,
         sample_times: Mapping[str, float] | None = None,
+        texts: Sequence[str] = (),
     ) -> None:
         self.path = path
-        self.names = tuple(names)
+        self.names, self.texts = tuple(names), tuple(texts)
         self.metadata = dict(metadata or {})
         self.status, self.message = COMPLETE, ""
         self.count = 0
@@ -208,8 +213,9 @@ class ParquetSink:
         ticks = {STEPS_PER_TICK: dict(steps_per_tick or {}), SAMPLE_TIMES: dict(sample_times or {})}
         self._own = {UNITS: dict(units or {}), **ticks}
         self._file_metadata()
-        self._schema = arrow_schema(self.names, self._own[UNITS])
+        self._schema = arrow_schema(self.names, self._own[UNITS], self.texts)
         self._buffer = np.empty((0, 0))  # later (n_columns + 1, rows of a group): time, s, and all columns
+        self._texts: list[Mapping[str, np.ndarray]] = []  # of the rows in the buffer
         self._filled = 0
         self._draft: _Draft | None = None
 
@@ -227,18 +233,19 @@ class ParquetSink:
             if self.path.is_dir():  # an error before the run is better than one after the run
                 raise IsADirectoryError(None, "Is a directory")
             draft = Draft(self.path, lambda left: _rescue(left, self.path))
-        length = rows_per_group(len(self.names))
+        length = rows_per_group(len(self.names), len(self.texts))
         stream = pyarrow.PythonFile(draft.file, mode="w")
         # The schema goes into the file at the end, when its metadata is complete.
-        writer = pyarrow.parquet.ParquetWriter(stream, self._schema, store_schema=False, **_ENCODING)
+        writer = pyarrow.parquet.ParquetWriter(stream, self._schema, store_schema=False, **self._encoding())
         self._draft = _Draft(writer, draft)
         with self._abandoning():
-            stream.write(description(self.names, length, **self._own))
+            texts = {"texts": self.texts} if self.texts else {}
+            stream.write(description(self.names, length, **self._own, **texts))
             draft.file.flush()
         self._buffer = np.empty((len(self.names) + 1, length))
         return self
 
-    def append(self, time: np.ndarray, rows: np.ndarray) -> None:
+    def append(self, time: np.ndarray, rows: np.ndarray, texts: Mapping[str, np.ndarray] | None = None) -> None:
         """Append rows. The number of rows per call does not change the file.
 
         Parameters
@@ -247,6 +254,8 @@ class ParquetSink:
             Communication points, s, shape (n,).
         rows
             Values, shape (n, n_columns), in the units of the columns.
+        texts
+            Columns of texts by name, shape (n,).
 
         Raises
         ------
@@ -255,6 +264,11 @@ class ParquetSink:
         """
         if self._draft is None:
             msg = f"{self.path}: rows can be appended only within the sink's `with` block, and not after a failure."
+            raise OrchestrationError(msg)
+        texts = texts or {}
+        if tuple(texts) != self.texts or any(column.shape != time.shape for column in texts.values()):
+            msg = f"{self.path}: texts of {', '.join(texts) or 'no column'} were given; columns of {time.size} for"
+            msg = f"{msg} {', '.join(self.texts) or 'no column'} are needed."
             raise OrchestrationError(msg)
         if time.ndim != 1 or rows.shape != (time.size, len(self.names)):
             msg = (
@@ -270,6 +284,7 @@ class ParquetSink:
             place = self._buffer[:, self._filled : self._filled + taken]
             place[0] = time[done : done + taken]
             place[1:] = rows[done : done + taken].T
+            self._texts.append({name: column[done : done + taken] for name, column in texts.items()})
             self._filled += taken
             self.count += taken
             done += taken
@@ -323,10 +338,12 @@ class ParquetSink:
     def _flush(self) -> None:
         """Write the buffer as a group of rows; remove the draft if that fails."""
         filled, self._filled = self._filled, 0  # emptied first, so that an interrupt cannot cause a second write
+        texts, self._texts = list(joined_texts(self._texts, self.texts).values()), []
         if filled == 0 or self._draft is None:
             return
         with self._abandoning():
-            self._draft.writer.write_table(arrow_table(self._schema, [column[:filled] for column in self._buffer]))
+            numbers = [column[:filled] for column in self._buffer]
+            self._draft.writer.write_table(arrow_table(self._schema, numbers, texts))
             self._draft.draft.file.flush()  # what a killed process has written can be read
 
     @contextmanager
@@ -346,6 +363,10 @@ class ParquetSink:
         draft, self._draft = self._draft.draft, None  # the writer ends first, while its file is still open
         self._buffer = np.empty((0, 0))
         draft.abandon()
+
+    def _encoding(self) -> dict[str, Any]:
+        """Encoding of the columns; texts cannot be split into streams of bytes."""
+        return {**_ENCODING, "use_byte_stream_split": [TIME, *self.names]} if self.texts else _ENCODING
 
     def _file_metadata(self) -> dict[str, str]:
         """Metadata of the file with prefixed keys, in alphabetical order; an error names a key that is not allowed."""

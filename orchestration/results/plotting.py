@@ -9,6 +9,7 @@ from adaptimp_fmu.files.cache_folder import let_matplotlib_write
 from orchestration.errors import OrchestrationError, UnknownNameError
 from orchestration.fmi.given import shown
 from orchestration.fmi.names import chosen, suggestion
+from orchestration.results.texts import text_column
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -28,6 +29,10 @@ def plot(result: "Result", names: Sequence[str], ax: "Axes | None") -> np.ndarra
     if ax is not None and not hasattr(ax, "plot"):
         msg = f"ax is {shown(ax)}; give Axes of matplotlib, or leave ax out for a new figure."
         raise OrchestrationError(msg)
+    for name in names:
+        if text_column(result.texts, name) is not None:
+            msg = f"{name} is a column of texts, which cannot be drawn; give columns of numbers."
+            raise OrchestrationError(msg)
     columns, missing = chosen(names or result.names, result.names)
     if missing:
         msg = f"The result has no column {missing[0]}; {suggestion(missing[0], result.names)}"

@@ -1,5 +1,6 @@
 """The result of a run: recorded columns by name, as arrays over time."""
 
+import json
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, fields
 from functools import cached_property
@@ -12,7 +13,8 @@ from orchestration.errors import OrchestrationError, UnknownNameError
 from orchestration.fmi.given import shown
 from orchestration.fmi.names import arrays, suggestion
 from orchestration.results import csv_file, formats, parquet_file
-from orchestration.results.columns import LATENESS, TIME, Columns
+from orchestration.results.columns import LATENESS, MESSAGES, TIME, Columns
+from orchestration.results.texts import same_texts, text_column
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -59,7 +61,8 @@ class Result(Columns, Mapping[str, np.ndarray]):
         Returns
         -------
         ndarray
-            float64, shape (n_rows,); of an array of k variables (n_rows, k), of a matrix (n_rows, k, m).
+            float64, shape (n_rows,); of an array of k variables (n_rows, k), of a matrix (n_rows, k, m). Of Strings an
+            array of objects of type str.
 
         Raises
         ------
@@ -68,35 +71,40 @@ class Result(Columns, Mapping[str, np.ndarray]):
         """
         if isinstance(name, str) and name == TIME:
             return self.time
+        if isinstance(name, str) and (texts := text_column(self.texts, name)) is not None:
+            return texts
         places = self._places(name)
         return self.rows[:, places] if isinstance(places, int) else np.ascontiguousarray(self.rows[:, places])
 
     def __iter__(self) -> Iterator[str]:
-        """The recorded names, in the order of the columns."""
-        return iter(self.names)
+        """The recorded names, in the order of the columns, those of texts last."""
+        return iter((*self.names, *self.texts))
 
     def __len__(self) -> int:
         """Number of columns, without time."""
-        return len(self.names)
+        return len(self.names) + len(self.texts)
 
     def __contains__(self, name: object) -> bool:
         """Whether the name can be looked up."""
-        return name == TIME or (isinstance(name, str) and (name in self._columns or name in self._arrays))
+        return name == TIME or (
+            isinstance(name, str) and (name in self._columns or name in self._arrays or name in self.texts)
+        )
 
     def __eq__(self, other: object) -> bool:
         """Whether all attributes agree, numbers bit by bit; so NaN equals itself."""
         if not isinstance(other, Result):
             return NotImplemented
-        return all(_same(getattr(self, f.name), getattr(other, f.name)) for f in fields(self))
+        plain = all(_same(getattr(self, f.name), getattr(other, f.name)) for f in fields(self) if f.name != "texts")
+        return plain and same_texts(self.texts, other.texts)
 
     __hash__ = None  # type: ignore[assignment] - arrays can change
 
     def __repr__(self) -> str:
         """Number of rows, time span and columns in one line."""
         span = f", t = {self.time[0]:g} to {self.time[-1]:g} s" if len(self.time) else ""
-        names = ", ".join(self.names[:4]) + (f", and {len(self.names) - 4} more" if len(self.names) > 4 else "")
+        names = ", ".join(list(self)[:4]) + (f", and {len(self) - 4} more" if len(self) > 4 else "")
         state = "" if self.status == "complete" else f", {self.status}"
-        return f"<Result: {len(self.time)} rows{span}, {len(self.names)} columns ({names or 'none'}){state}>"
+        return f"<Result: {len(self.time)} rows{span}, {len(self)} columns ({names or 'none'}){state}>"
 
     def _repr_html_(self) -> str:
         from orchestration.results.display import result_html
@@ -104,7 +112,7 @@ class Result(Columns, Mapping[str, np.ndarray]):
         return result_html(self)
 
     def _ipython_key_completions_(self) -> list[str]:
-        return [TIME, *arrays(self.names), *self.names]
+        return [TIME, *arrays(tuple(self)), *self]
 
     def at_ticks(self, name: str) -> np.ndarray:
         """A column or an array, realigned to the instants at which its values came about.
@@ -161,10 +169,17 @@ class Result(Columns, Mapping[str, np.ndarray]):
         """By how many seconds each row was made after it was due, shape (n_rows,); None if the run was not paced."""
         return self[LATENESS] if LATENESS in self.names else None
 
+    @property
+    def messages(self) -> tuple[str, ...]:
+        """What the FMUs logged, each text after the name of its component; of many texts the last of each component."""
+        return tuple(json.loads(self.metadata.get(MESSAGES, "[]")))
+
     def unit(self, name: str) -> str:
         """Unit of a column, or of an array whose elements share one; empty if there is none."""
         if name == TIME:
             return "s"
+        if text_column(self.texts, name) is not None:
+            return ""
         found = {self.units.get(self.names[i], "") for i in np.ravel(self._places(name))}
         return found.pop() if len(found) == 1 else ""
 
@@ -318,14 +333,14 @@ class Result(Columns, Mapping[str, np.ndarray]):
     def _places(self, name: str) -> Any:
         """Position of a column, or positions of the columns of an array, in its shape."""
         if not isinstance(name, str):
-            example = self.names[0] if self.names else TIME
+            example = next(iter(self), TIME)
             msg = f"The result has no column {shown(name)}; give its name, a text, such as {example!r}."
             raise UnknownNameError(msg)
         if name in self._columns:
             return self._columns[name]
         positions = self._arrays.get(name)
         if positions is None:
-            msg = f"The result has no column {name}; {suggestion(name, self.names)}"
+            msg = f"The result has no column {name}; {suggestion(name, tuple(self))}"
             raise UnknownNameError(msg)
         return positions
 

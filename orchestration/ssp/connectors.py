@@ -11,13 +11,22 @@ from dataclasses import dataclass, field
 from orchestration.errors import SystemDescriptionError
 from orchestration.fmi.names import suggestion
 from orchestration.fmi.units import AS_IS, Linear, UnitDefinition, conversion
-from orchestration.ssp.schema import Xml, boolean, ssd, transformation
+from orchestration.ssp.schema import Package, Xml, boolean, ssd, transformation
+from orchestration.ssp.value_maps import is_identity
 from orchestration.system.component import Component, Connection
 
 Place = tuple[tuple[str, ...], str]
 """Path of a component or system, and the name of a connector there."""
 
 _INWARD, _OUTWARD = ("input", "parameter"), ("output", "calculatedParameter")
+
+
+@dataclass(frozen=True)
+class Home:
+    """The package that describes an element, and the units that its .ssd file defines, by name."""
+
+    package: Package
+    units: dict[str, UnitDefinition]
 
 
 @dataclass
@@ -34,6 +43,8 @@ class Element:
         Component of the flat system; None if the element is a system.
     connectors
         Kind and unit of each connector, by name.
+    bindings
+        XML elements with the parameter bindings, in the order in which they apply, and where these are described.
     children
         Inner elements, by name.
     """
@@ -42,6 +53,7 @@ class Element:
     xml: Xml
     component: Component | None
     connectors: dict[str, tuple[str, UnitDefinition | None]]
+    bindings: list[tuple[Xml, Home]]
     children: dict[str, "Element"] = field(default_factory=dict)
 
     def walk(self) -> Iterator["Element"]:
@@ -107,6 +119,9 @@ class Wiring:
             if element.component is None
             for xml in element.xml.iterfind(ssd("Connections/Connection"))
         ]
+        self._starting: dict[Place, list[_Wire]] = {}
+        for wire in self._wires:
+            self._starting.setdefault(wire.start, []).append(wire)
 
     def connections(self) -> Iterator[Connection]:
         """Iterate over the connections between components, in the order of the file.
@@ -195,9 +210,8 @@ class Wiring:
             circle = " -> ".join(_text(p) for p in (*trail[trail.index(place) :], place))
             msg = f"{self.where}: connectors are connected in a circle without a component: {circle}."
             raise SystemDescriptionError(msg)
-        for wire in self._wires:
-            if wire.start == place:
-                yield from self._along(wire, scale, unit, (*trail, place))
+        for wire in self._starting.get(place, ()):
+            yield from self._along(wire, scale, unit, (*trail, place))
 
     def _unit(self, place: Place) -> UnitDefinition | None:
         """Unit of a connector; None if there is no unit."""
@@ -228,7 +242,8 @@ class Wiring:
                 both = "give" if gives[0] else "take"
                 msg = f"{where}: both ends {both} a value."
                 raise SystemDescriptionError(msg)
-        return _Wire(places[0], places[1], transformation(xml, where), boolean(xml.get("suppressUnitConversion")))
+        scale = AS_IS if is_identity(xml) else transformation(xml, where)
+        return _Wire(places[0], places[1], scale, boolean(xml.get("suppressUnitConversion")))
 
     def _end(self, system: Element, name: str | None, connector: str) -> tuple[Place, bool | None]:
         """Connector at an end of a connection, and whether the connector gives a value; None if both are possible."""

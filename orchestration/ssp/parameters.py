@@ -10,11 +10,13 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from math import isnan, nan
 
+from lxml import etree
+
 from orchestration.errors import SystemDescriptionError
 from orchestration.fmi.codes import REAL
 from orchestration.fmi.names import near, suggestion
 from orchestration.fmi.units import AS_IS, Linear, UnitDefinition, conversion, defined
-from orchestration.ssp.connectors import Arrival, Element, Wiring
+from orchestration.ssp.connectors import Arrival, Element, Home, Wiring
 from orchestration.ssp.schema import (
     MAPPING,
     PARAMETER_MAPPING_TYPE,
@@ -29,6 +31,7 @@ from orchestration.ssp.schema import (
     ssd,
     transformation,
 )
+from orchestration.ssp.value_maps import mapped_value, value_map
 
 Starts = dict[str, dict[str, float | str]]
 """Start values by component and variable; a text still needs a check by its variable."""
@@ -40,22 +43,19 @@ class _Parameter:
 
     name: str
     text: str
+    type: str
     unit: UnitDefinition | None
     scale: Linear = AS_IS
     suppressed: bool = False
 
 
-def start_values(package: Package, wiring: Wiring, units: dict[str, UnitDefinition]) -> tuple[Starts, list[str]]:
+def start_values(wiring: Wiring) -> tuple[Starts, list[str]]:
     """Read the start values of all components of a package.
 
     Parameters
     ----------
-    package
-        Unpacked package.
     wiring
         Connections and elements of the package.
-    units
-        Units that ``SystemStructure.ssd`` defines, by name.
 
     Returns
     -------
@@ -71,7 +71,7 @@ def start_values(package: Package, wiring: Wiring, units: dict[str, UnitDefiniti
     SystemDescriptionError
         If a component has no such variable, or a unit cannot be converted.
     """
-    reading = _Bindings(package, wiring, units)
+    reading = _Bindings(wiring)
     reading.read(wiring.outer)
     return reading.start, reading.notices
 
@@ -79,8 +79,8 @@ def start_values(package: Package, wiring: Wiring, units: dict[str, UnitDefiniti
 class _Bindings:
     """Reader of all parameter bindings of a package."""
 
-    def __init__(self, package: Package, wiring: Wiring, units: dict[str, UnitDefinition]) -> None:
-        self.package, self.wiring, self.units = package, wiring, units
+    def __init__(self, wiring: Wiring) -> None:
+        self.wiring, self.where = wiring, wiring.where
         self.start: Starts = {}
         self.notices: list[str] = []
 
@@ -88,9 +88,10 @@ class _Bindings:
         """Read the bindings of all inner elements, then the bindings of the element itself."""
         for child in element.children.values():
             self.read(child)
-        for binding in element.xml.iterfind(ssd("ParameterBindings/ParameterBinding")):
-            for parameter in self._mapped(element, binding):
-                self._assign(element, parameter)
+        for xml, home in element.bindings:
+            for binding in xml.iterfind(ssd("ParameterBindings/ParameterBinding")):
+                for parameter in self._mapped(element, binding, home):
+                    self._assign(element, parameter)
 
     def _assign(self, element: Element, parameter: _Parameter) -> None:
         """Set all variables that a parameter reaches."""
@@ -104,7 +105,7 @@ class _Bindings:
                 value = self._converted(parameter, unit, arrival, relative=variable.relative)
             elif not (parameter.scale.trivial and arrival.scale.trivial):
                 path = f"{arrival.component.name}.{name}"
-                msg = f"{self.package.path}: {path} is of type {variable.type}; only Reals can have a transformation."
+                msg = f"{self.where}: {path} is of type {variable.type}; only Reals can have a transformation."
                 raise SystemDescriptionError(msg)
             self.start.setdefault(arrival.component.name, {})[name] = value
         if not found:
@@ -148,19 +149,20 @@ class _Bindings:
         if found is None:
             name = f"{arrival.component.name}.{arrival.variable}"
             given, has = parameter.unit and parameter.unit.name, unit and unit.name
-            msg = f"{self.package.path}: {name} is given in {given}, but the unit in the FMU is {has}."
+            msg = f"{self.where}: {name} is given in {given}, but the unit in the FMU is {has}."
             raise SystemDescriptionError(msg)
         return arrival.scale(parameter.scale(Linear(*found)(value)))
 
-    def _mapped(self, element: Element, binding: Xml) -> Iterator[_Parameter]:
+    def _mapped(self, element: Element, binding: Xml, home: Home) -> Iterator[_Parameter]:
         """Parameters of a binding, after its parameter mapping."""
-        parameters = list(self._parameters(element, binding))
+        parameters = list(self._parameters(element, binding, home))
         mapping = binding.find(ssd("ParameterMapping"))
         if mapping is None:
             yield from parameters
             return
-        where = f"{self.package.path}: the parameter mapping of {'.'.join(element.path) or 'the system'}"
-        root = self._content(element, mapping, (f"{{{SSM}}}ParameterMapping", MAPPING, PARAMETER_MAPPING_TYPE))
+        where = f"{self.where}: the parameter mapping of {'.'.join(element.path) or 'the system'}"
+        kind = (f"{{{SSM}}}ParameterMapping", MAPPING, PARAMETER_MAPPING_TYPE)
+        root = self._content(element, mapping, home.package, kind)
         by_name = {parameter.name: parameter for parameter in parameters}
         entries = list(root.iterfind(f"{{{SSM}}}MappingEntry"))
         for entry in entries:
@@ -173,37 +175,42 @@ class _Bindings:
                 source = entry.attrib["source"]
                 msg = f"{where} has no parameter {source} to map; {suggestion(source, by_name)}"
                 raise SystemDescriptionError(msg)
-            scale = transformation(entry, f"{where}, {entry.get('source')} -> {entry.get('target')}")
+            line = f"{where}, {entry.get('source')} -> {entry.get('target')}"
+            scale = AS_IS if value_map(entry) is not None else transformation(entry, line)
+            text = mapped_value(entry, parameter.text, parameter.type, line)
             suppressed = boolean(entry.get("suppressUnitConversion"))
-            yield _Parameter(entry.attrib["target"], parameter.text, parameter.unit, scale, suppressed)
+            yield _Parameter(entry.attrib["target"], text, parameter.type, parameter.unit, scale, suppressed)
         used = {entry.get("source") for entry in entries}
         self.notices += [f"{where} does not map {name}, so {name} is ignored." for name in by_name if name not in used]
 
-    def _parameters(self, element: Element, binding: Xml) -> Iterator[_Parameter]:
+    def _parameters(self, element: Element, binding: Xml, home: Home) -> Iterator[_Parameter]:
         """Parameters of a binding, with the prefix of the binding before their names."""
         values = binding.find(ssd("ParameterValues"))
         holder = binding if values is None else values
         kind = (f"{{{SSV}}}ParameterSet", VALUES, PARAMETER_SET_TYPE)
-        root = self._content(element, holder, kind, binding.get("type"))
-        units, names = {**self.units, **read_units(root)}, set[str]()
+        root = self._content(element, holder, home.package, kind, stated=binding.get("type"))
+        units, names = {**home.units, **read_units(root)}, set[str]()
         for parameter in root.iterfind(f"{{{SSV}}}Parameters/{{{SSV}}}Parameter"):
             name = (binding.get("prefix") or "") + parameter.attrib["name"]
             if name in names:
-                msg = f"{self.package.path}: the parameter set {root.get('name')} has two parameters {name}."
+                msg = f"{self.where}: the parameter set {root.get('name')} has two parameters {name}."
                 raise SystemDescriptionError(msg)
             names.add(name)
             typed = next(child for child in parameter if isinstance(child.tag, str))
-            yield _Parameter(name, typed.attrib["value"], defined(typed.get("unit"), units))
+            kind = etree.QName(typed).localname
+            yield _Parameter(name, typed.attrib["value"], kind, defined(typed.get("unit"), units))
 
-    def _content(self, element: Element, holder: Xml, kind: tuple[str, str, str], stated: str | None = None) -> Xml:
+    def _content(
+        self, element: Element, holder: Xml, package: Package, kind: tuple[str, str, str], *, stated: str | None = None
+    ) -> Xml:
         """Document of a tag, schema and MIME type (`kind`) that an element contains or refers to."""
         tag, schema, mime = kind
         stated = stated or holder.get("type") or mime
         if stated != mime:
-            msg = f"{self.package.path}: parameters of type {stated} are not supported; use {mime}."
+            msg = f"{self.where}: parameters of type {stated} are not supported; use {mime}."
             raise SystemDescriptionError(msg)
         inline = holder.find(tag)
         if inline is not None:
-            return self.package.validated(inline, f"{tag.rpartition('}')[2]} in SystemStructure.ssd", schema)
+            return package.validated(inline, f"{tag.rpartition('}')[2]} in SystemStructure.ssd", schema)
         fmu = element.component.description.path if element.component is not None else None
-        return self.package.document(holder, schema, fmu)
+        return package.document(holder, schema, fmu)

@@ -7,38 +7,45 @@ transformations on the way become one factor and one offset.
 
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TypedDict
+from urllib.parse import unquote
 
 from orchestration.errors import ArchiveError, SystemDescriptionError
+from orchestration.fmi.blame import blaming
 from orchestration.fmi.description import read_description
 from orchestration.fmi.units import UnitDefinition, defined
-from orchestration.ssp.connectors import Element, Wiring
+from orchestration.ssp.connectors import Element, Home, Wiring
+from orchestration.ssp.experiment import read_experiment
 from orchestration.ssp.parameters import start_values
 from orchestration.ssp.schema import (
     ASSUMPTIONS_ANNOTATION,
+    DEFINITION_TYPE,
     FMU_TYPE,
     NAMES_ANNOTATION,
+    PACKAGE_TYPE,
     SSC,
-    STEP_ANNOTATION,
     Package,
     Xml,
     read_units,
     required,
     ssd,
 )
+from orchestration.ssp.variants import variants_in
 from orchestration.system.component import Component, Connection
 from orchestration.system.system import System
 
+MOST_NESTED = 500  # packages within packages, all together
 SEPARATOR = "__"  # between the names of a system and its component; a name must not contain a dot
 
 
-def read_ssp(path: Path) -> System:
+def read_ssp(path: Path, variant: str | None = None) -> System:
     """Read a coupled system from an SSP package.
 
     Parameters
     ----------
     path
-        SSP package.
+        SSP package; or a folder with the files of one, or an .ssd file beside them.
+    variant
+        Name of another .ssd file in the package than ``SystemStructure.ssd``, with its suffix or without.
 
     Returns
     -------
@@ -50,15 +57,15 @@ def read_ssp(path: Path) -> System:
     ArchiveError
         If the package is unsafe, incomplete or invalid.
     SystemDescriptionError
-        If the package describes a system that cannot be run here.
+        If the package describes a system that cannot be run here, or has no such variant.
     """
-    package = Package.open(path)
+    package = Package.open(path, variant)
     root = package.structure()
-    reading = _Reading(package, read_units(root))
+    reading = _Reading(Home(package, read_units(root)))
     outer = reading.system(required(root, ssd("System")), ())
     wiring = Wiring(str(path), outer)
     reading.notices += wiring.undriven()
-    start, notices = start_values(package, wiring, reading.units)
+    start, notices = start_values(wiring)
     names = {component.name: _names(element, path) for component, element in reading.found}
     components = tuple(
         replace(component, description=component.description.renamed(names[component.name]))
@@ -70,8 +77,9 @@ def read_ssp(path: Path) -> System:
         for component, of_component in start.items()
         for variable, value in of_component.items()
     }
-    options = _experiment(root, path)
-    options["notices"] = (*options.get("notices", ()), *reading.notices, *notices)
+    options = read_experiment(root, path)
+    said = (*package.formalities, *options.get("notices", ()), *reading.notices, *notices)
+    options["notices"] = tuple(dict.fromkeys(said))
     assumptions = {
         item.get("variable") or "": item.get("text") or "" for item in _items(outer.xml, ASSUMPTIONS_ANNOTATION)
     }
@@ -79,19 +87,46 @@ def read_ssp(path: Path) -> System:
     return replace(system, assumptions=assumptions)
 
 
+def variants_of(path: Path) -> list[str]:
+    """Return the names of the .ssd files in a package or folder, without the suffix, the default one first.
+
+    Raises
+    ------
+    ArchiveError
+        If the package is missing, unsafe or invalid.
+    """
+    return variants_in(Package.folder_of(path)[0])
+
+
 @dataclass
 class _Reading:
-    """Reader of all systems and components of a package, from the outermost system inwards."""
+    """Reader of all systems and components of a package, from the outermost system inwards.
 
-    package: Package
-    units: dict[str, UnitDefinition]
+    Attributes
+    ----------
+    home
+        The package that is read; within a component that is a package, that one.
+    within
+        Files of the packages and .ssd files around the one that is read.
+    opened
+        Files of all packages and .ssd files that components refer to.
+    """
+
+    home: Home
     found: list[tuple[Component, Xml]] = field(default_factory=list)
     notices: list[str] = field(default_factory=list)
     paths: dict[str, str] = field(default_factory=dict)
+    within: tuple[Path, ...] = ()
+    opened: list[Path] = field(default_factory=list)
+
+    @property
+    def package(self) -> Package:
+        """The package that is read."""
+        return self.home.package
 
     def system(self, xml: Xml, path: tuple[str, ...]) -> Element:
         """Read a system and all its elements."""
-        element = Element(path, xml, None, self.connectors(xml))
+        element = Element(path, xml, None, self.connectors(xml), [(xml, self.home)])
         for child in xml.iterfind(ssd("Elements/*")):
             name = child.get("name")
             if not name or name in element.children:
@@ -114,6 +149,8 @@ class _Reading:
         """Read a component, and give it the name that it has in the flat system."""
         dotted, flat = ".".join(path), SEPARATOR.join(path).replace(".", SEPARATOR)
         kind = xml.get("type") or FMU_TYPE
+        if kind in (PACKAGE_TYPE, DEFINITION_TYPE):
+            return self.nested(xml, path)
         if kind != FMU_TYPE or xml.get("implementation") == "ModelExchange":
             what = f"of type {kind}" if kind != FMU_TYPE else "to be run as model exchange"
             msg = f"{self.package.path}: component {dotted} is {what}; only FMUs for co-simulation are run."
@@ -124,9 +161,31 @@ class _Reading:
         self.paths[flat] = dotted
         if any("." in name for name in path):
             self.notices.append(f"The component {dotted} is called {flat}, because a name in a system has no dot.")
-        component = Component(flat, read_description(self.package.file(xml.get("source"))))
+        file = self.package.file(xml.get("source"))
+        with blaming(f"{self.package.path}: component {dotted} ({xml.get('source')})", file):
+            component = Component(flat, read_description(file))
         self.found.append((component, xml))
-        return Element(path, xml, component, self.connectors(xml))
+        return Element(path, xml, component, self.connectors(xml), [(xml, self.home)])
+
+    def nested(self, xml: Xml, path: tuple[str, ...]) -> Element:
+        """Read a component that is a package or an .ssd file itself, as a system in the system."""
+        source, _, variant = (xml.get("source") or "").partition("#")
+        file, dotted = self.package.file(source), ".".join(path)
+        self.opened.append(file)
+        if file in self.within or len(self.opened) > MOST_NESTED:
+            why = "contains itself" if file in self.within else f"is one of over {MOST_NESTED} packages in packages"
+            msg = f"{self.package.path}: component {dotted}, {source}, {why}."
+            raise SystemDescriptionError(msg)
+        if xml.get("type") == PACKAGE_TYPE:
+            package = replace(Package.open(file, unquote(variant) or None), path=self.package.path / source)
+        else:
+            package = self.package.definition(file)
+        root = package.structure()
+        inner = replace(self, home=Home(package, read_units(root)), within=(*self.within, file))
+        element = inner.system(required(root, ssd("System")), path)
+        self.notices += package.formalities
+        element.bindings.append((xml, self.home))
+        return element
 
     def connectors(self, xml: Xml) -> dict[str, tuple[str, UnitDefinition | None]]:
         """Read the kind and the unit of each connector of a system or component."""
@@ -134,7 +193,7 @@ class _Reading:
         for connector in xml.iterfind(ssd("Connectors/Connector")):
             typed = connector.find(f"{{{SSC}}}Real")
             unit = typed.get("unit") if typed is not None else None
-            found[connector.attrib["name"]] = (connector.attrib["kind"], defined(unit, self.units))
+            found[connector.attrib["name"]] = (connector.attrib["kind"], defined(unit, self.home.units))
         return found
 
 
@@ -155,36 +214,6 @@ def _renamed(connection: Connection, names: dict[str, dict[str, str]]) -> Connec
     output = names[connection.source].get(connection.output, connection.output)
     input_ = names[connection.target].get(connection.input, connection.input)
     return replace(connection, output=output, input=input_)
-
-
-class _Experiment(TypedDict, total=False):
-    """Arguments of a `System` that a package may give: step and stop time, s, and notices."""
-
-    step: float
-    stop_time: float
-    notices: tuple[str, ...]
-
-
-def _experiment(root: Xml, path: Path) -> _Experiment:
-    """Read the stop time and the step of the default experiment."""
-    options: _Experiment = {}
-    experiment = root.find(ssd("DefaultExperiment"))
-    if experiment is None:
-        return options
-    stop_time = experiment.get("stopTime")
-    if stop_time is not None:
-        options["stop_time"] = float(stop_time)
-    start = float(experiment.get("startTime") or 0)
-    if start != 0:
-        options["notices"] = (f"{path}: the start time {start:g} s is not used; set Options.start_time.",)
-    step = root.find(f".//{{{SSC}}}Annotation[@type='{STEP_ANNOTATION}']/step")
-    if step is not None:
-        try:
-            options["step"] = float(step.get("size") or "")
-        except ValueError as error:
-            msg = f"{path}: the annotation {STEP_ANNOTATION} has the size {step.get('size')!r}, which is not a number."
-            raise ArchiveError(msg) from error
-    return options
 
 
 def _items(xml: Xml, kind: str) -> list[Xml]:

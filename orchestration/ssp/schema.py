@@ -5,7 +5,7 @@ import re
 import tempfile
 import zipfile
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from functools import cache
 from pathlib import Path, PurePosixPath
 from typing import IO
@@ -18,12 +18,15 @@ from orchestration.errors import ArchiveError, SystemDescriptionError
 from orchestration.fmi.units import BASE_UNITS, Linear, Unit, UnitDefinition
 from orchestration.sandbox.archive import file_hash, unpack
 from orchestration.sandbox.missing import require_file
+from orchestration.ssp.leniency import brought_into_form
+from orchestration.ssp.variants import DEFAULT, chosen, is_unpacked, unpacked_place
 
 _BASE = "http://ssp-standard.org/SSP1/SystemStructure"
 SSD, SSC = f"{_BASE}Description", f"{_BASE}Common"
 SSV, SSM = f"{_BASE}ParameterValues", f"{_BASE}ParameterMapping"
 STRUCTURE, VALUES, MAPPING = (f"SystemStructure{n}.xsd" for n in ("Description", "ParameterValues", "ParameterMapping"))
 FMU_TYPE = "application/x-fmu-sharedlibrary"
+PACKAGE_TYPE, DEFINITION_TYPE = "application/x-ssp-package", "application/x-ssp-definition"
 PARAMETER_SET_TYPE = "application/x-ssp-parameter-set"
 PARAMETER_MAPPING_TYPE = "application/x-ssp-parameter-mapping"
 STEP_ANNOTATION = "org.adaptimp.step"
@@ -50,13 +53,38 @@ class Package:
         Path of the package, for messages.
     folder
         Folder with the unpacked files.
+    main
+        Path of the .ssd file in the folder. The sources that it names are relative to it.
+    formalities
+        Sentences on rules of form that documents of the package break, as far as they have been read.
     """
 
     path: Path
     folder: Path
+    main: str = DEFAULT
+    formalities: list[str] = field(default_factory=list, compare=False)
 
     @classmethod
-    def open(cls, path: Path) -> "Package":
+    def open(cls, path: Path, variant: str | None = None) -> "Package":
+        """Open an SSP package, an unpacked folder or an .ssd file; `variant` names another .ssd file beside it.
+
+        Raises
+        ------
+        ArchiveError
+            If the package is missing, invalid or unsafe.
+        SystemDescriptionError
+            If there is no such variant.
+        """
+        folder, main = cls.folder_of(path)
+        return cls(path, folder, chosen(path, folder, main, variant))
+
+    @classmethod
+    def folder_of(cls, path: Path) -> tuple[Path, str]:
+        """Return the folder with the files of a package, folder or .ssd file, and the name of the .ssd file there."""
+        return unpacked_place(path) if is_unpacked(path) else (cls._unpacked(path), DEFAULT)
+
+    @staticmethod
+    def _unpacked(path: Path) -> Path:
         """Unpack a package into the cache folder, unless the cache folder holds the package already.
 
         The cache folder is ``$ADAPTIMP_CACHE``, or else the cache folder of the user. The hash of a package names
@@ -79,7 +107,7 @@ class Package:
                 unpack(path, fresh)
                 with suppress(OSError):  # another run was faster
                     fresh.rename(folder)
-        return cls(path, folder)
+        return folder
 
     def file(self, source: str | None) -> Path:
         """Return the path of a file in the package by its URI.
@@ -94,7 +122,7 @@ class Package:
             raise ArchiveError(msg)
         for name in dict.fromkeys((source or "", unquote(source or ""))):
             relative = PurePosixPath(name)
-            file = (self.folder / relative).resolve()
+            file = ((self.folder / self.main).parent / relative).resolve()
             if not name or "\0" in name or relative.is_absolute() or not file.is_relative_to(self.folder.resolve()):
                 msg = f"{self.path}: the source {source!r} is missing or leads outside the package."
                 raise ArchiveError(msg)
@@ -103,19 +131,23 @@ class Package:
         msg = f"{self.path}: the source {source!r} is not in the package."
         raise ArchiveError(msg)
 
+    def definition(self, file: Path) -> "Package":
+        """The same package with another .ssd file in it, which a component refers to."""
+        return replace(self, main=file.relative_to(self.folder.resolve()).as_posix(), formalities=[])
+
     def structure(self) -> Xml:
-        """Return the valid root element of ``SystemStructure.ssd``.
+        """Return the valid root element of the .ssd file.
 
         Raises
         ------
         ArchiveError
             If the file is missing or invalid.
         """
-        name = "SystemStructure.ssd"
-        if not (self.folder / name).is_file() and (self.folder / "modelDescription.xml").is_file():
+        file = self.folder / self.main
+        if not file.is_file() and (self.folder / "modelDescription.xml").is_file():
             msg = f"{self.path} is an FMU, not an SSP package; System.of couples FMUs, and `adaptimp run` runs one."
             raise ArchiveError(msg)
-        return self._parse(self.folder / name, name, STRUCTURE)
+        return self._parse(file, self.main, STRUCTURE)
 
     def document(self, element: Xml, schema: str, fmu: Path | None) -> Xml:
         """Return the valid root element of the file that the attribute ``source`` of an element names.
@@ -155,7 +187,13 @@ class Package:
             If the element is invalid.
         """
         if not _schema(schema).validate(root):
-            msg = f"{self.path}: {name} is invalid: {_schema(schema).error_log.last_error}"
+            fault = _schema(schema).error_log.last_error
+            why = (
+                f"{str(fault.message).rstrip('.')} (line {fault.line})"
+                if fault is not None
+                else "its schema refuses it"
+            )
+            msg = f"{self.path}: {name} is invalid: {why}."
             raise ArchiveError(msg)
         return root
 
@@ -170,6 +208,7 @@ class Package:
         if root.getroottree().docinfo.doctype:
             msg = f"{self.path}: {name} declares a document type; entities are not allowed."
             raise ArchiveError(msg)
+        self.formalities.extend(brought_into_form(root, f"{self.path}: {name}"))
         return self.validated(root, name, schema)
 
 

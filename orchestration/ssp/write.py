@@ -167,8 +167,8 @@ def _structure(system: System, fmus: dict[Path, str], sets: dict[str, str]) -> b
 
 
 def _experiment(root: Xml, system: System) -> None:
-    """Add the default experiment: stop time, and communication step as an annotation."""
-    experiment = etree.SubElement(root, f"{{{SSD}}}DefaultExperiment", startTime="0.0")
+    """Add the default experiment: start and stop time, and communication step as an annotation."""
+    experiment = etree.SubElement(root, f"{{{SSD}}}DefaultExperiment", startTime=_real(system.start_time))
     if system.stop_time is not None:
         experiment.set("stopTime", _real(system.stop_time))
     if system.step is not None:

@@ -255,9 +255,6 @@ def checked_connection(connection: Connection, source: Component, target: Compon
         advice = f"connect an output of type {input_.type}"
         msg = f"Connection {connection}: types {output.type} and {input_.type} differ; {advice}."
         raise SystemDescriptionError(msg)
-    if output.type == STRING:
-        msg = f"Connection {connection}: Strings cannot be connected."
-        raise SystemDescriptionError(msg)
     scale = connection.scale
     if connection.factor is None:
         by_units = unit_scale(source, output, target, input_)

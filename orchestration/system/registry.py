@@ -23,7 +23,7 @@ class Format:
     Attributes
     ----------
     read
-        Entry of a function that takes a path and returns a `System`.
+        Entry of a function that takes a path, and the name of a variant or None, and returns a `System`.
     write
         Entry of a function that takes a `System` and a path, and returns the path.
     """
@@ -34,13 +34,13 @@ class Format:
 
 SSP = Format("orchestration.ssp.read:read_ssp", "orchestration.ssp.write:write_ssp")
 FORMATS: dict[str, Format] = {".ssp": SSP}
-"""File formats by suffix. A file with another suffix is read as an SSP package, and is not written."""
+"""File formats by suffix. A folder, and a file with another suffix, is read as an SSP package, and is not written."""
 
 ANALYSES: dict[str, str] = {"stability": "orchestration.analysis.stability.verdict:stability"}
 """Entries of analyses by the name of the calling method. The first argument of an analysis is a `System`."""
 
 
-def reader(path: Path) -> "Callable[[Path], System]":
+def reader(path: Path) -> "Callable[[Path, str | None], System]":
     """Return the function that reads a system from a file with the suffix of a path."""
     return _load(FORMATS.get(path.suffix.lower(), SSP).read)
 

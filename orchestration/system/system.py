@@ -51,6 +51,8 @@ class System:
         comparison of systems ignores notices.
     assumptions
         Sentences about values that were assumed, by ``component.variable``. SSP packages keep them.
+    start_time
+        Time of row 0 of a run that does not ask for another, s.
 
     Examples
     --------
@@ -69,6 +71,7 @@ class System:
     stop_time: float | None = None
     notices: tuple[str, ...] = field(default=(), compare=False)
     assumptions: Mapping[str, str] = field(default_factory=dict)
+    start_time: float = 0.0
 
     def __post_init__(self) -> None:
         """Check names, connections and start values."""
@@ -151,10 +154,25 @@ class System:
         return cls(name, components, tuple(connections), step, stop_time)
 
     @classmethod
-    def read(cls, path: str | Path) -> "System":
-        """Read a system from a file, such as an SSP package; see `orchestration.system.registry`."""
+    def read(cls, path: str | Path, variant: str | None = None) -> "System":
+        """Read a system from an SSP package, from a folder with the files of one, or from an .ssd file.
+
+        Parameters
+        ----------
+        path
+            The package, folder or file.
+        variant
+            Name of an .ssd file in the package, without its suffix. Default: ``SystemStructure``.
+
+        Raises
+        ------
+        ArchiveError
+            If the package is unsafe, incomplete or invalid.
+        SystemDescriptionError
+            If the package describes a system that cannot be run here, or has no such variant.
+        """
         file = a_path("A system's file", path)
-        return reader(file)(file)
+        return reader(file)(file, variant)
 
     def write(self, path: str | Path) -> Path:
         """Write the system to a file, such as an SSP package; see `orchestration.system.registry`."""
@@ -377,7 +395,8 @@ class System:
         return [
             f"{component.name}.{variable.name}"
             for component in self.components
-            for variable in component.description.of_causality("input")
+            for variable in component.description.variables.values()
+            if variable.causality == "input"
             if f"{component.name}.{variable.name}" not in driven
         ]
 

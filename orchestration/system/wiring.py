@@ -70,11 +70,11 @@ def by_equal_names(components: Sequence[Component], taken: Iterable[Connection] 
     driven = {(connection.target, connection.input) for connection in taken}
     bearers: dict[str, list[Component]] = {}
     for component in components:
-        for variable in component.description.of_causality("output"):
+        for variable in (*component.description.of_causality("output"), *component.description.texts("output")):
             bearers.setdefault(variable.name, []).append(component)
     found = []
     for target in components:
-        for variable in target.description.of_causality("input"):
+        for variable in (*target.description.of_causality("input"), *target.description.texts("input")):
             if (target.name, variable.name) in driven:
                 continue
             sources = sources_of(bearers.get(variable.name, ()), target, variable.name)

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from orchestration.paper.built_fmus import find_scenario, fmus
-from tests.benchmarks import isolation, master, overhead, scaling, start
+from tests.benchmarks import isolation, master, overhead, scale, scaling, start
 from tests.benchmarks.rig import BenchmarkError, Rig
 from tests.benchmarks.trivial import ring
 from tests.benchmarks.variants import Bench
@@ -163,3 +163,13 @@ def test_start_measures_fresh_processes() -> None:
 def test_a_process_that_fails_is_an_error() -> None:
     with pytest.raises(RuntimeError, match="no_such_module"):
         start.child("import", "no_such_module")
+
+
+def test_scale_measures_three_sizes_of_each_wiring(tmp_path: Path) -> None:
+    file = tmp_path / "scale.json"
+    assert scale.main(["--json", str(file), "--wiring", "star", "scattered", "--size", "2", "3", "4"]) == 0
+    result = json.loads(file.read_text(encoding="utf-8"))
+    counts = [(r["wiring"], r["components"], r["variables"], r["connections"]) for r in result["sizes"]]
+    star = [("star", n, 10 * n, 3 * (n - 1)) for n in (2, 4, 8)]
+    assert counts == [*star, *(("scattered", n, 10 * n, 3 * n) for n in (2, 4, 8))]
+    assert set(result["growth"]["star"]) == set(scale.PHASES)

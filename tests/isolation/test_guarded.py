@@ -42,7 +42,7 @@ def test_changes_are_put_back_and_said_once(unruly: Unruly, place: str, deed: st
 
 
 def test_a_library_that_is_loaded_with_fast_mathematics_changes_no_other_run(unruly: Unruly) -> None:
-    with pytest.warns(ProcessChangedWarning, match="^m changed whether tiny numbers become 0 while its library was"):
+    with pytest.warns(ProcessChangedWarning, match="^m changed whether tiny numbers become 0 while it was loaded"):
         simulate(unruly("load flush"), 1.0, 0.1)
     assert np.multiply(np.float64(5e-324), 1.0) == 5e-324
 
@@ -64,8 +64,8 @@ def test_a_calm_fmu_is_not_blamed(unruly: Unruly) -> None:
 @pytest.mark.parametrize(
     ("deed", "when"),
     [
-        ("load exit", "while its library was loaded and instantiated"),
-        ("instantiate exit", "while its library was loaded and instantiated"),
+        ("load exit", "while it was loaded and instantiated"),
+        ("instantiate exit", "while it was loaded and instantiated"),
         ("step exit", "in a step after t = 0 s"),
         ("terminate exit", "while it was terminated"),
     ],

@@ -27,6 +27,7 @@ MESSAGE = re.compile(
 SIGNAL = re.compile(
     r"(?P<component>\w+)\.(?P<signal>\w+(\[\d\])?) is \S+ at t = (?P<time>\S+) s"
     r" \(row (?P<step>\d+)\); the run has diverged\."
+    r" With allow_nan, --allow-nan, a run goes on\."
 )
 
 

@@ -14,6 +14,13 @@ U = '<ScalarVariable name="u" valueReference="0" causality="input"><Real start="
 Y = '<ScalarVariable name="y" valueReference="1" causality="output"><Real/></ScalarVariable>'
 P = '<ScalarVariable name="p" valueReference="2" causality="parameter" variability="fixed"><Real start="1"/>'
 P += "</ScalarVariable>"
+SAYS = '<ScalarVariable name="says" valueReference="1" causality="output" variability="discrete"><String/>'
+SAYS += "</ScalarVariable>"
+HEARS = '<ScalarVariable name="hears" valueReference="0" causality="input" variability="discrete">'
+HEARS += '<String start="abc"/></ScalarVariable>'
+COUNT = (
+    '<ScalarVariable name="n" valueReference="{}" causality="{}" variability="discrete"><Integer{}/></ScalarVariable>'
+)
 
 
 def compiled(folder: Path, *flags: str) -> Path:

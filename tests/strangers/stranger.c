@@ -1,5 +1,6 @@
 /* A small FMU for co-simulation that does what its GUID says after the dash; see fmus.py for its variables. */
 #include <math.h>
+#include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -28,15 +29,22 @@ static void say(const Model *m, fmi2Status status, const char *text, double valu
     m->callbacks->logger(m->callbacks->componentEnvironment, "stranger", status, "log", "%s at t = %g s", text, value);
 }
 
+static void *speaking(void *m) {
+    say(m, fmi2OK, "a thread", ((Model *)m)->time);
+    return NULL;
+}
+
 /* Outputs from inputs, as far as they depend on them directly. */
 static void compute(Model *m) {
     if (is(m, "feedthrough") && !m->initialized) m->real[1] = 10 * m->real[0];
+    if (is(m, "nan") && !m->initialized) m->real[1] = m->time > 0.35 ? NAN : m->time;
     if (is(m, "forgets") && !m->initialized) m->real[1] = m->real[0];
-    if (is(m, "text")) {
+    if (is(m, "text") || is(m, "text and choice")) {
         snprintf(m->text[1], LENGTH, "%.60s!", m->text[0]);
         m->real[1] = (double)strlen(m->text[0]);
     }
-    if (is(m, "choice")) m->integer[1] = m->integer[0], m->integer[2] = 10 * m->integer[3];
+    if (is(m, "speaks")) snprintf(m->text[1], LENGTH, "t = %g s", m->time);
+    if (is(m, "choice") || is(m, "text and choice")) m->integer[1] = m->integer[0], m->integer[2] = 10 * m->integer[3];
 }
 
 FMI2_Export const char *fmi2GetTypesPlatform(void) { return fmi2TypesPlatform; }
@@ -108,7 +116,10 @@ ACCESS(Integer, integer)
 ACCESS(Boolean, boolean)
 FMI2_Export fmi2Status fmi2GetString(fmi2Component c, const fmi2ValueReference vr[], size_t n, fmi2String value[]) {
     compute(c);
-    for (size_t k = 0; k < n; k++) value[k] = ((Model *)c)->text[vr[k]];
+    for (size_t k = 0; k < n; k++) {
+        if (vr[k] >= N) return fmi2Error;
+        value[k] = ((Model *)c)->text[vr[k]];
+    }
     return fmi2OK;
 }
 FMI2_Export fmi2Status fmi2SetString(fmi2Component c, const fmi2ValueReference vr[], size_t n,
@@ -187,6 +198,21 @@ FMI2_Export fmi2Status fmi2DoStep(fmi2Component c, fmi2Real t, fmi2Real h, fmi2B
             say(m, fmi2Error, "the tank is empty", t);
             return fmi2Error;
         }
+    }
+    if (is(m, "warns")) say(m, fmi2Warning, "nearly empty", t);
+    if (is(m, "integrates and talks")) say(m, fmi2OK, "a step", t);
+    if (is(m, "integrates and talks") || is(m, "integrates")) m->real[1] += h * (1 + m->real[0]);
+    if (is(m, "storm")) {
+        for (int k = 0; k < (int)m->real[2]; k++) say(m, fmi2OK, k % 2 ? "odd" : "100 % even", k);
+        if (t > 0.2) return fmi2Error;
+    }
+    if (is(m, "from threads") && t > 0.2) {
+        pthread_t thread;
+        for (int k = 0; k < 3; k++) {
+            pthread_create(&thread, NULL, speaking, m);
+            pthread_join(thread, NULL);
+        }
+        return fmi2Error;
     }
     m->time = end;
     return fmi2OK;

@@ -13,6 +13,7 @@ import numpy as np
 
 from orchestration.errors import SimulationError, SystemDescriptionError
 from orchestration.fmi.codes import INTERPOLATES, REAL, SAVES_STATE, WORST_ACCEPTED
+from orchestration.fmi.display import listed
 from orchestration.fmi.instance import Instance
 from orchestration.fmi.isolation import Isolation
 from orchestration.fmi.native_calls import call_do_step, call_rates, call_state, call_transfer
@@ -157,7 +158,7 @@ def operating_point(
     SystemDescriptionError
         If a component cannot save its state; the message names all such components.
     SimulationError
-        If the run to the operating point fails.
+        If the run to the operating point fails, or a connected output is not finite there.
     """
     unable = [c.name for c in system.components if not c.description.can(SAVES_STATE)]
     if unable:
@@ -173,6 +174,7 @@ def operating_point(
         initialize(system, instances, assembly, 0.0)
         if n > 0:
             _run_on(instances, assembly, n, step)
+        _require_finite(system, assembly, n * step)
         saved = []
         for component, instance in zip(system.components, instances, strict=True):
             saved.append(SavedComponent(instance, component, connected(system, component.name), n * step))
@@ -188,6 +190,16 @@ def connected(system: System, name: str) -> tuple[list[str], list[str]]:
     outputs = {c.output for c in system.connections if c.source == name}
     reals = [variable.name for variable in variables if variable.type == REAL]
     return [n for n in reals if n in inputs], [n for n in reals if n in outputs]
+
+
+def _require_finite(system: System, assembly: Assembly, time: float) -> None:
+    """Refuse an operating point, at a time in s, at which a connected output is not finite."""
+    names = dict.fromkeys(system.sources.values())
+    values = {name: assembly.plan.reals[assembly.real_outputs[name]] for name in names if name in assembly.real_outputs}
+    wrong = [f"{name} = {value:g}" for name, value in values.items() if not np.isfinite(value)]
+    if wrong:
+        msg = f"{listed(wrong)} at t = {time:.9g} s: a verdict on stability needs finite values; choose another time."
+        raise SimulationError(msg)
 
 
 def _fill_inputs(system: System, saved: Sequence[SavedComponent], assembly: Assembly) -> None:

@@ -86,7 +86,7 @@ def _job(system: System, kind: str, n_steps: int, folder: Path) -> Job:
         variables = component.description.variables
         driven = {c.input: first[f"{c.source}.{c.output}"] for c in system.connections if c.target == component.name}
         inputs = component.description.of_causality("input")
-        alone = {v.name: v.start for v in inputs if v.start is not None}
+        alone = {v.name: float(v.start) for v in inputs if v.start is not None}
         start = {name: float(value) for name, value in component.start.items()}
         parts.append(
             Part(

@@ -16,7 +16,6 @@ from orchestration import (
     prepare,
     simulate,
 )
-from orchestration.fmi.codes import STRING
 from tests.unit.orchestration.runs import ADAPTIVE, ALGORITHMS
 from tests.unit.orchestration.small_models import H, mixed, system
 
@@ -117,12 +116,6 @@ def test_a_local_variable_is_recorded(tmp_path: Path) -> None:
 
 def test_what_cannot_be_recorded_is_refused(small: dict[str, Path]) -> None:
     made = system(small, {"plant": "Integrator", "source": "Source"}, "source.u -> plant.u")
-    text = replace(made.component("plant").description.variables["x_start"], type=STRING)
-    description = made.component("plant").description
-    description = replace(description, variables={**description.variables, "x_start": text})
-    strings = replace(made, components=(replace(made.components[0], description=description), made.components[1]))
-    with pytest.raises(SystemDescriptionError, match=r"^record: plant\.x_start is a String; only numbers"):
-        simulate(strings, record="plant.x_start")
     with pytest.raises(SystemDescriptionError, match=r"record: no output fits 'plant\.u\*'"):
         simulate(made, record="plant.u*")
     with pytest.raises(SystemDescriptionError, match=r"plant has no variable v"):

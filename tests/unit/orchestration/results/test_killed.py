@@ -1,16 +1,20 @@
 """Tests that a killed process leaves the old file, and rows that can be read."""
 
 import os
+import shutil
 import subprocess
 import sys
 from contextlib import suppress
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from adaptimp_fmu.files.locks import locked_new_file
 from orchestration import OrchestrationError, Result
+from orchestration.results import arrow_table
 from orchestration.results.parquet_file import ParquetSink
+from orchestration.results.texts import ROW_BYTES
 from tests.unit.orchestration.stored import NAMES, UNITS, assert_same_values, described, files, sample, stream
 
 N_ROWS = 200
@@ -105,3 +109,19 @@ def test_a_link_in_the_place_of_a_draft_is_not_followed(tmp_path: Path) -> None:
     with pytest.raises(FileExistsError):
         locked_new_file(tmp_path / "link")
     assert os.readlink(tmp_path / "link") == str(tmp_path / "precious")
+
+
+def test_texts_of_a_killed_stream_can_be_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(arrow_table, "ROW_GROUP_BYTES", 60 * (8 * (len(NAMES) + 1) + 2 * ROW_BYTES))
+    result = sample(N_ROWS)
+    texts = {"m.s": np.array([f"größer {k}" for k in range(N_ROWS)], object), "m.t": np.full(N_ROWS, "", object)}
+    with ParquetSink(tmp_path / "x.parquet", NAMES, texts=tuple(texts)) as sink:
+        sink.append(result.time, result.rows, texts)
+        (draft,) = tmp_path.glob("*.part")
+        shutil.copy(draft, tmp_path / "copy.parquet.0.part")
+    back = Result.read(tmp_path / "copy.parquet.0.part")
+    assert len(back.time) == 180
+    assert_same_values(back, Result(result.time[:180], NAMES, result.rows[:180]))
+    assert {name: column.tolist() for name, column in back.texts.items()} == {
+        name: column[:180].tolist() for name, column in texts.items()
+    }

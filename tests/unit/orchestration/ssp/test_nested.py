@@ -228,7 +228,7 @@ NAMESPACE = "http://ssp-standard.org/SSP1/SystemStructure"
         (binding(real("z_start", 3.0, "s")), r"b\.z_start is given in s, but the unit in the FMU is m"),
         (binding(real("z_start", 3.0, "ell")), r"b\.z_start is given in ell, but the unit in the FMU is m"),
         (binding(real("mine", 3.0), entry("yours", "z_start")), "has no parameter yours to map; there are mine"),
-        (binding(real("mine", 3.0), entry("mine", "z_start", MAPPED)), "IntegerMappingTransformation is not supported"),
+        (binding(real("mine", 3.0), entry("mine", "z_start", MAPPED)), "IntegerMapping.* not apply to .* type Real"),
         (binding(real("z_start", 3.0), attributes='type="text/csv"'), "of type text/csv are not supported"),
     ],
 )

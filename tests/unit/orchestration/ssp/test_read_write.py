@@ -2,6 +2,7 @@
 
 import importlib.resources
 import re
+import warnings
 import zipfile
 from dataclasses import replace
 from pathlib import Path
@@ -11,7 +12,7 @@ import pytest
 from lxml import etree
 
 from adaptimp_fmu import SampledModel, build
-from orchestration import System, simulate
+from orchestration import Options, System, UnconnectedInputWarning, simulate
 from tests.unit.orchestration.packages import SSD_FILE, edited, same, substitute
 from tests.unit.orchestration.small_models import H, system
 
@@ -121,7 +122,12 @@ def test_inline_values_are_read(signals: System, package: Path) -> None:
     assert same(System.read(edited(package, SSD_FILE, edit)), signals)
 
 
-def test_start_time_is_not_dropped_in_silence(package: Path) -> None:
-    late = edited(package, SSD_FILE, substitute('startTime="0.0"', 'startTime="1.0"'))
-    (notice,) = System.read(late).notices
-    assert "start time 1 s is not used" in notice
+def test_a_run_begins_at_the_start_time_of_the_package(package: Path, tmp_path: Path) -> None:
+    system = System.read(edited(package, SSD_FILE, substitute('startTime="0.0"', 'startTime="1.0"')))
+    assert (system.start_time, system.stop_time, system.notices) == (1.0, 1.5, ())
+    assert System.read(system.write(tmp_path / "again.ssp")).start_time == 1.0
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", UnconnectedInputWarning)
+        assert simulate(system, record=()).time[[0, -1]].tolist() == [1.0, 1.5]
+        asked = simulate(system, record=(), options=Options(start_time=0.0))
+    assert asked.time[[0, -1]].tolist() == [0.0, 1.5]

@@ -54,8 +54,8 @@ def test_bad_packages_are_refused(package: Path, pattern: str, replacement: str,
         (FROM_PLANT, 'startConnector="x"', "system small has no connector x; there is none"),
         (
             'type="application/x-fmu-sharedlibrary"',
-            'type="application/x-ssp-package"',
-            "source is of type application/x-ssp",
+            'type="application/x-matlab"',
+            "source is of type application/x",
         ),
         (
             '(<ssd:Component name="source")',
