@@ -106,7 +106,8 @@ def _environment() -> jinja2.Environment:
         trim_blocks=True,
         lstrip_blocks=True,
         keep_trailing_newline=True,
-        autoescape=False,  # the output is C, not HTML
+        # The output is C, not HTML.
+        autoescape=False,  # noqa: S701  # nosec B701
     )
     environment.filters["c_number"] = _c_number
     environment.filters["c_string"] = _c_string

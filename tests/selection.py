@@ -26,6 +26,7 @@ PROCESSES = (
     "conformance/test_description.py",
     "faults/test_check_command.py",
     "faults/test_kills.py",
+    "faults/test_lies.py",
     "interop/*",
     "scenarios/test_tutorial.py",
     "unit/adaptimp_fmu/test_toolchain.py",

@@ -90,7 +90,8 @@ def library_path(folder: Path, description: Description) -> Path:
             require_whole(folder, name)
             return folder / name
     binaries = folder / "binaries"
-    present = sorted(p.name for p in binaries.iterdir()) if binaries.is_dir() else []
+    # A folder without a library says nothing; some tools write empty folders for all platforms.
+    present = sorted({p.parent.name for p in binaries.glob("*/*") if p.is_file()})
     has = ", ".join(present) or "none"
     msg = f"{description.path} has no binary for {host_folders()[0][0]}, this machine; it has {has}."
     raise ArchiveError(msg)

@@ -2,12 +2,15 @@
 
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, nullcontext
+from typing import Any, TypeVar
 
 from orchestration.errors import RecordedRows, SimulationError
 from orchestration.fmi.codes import WORST_ACCEPTED
 from orchestration.fmi.instance import Instance
 from orchestration.sandbox.guard import Guard
 from orchestration.sandbox.interrupts import noted
+
+Found = TypeVar("Found")
 
 
 def exposed(instances: Sequence[Instance]) -> list[str]:
@@ -28,6 +31,13 @@ def over_steps(instances: Sequence[Instance], guard: Guard, time: float) -> Iter
     with noted() if len(names) < len(instances) else nullcontext():
         with guard.over(names, f"in a step after t = {time:.9g} s"):
             yield
+
+
+def guarded(run: tuple[Sequence[Instance], Guard], call: Callable[..., Found], *arguments: Any) -> Found:
+    """Call a function that calls instances between two steps, with the process guarded."""
+    instances, guard = run
+    with guard.over(exposed(instances), "between two steps"):
+        return call(*arguments)
 
 
 def terminate(instances: Sequence[Instance], guard: Guard, rows: Callable[[], RecordedRows]) -> None:

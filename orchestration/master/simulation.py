@@ -41,7 +41,7 @@ from orchestration.master.options import Options
 from orchestration.master.outside import Outside
 from orchestration.master.provenance import told_afterwards
 from orchestration.master.recorder import Recorder, Sink, any_value, not_finite
-from orchestration.master.safeguard import over_steps, terminate
+from orchestration.master.safeguard import guarded, over_steps, terminate
 from orchestration.master.saving import Saving, choices
 from orchestration.master.setting import set_in_run
 from orchestration.master.snapshot import Snapshot, identity
@@ -121,8 +121,7 @@ class Simulation:
         self._ended = ""  # a sentence, once a component has ended the simulation
         self._changed_at = -1  # point at which scheduled changes were made last
         self._stack, self._guard = ExitStack(), Guard()
-        self._chunks = Chunks()
-        self._block = Block(system.name)
+        self._chunks, self._block = Chunks(), Block(system.name)
 
     def __repr__(self) -> str:
         """System, algorithm and how far the run is."""
@@ -139,7 +138,7 @@ class Simulation:
             self._flat = flat_run(*run, options=self.options, outside=self._outside, guard=self._guard)
             self._assembly, self._layout = self._flat.assembly, self._flat.layout
             self._state = self._layout.coupling.state
-            stack.callback(lambda: self._layout.free(self._instances))
+            stack.callback(guarded, (self._instances, self._guard), self._layout.free, self._instances)
             self._columns = (*self._assembly.columns, *self._outside.units)
             self._units, self._texts = self._assembly.units | self._outside.units, self._assembly.texts
             every_column = (*self._columns, *self._texts.columns)
@@ -151,7 +150,7 @@ class Simulation:
             name = identity(self.system, every_column, self.grid.times, known_by)
             parts = (self._instances, self._assembly, self._layout, self._recorder, self.grid.n)
             self._saving = Saving(self.system.name, name, *parts)
-            stack.callback(self._saving.free)
+            stack.callback(guarded, (self._instances, self._guard), self._saving.free)
             times, rows = self._recorder.room()
             times[0], rows[0, len(self._assembly.columns) :] = self.grid.times[0], 0.0
             self._assembly.record(rows[0])
@@ -279,7 +278,8 @@ class Simulation:
             If the component refuses, for example because the parameter is fixed.
         """
         self._block.require_open()
-        taken = set_in_run(self.system, self._instances, values, self._outside.inputs.names)
+        asked = (self.system, self._instances, values, self._outside.inputs.names)
+        taken = guarded((self._instances, self._guard), set_in_run, *asked)
         self._changes += [[self.time, name, value] for name, value in taken.items()]
 
     def save(self) -> Snapshot:
@@ -291,7 +291,7 @@ class Simulation:
             If a component does not save states, or rows go to a file.
         """
         self._block.require_open()
-        return self._saving.save(self.time, self._changes)
+        return guarded((self._instances, self._guard), self._saving.save, self.time, self._changes)
 
     def restore(self, snapshot: Snapshot) -> None:
         """Restore a state that was saved, here or in another run of the same system.
@@ -303,8 +303,8 @@ class Simulation:
         """
         self._block.require_open()
         require_type("The snapshot", snapshot, Snapshot, "give one of save(), or of Snapshot.read(path)")
-        self._changes, self._ended = self._saving.restore(snapshot), ""
-        self._changed_at = -1
+        self._changes = guarded((self._instances, self._guard), self._saving.restore, snapshot)
+        self._ended, self._changed_at = "", -1
 
     def _described(self) -> dict[str, str]:
         told = told_afterwards(self._changes, None if self._plain else self._state)

@@ -22,14 +22,17 @@ from tests.interop.matrix.jobs import FIGURES
 from tests.interop.matrix.outcomes import Outcomes
 from tests.interop.matrix.protocol import FMU, SYSTEM, Tool
 from tests.interop.matrix.tools import KEYS, module
+from tests.interop.public import render as public
+from tests.interop.public.outcomes import read
 
 TEMPLATE = Path(__file__).parent / "interop.md.j2"
 _WORDS = {PASSES: "passes", BITWISE: "bitwise", ROUNDED: "all digits", DIFFERS: "**differs**", FAILS: "**fails**"}
 
 
 def render(outcomes: Outcomes) -> str:
-    """The document; equal outcomes give equal bytes."""
+    """The document, with the public FMUs that were kept; equal outcomes give equal bytes."""
     tools = [module(key).TOOL for key in KEYS]
+    public_fmus = read()
     environment = Environment(
         undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True, keep_trailing_newline=True
     )
@@ -44,6 +47,8 @@ def render(outcomes: Outcomes) -> str:
         versions=outcomes.versions,
         agreement=AGREEMENT,
         steps_of_fmus=_steps_of_fmus(outcomes),
+        public=public.table(public_fmus),
+        public_summary=public.summary(public_fmus),
     )
 
 
