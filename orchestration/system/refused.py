@@ -71,3 +71,19 @@ def not_a_path(text: str, components: Sequence[Component]) -> SystemDescriptionE
     return SystemDescriptionError(
         f"{text!r} is not of the form component.variable, such as {' or '.join(example[:2])}."
     )
+
+
+def required_time(system: str, value: float | None, name: str, what: str) -> float:
+    """Return a time of a run, s, that the run or the system must give.
+
+    Parameters
+    ----------
+    name
+        Name of the argument; the option of the command line is the same, without ``_time``.
+    what
+        The time in words.
+    """
+    if value is None:
+        msg = f"System {system} has no {what}; give one, in s, as `{name}` or --{name.removesuffix('_time')}."
+        raise SystemDescriptionError(msg)
+    return value

@@ -17,17 +17,16 @@ from orchestration.fmi.names import suggestion
 from orchestration.system.component import (
     Component,
     Connection,
-    checked_connection,
     require_settable,
     spread,
     start_value,
 )
 from orchestration.system.display import system_html, system_line
-from orchestration.system.refused import driven_twice, not_a_path, require_names, require_order
+from orchestration.system.refused import not_a_path, require_names, require_order, required_time
 from orchestration.system.registry import analysis, reader, writer
 from orchestration.system.replacement import replaced
 from orchestration.system.sampling import steps_per_tick
-from orchestration.system.wiring import by_equal_names, parsed
+from orchestration.system.wiring import by_equal_names, checked_connections, parsed
 
 if TYPE_CHECKING:
     from orchestration.analysis.stability.verdict import Verdict
@@ -84,16 +83,7 @@ class System:
                 start_value(f"{component.name}.{name}", variable, value)
         for path in self.assumptions:
             self.resolve(path)
-        connections = tuple(
-            checked_connection(c, self.component(c.source), self.component(c.target)) for c in self.connections
-        )
-        object.__setattr__(self, "connections", connections)
-        driven: dict[tuple[str, str], Connection] = {}
-        for connection in connections:
-            target = (connection.target, connection.input)
-            if target in driven:
-                raise driven_twice(connection, driven[target])
-            driven[target] = connection
+        object.__setattr__(self, "connections", checked_connections(self.connections, self.component))
 
     @classmethod
     def of(cls, fmus: "Mapping[str, str | Path | Component]", name: str = "system") -> "System":
@@ -348,11 +338,7 @@ class System:
         SystemDescriptionError
             If neither the run nor the system has a step.
         """
-        step = self.step if asked is None else asked
-        if step is None:
-            msg = f"System {self.name} has no communication step; give one, in s, as `step` or --step."
-            raise SystemDescriptionError(msg)
-        return step
+        return required_time(self.name, self.step if asked is None else asked, "step", "communication step")
 
     def run_stop_time(self, asked: float | None = None) -> float:
         """Return the stop time of a run, s: the given one, or else the system's.
@@ -362,11 +348,7 @@ class System:
         SystemDescriptionError
             If neither the run nor the system has a stop time.
         """
-        stop_time = self.stop_time if asked is None else asked
-        if stop_time is None:
-            msg = f"System {self.name} has no stop time; give one, in s, as `stop_time` or --stop."
-            raise SystemDescriptionError(msg)
-        return stop_time
+        return required_time(self.name, self.stop_time if asked is None else asked, "stop_time", "stop time")
 
     def stability(
         self, step: float | None = None, algorithm: "str | Algorithm" = "gauss-seidel", *, at: float = 0.0
@@ -391,14 +373,13 @@ class System:
 
     def unconnected_inputs(self) -> list[str]:
         """Return the inputs without a source, which keep their start value, as ``component.input``."""
-        driven = self.sources
-        return [
+        inputs = (
             f"{component.name}.{variable.name}"
             for component in self.components
             for variable in component.description.variables.values()
             if variable.causality == "input"
-            if f"{component.name}.{variable.name}" not in driven
-        ]
+        )
+        return [path for path in inputs if path not in self.sources]
 
     def resolve(self, path: str) -> tuple[Component, Variable]:
         """Return the component and the variable that ``component.variable`` names."""

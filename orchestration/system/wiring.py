@@ -1,10 +1,11 @@
 """Connections as text: ``plant.x -> controller.x`` for scalars and for whole arrays."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 
 from orchestration.errors import SystemDescriptionError
 from orchestration.fmi.names import suggestion
-from orchestration.system.component import Component, Connection, sources_of
+from orchestration.system.component import Component, Connection, checked_connection, sources_of
+from orchestration.system.refused import driven_twice
 
 ARROW = "->"
 
@@ -85,3 +86,27 @@ def by_equal_names(components: Sequence[Component], taken: Iterable[Connection] 
             if sources:
                 found.append(Connection(sources[0].name, variable.name, target.name, variable.name))
     return found
+
+
+def checked_connections(
+    connections: Iterable[Connection], component: Callable[[str], Component]
+) -> tuple[Connection, ...]:
+    """Return connections with the conversions of their units.
+
+    Parameters
+    ----------
+    component
+        Returns the component of a name.
+
+    Raises
+    ------
+    SystemDescriptionError
+        If variables do not fit together, or an input has two sources.
+    """
+    driven: dict[tuple[str, str], Connection] = {}
+    for given in connections:
+        connection = checked_connection(given, component(given.source), component(given.target))
+        other = driven.setdefault((connection.target, connection.input), connection)
+        if other is not connection:
+            raise driven_twice(connection, other)
+    return tuple(driven.values())

@@ -1,10 +1,12 @@
-"""Rules for the names of an archive's entries, so that they mean one file each, inside of the folder, everywhere.
+"""Rules for the names of an archive's entries, so that they mean one file each, inside of the folder.
 
-The rules of all platforms hold on each of them: an archive that passes on Linux can be unpacked on Windows.
+What leads outside of the folder on any platform is refused on each of them. A name that Windows only cannot have is
+refused there; elsewhere it breaks a rule of form, since many archives are made and used on other systems only.
 """
 
 import re
 import stat
+import sys
 import unicodedata
 from collections.abc import Iterator, Sequence
 from pathlib import PurePosixPath
@@ -22,7 +24,9 @@ from orchestration.sandbox.zip.rules import (
 )
 
 READ_BY_PEOPLE = ("documentation/", "sources/")
-_FORBIDDEN = set('\\:*?"<>|')
+_FORBIDDEN = set("\\:")  # they separate folders and drives on Windows
+_NOT_ON_WINDOWS = set('*?"<>|')
+_ON_WINDOWS = sys.platform == "win32"
 _UNSEEN = ("Cc", "Cf", "Cs", "Zl", "Zp")  # categories of controls, marks of direction, halves of characters, line ends
 _RESERVED = re.compile(r"(con|prn|aux|nul|conin\$|conout\$|com[0-9¹²³]|lpt[0-9¹²³])", re.IGNORECASE)
 _ENCRYPTED, _PATCH, _STRONG, _MASKED = 0x1, 0x20, 0x40, 0x2000  # flags
@@ -41,12 +45,15 @@ def require_safe(entries: Sequence[Entry]) -> list[str]:
     RuleError
         Naming the entry and the rule.
     """
+    formalities = []
     for entry in entries:
-        fault = _fault_of_name(entry.name) or _fault(entry)
-        if fault:
-            msg = f"entry {shown(entry.name)} {fault}"
+        fault, on_windows = _fault_of_name(entry.name) or _fault(entry), _fault_on_windows(entry.name)
+        if fault or (on_windows and _ON_WINDOWS):
+            msg = f"entry {shown(entry.name)} {fault or on_windows}"
             raise RuleError(msg)
-    return list(_collisions(entries))
+        if on_windows:
+            formalities.append(f"The archive cannot be unpacked on Windows: entry {shown(entry.name)} {on_windows}.")
+    return [*formalities, *_collisions(entries)]
 
 
 def names_a_device(name: str) -> bool:
@@ -70,10 +77,19 @@ def _fault_of_name(name: str) -> str | None:
     for part in parts:
         if len(part.encode()) > MAX_NAME:
             return f"has a name of {len(part.encode())} bytes, more than {MAX_NAME}"
+    return None
+
+
+def _fault_on_windows(name: str) -> str | None:
+    """Predicate of a sentence on what Windows does not take in a name; None if it takes the name."""
+    wrong = next((c for c in name if c in _NOT_ON_WINDOWS), None)
+    if wrong is not None:
+        return f"has the character {wrong!a}"
+    for part in PurePosixPath(name).parts:
         if part.endswith((".", " ")):
             return "ends in a dot or a space, which Windows takes away"
         if names_a_device(part):
-            return f"has the name {shown(part)}, which is a device on Windows"
+            return f"has the name {shown(part)}, which is a device there"
     return None
 
 

@@ -8,8 +8,9 @@ import pytest
 
 from orchestration import ArchiveError, Fmu, System
 from orchestration.check import Severity, check
+from orchestration.sandbox.archive import screen
 from tests.faults.cli import Command
-from tests.strangers.hostile.archives import BASE, CASES, DAMAGED, fmu
+from tests.strangers.hostile.archives import BASE, CASES, DAMAGED, WINDOWS, fmu
 from tests.strangers.hostile.packages import package
 from tests.strangers.hostile.zips import DEFLATED, Row, both, zipped
 
@@ -86,6 +87,24 @@ def test_damage_inside_is_one_sentence(name: str, tmp_path: Path, adaptimp: Comm
     with pytest.raises(ArchiveError, match=r"around\.ssp.* is damaged"):
         System.read(around)
     assert not left_over()
+
+
+@pytest.mark.parametrize("on_windows", [True, False])
+@pytest.mark.parametrize("name", WINDOWS)
+def test_what_only_windows_cannot_unpack_is_refused_there_only(
+    name: str, *, on_windows: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    make, rule = WINDOWS[name]
+    path = tmp_path / "odd.fmu"
+    path.write_bytes(make())
+    monkeypatch.setattr("orchestration.sandbox.zip.names._ON_WINDOWS", on_windows)
+    if on_windows:
+        with pytest.raises(ArchiveError) as refused:
+            screen(path)
+        assert_said(refused.value, path, rule)
+    else:
+        (said,) = screen(path)
+        assert re.fullmatch(rf"The archive cannot be unpacked on Windows: entry .* {rule}.*\.", said)
 
 
 @pytest.mark.parametrize(
