@@ -10,7 +10,8 @@ SAVES_STATE, SERIALIZES_STATE = "canGetAndSetFMUstate", "canSerializeFMUstate"
 INTERPOLATES, DIFFERENTIATES = "canInterpolateInputs", "providesDirectionalDerivative"
 VARIES_STEP = "canHandleVariableCommunicationStepSize"
 ONE_INSTANCE = "canBeInstantiatedOnlyOncePerProcess"
-CAPABILITIES = (SAVES_STATE, SERIALIZES_STATE, INTERPOLATES, DIFFERENTIATES, VARIES_STEP, ONE_INSTANCE)
+NEEDS_TOOL = "needsExecutionTool"
+CAPABILITIES = (SAVES_STATE, SERIALIZES_STATE, INTERPOLATES, DIFFERENTIATES, VARIES_STEP, ONE_INSTANCE, NEEDS_TOOL)
 """Capability flags of an FMU for co-simulation that a master asks for."""
 
 

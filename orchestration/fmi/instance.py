@@ -1,7 +1,8 @@
 """An instance of an FMU, which gives typed calls before a run and addresses of functions for the compiled loops."""
 
 import ctypes
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -10,6 +11,7 @@ from orchestration.errors import ArchiveError, InitializationError, SystemDescri
 from orchestration.fmi.codes import (
     BOOLEAN,
     INTEGER,
+    NEEDS_TOOL,
     REAL,
     SAVES_STATE,
     SERIALIZES_STATE,
@@ -118,13 +120,14 @@ class Instance:
         InitializationError
             If fmi2Instantiate returns no instance.
         """
-        library = _loaded(name, description, folder.absolute(), process)
-        resources = (folder.absolute() / "resources").as_uri()
-        try:
-            instance = cls(library, name, (description.guid, resources), messages=messages)
-        except BaseException:
-            library.close()
-            raise
+        with _told_of_tool(description):
+            library = _loaded(name, description, folder.absolute(), process)
+            resources = (folder.absolute() / "resources").as_uri()
+            try:
+                instance = cls(library, name, (description.guid, resources), messages=messages)
+            except BaseException:
+                library.close()
+                raise
         instance.description, instance._unloads = description, True
         return instance
 
@@ -286,6 +289,18 @@ class Instance:
         result = c_function(*arguments)
         self._announce("")
         return result
+
+
+@contextmanager
+def _told_of_tool(description: Description) -> Iterator[None]:
+    """Say in errors that an FMU needs the tool that exported it, if it declares so."""
+    try:
+        yield
+    except (ArchiveError, InitializationError) as error:
+        if not description.can(NEEDS_TOOL):
+            raise
+        msg = f"{error} {description.path.name} declares {NEEDS_TOOL}: the tool that exported it must be installed."
+        raise type(error)(msg) from error
 
 
 def _loaded(name: str, description: Description, folder: Path, process: "RemoteProcess | None") -> Library:

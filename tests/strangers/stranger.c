@@ -61,6 +61,7 @@ FMI2_Export fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2St
     const char *dash = strchr(guid, '-');
     snprintf(m->kind, LENGTH, "%.63s", dash ? dash + 1 : "");
     m->callbacks = callbacks;
+    if (is(m, "toolless")) return say(m, fmi2Error, "the tool is not installed", 0), free(m), NULL;
     m->integer[0] = 1, m->integer[3] = 2;
     m->real[2] = 1, m->real[3] = 1, m->real[4] = 0.5;
     strcpy(m->text[0], "abc");

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from orchestration import Crossings, Options, System, SystemDescriptionError, simulate
+from orchestration import Crossings, InitializationError, Options, System, SystemDescriptionError, simulate
 from tests.strangers.conftest import Stranger
 from tests.strangers.fmus import P, Y
 
@@ -44,3 +44,13 @@ def test_steps_of_several_lengths_are_refused_by_name(stranger: Stranger, more: 
     declares = "does not declare canHandleVariableCommunicationStepSize, which"
     with pytest.raises(SystemDescriptionError, match=rf"m: stranger\.fmu {declares} {what}"):
         simulate(System.of({"m": path}), **more)
+
+
+@pytest.mark.parametrize("declared", [True, False])
+def test_a_tool_that_is_missing_is_named_where_it_is_needed(stranger: Stranger, *, declared: bool) -> None:
+    flags = 'needsExecutionTool="true"' if declared else ""
+    path = stranger("toolless", [Y], outputs=ALONE, name="their", flags=flags)
+    with pytest.raises(InitializationError, match="fmi2Instantiate failed; .*the tool is not installed") as refused:
+        simulate(System.of({"m": path}), 1.0, 0.1)
+    said = "their.fmu declares needsExecutionTool: the tool that exported it must be installed."
+    assert str(refused.value).endswith(said) is declared
