@@ -50,7 +50,7 @@ def test_steps_of_several_lengths_are_refused_by_name(stranger: Stranger, more: 
 def test_a_tool_that_is_missing_is_named_where_it_is_needed(stranger: Stranger, *, declared: bool) -> None:
     flags = 'needsExecutionTool="true"' if declared else ""
     path = stranger("toolless", [Y], outputs=ALONE, name="their", flags=flags)
-    with pytest.raises(InitializationError, match="fmi2Instantiate failed; .*the tool is not installed") as refused:
+    with pytest.raises(InitializationError, match=r"fmi2Instantiate failed; .*the tool is not installed") as refused:
         simulate(System.of({"m": path}), 1.0, 0.1)
     said = "their.fmu declares needsExecutionTool: the tool that exported it must be installed."
     assert str(refused.value).endswith(said) is declared
