@@ -193,8 +193,8 @@ RULES = (
     ),
     Rule(
         *("17", ERROR, "2.1.5, 2.1.7"),
-        "A call, or loading, changes the arithmetic of its host, or writes into what it is given to read.",
-        "Link without -ffast-math, restore what is set, and copy inputs before they are changed.",
+        "A call, or loading, changes the arithmetic of its host, or writes where the caller does not expect it.",
+        "Link without -ffast-math, restore what is set, copy inputs before they are changed, fill what is asked for.",
     ),
     Rule(
         *("17", WARNING, ""),

@@ -29,6 +29,14 @@ _READ_ONLY: dict[str, dict[int, str]] = {
         for kind in ("Real", "Integer", "Boolean", "String")
     },
 }
+# The position of the array that a function fills, and of its length.
+_FILLED = {
+    **{f"fmi2Get{kind}": (3, 2) for kind in ("Real", "Integer", "Boolean")},
+    "fmi2GetDirectionalDerivative": (6, 2),
+    "fmi2GetRealOutputDerivatives": (4, 2),
+    "fmi2SerializeFMUstate": (2, 3),
+}
+_BEHIND = bytes(range(64))  # bytes behind such an array that must stay
 
 
 class WatchedLibrary(Library):
@@ -74,7 +82,7 @@ class WatchedLibrary(Library):
 
         def watched(*arguments: Any) -> Any:
             before = [(what, arguments[i], _content(arguments[i])) for i, what in read_only.items()]
-            answer = bare(*arguments)
+            answer = self._bounded(name, bare, arguments)
             for what, argument, content in before:
                 if _content(argument) != content:
                     self._report(what, error(RULE, f"{name} writes into {what}, which it is given to read."))
@@ -83,6 +91,21 @@ class WatchedLibrary(Library):
             return answer
 
         return watched
+
+    def _bounded(self, name: str, bare: Callable[..., Any], arguments: Sequence[Any]) -> Any:
+        """Call a function, and report it if it writes behind the array that it fills."""
+        place, length = _FILLED.get(name, (0, 0))
+        filled = getattr(arguments[place], "_obj", arguments[place]) if place else None  # of ctypes.byref
+        if not isinstance(filled, ct.Array | ct._SimpleCData):
+            return bare(*arguments)
+        kind = filled._type_ if isinstance(filled, ct.Array) else type(filled)
+        size = ct.sizeof(kind) * arguments[length]
+        room = (ct.c_char * (size + len(_BEHIND))).from_buffer_copy(bytes(filled)[:size] + _BEHIND)
+        answer = bare(*arguments[:place], ct.cast(room, ct.POINTER(kind)), *arguments[place + 1 :])
+        ct.memmove(ct.addressof(filled), room, size)
+        if room.raw[size:] != _BEHIND:
+            self._report("beyond", error(RULE, f"{name} writes beyond the values that it is asked for."))
+        return answer
 
     def _is_due(self, name: str) -> bool:
         """Whether the whole state of the host is read after a call."""

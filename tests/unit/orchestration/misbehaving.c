@@ -138,6 +138,7 @@ FMI2_Export fmi2Status fmi2GetReal(fmi2Component c, const fmi2ValueReference vr[
         if (is(unit, "nan at start")) y = INFINITY;
         value[i] = vr[i] == 0 ? unit->u : vr[i] == 1 ? y : 1.5;
     }
+    if (is(unit, "exceeds")) value[n] = 1.5;
     return fmi2OK;
 }
 

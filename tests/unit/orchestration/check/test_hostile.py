@@ -42,6 +42,7 @@ FOUND: dict[str, tuple[str, Severity, str]] = {
     "moves": ("17", WARNING, "fmi2DoStep changes the working directory to / of its host"),
     "signals": ("17", WARNING, r"fmi2DoStep changes the handlers of signals \(SIGINT\) of its host"),
     "overwrites": ("17", ERROR, "fmi2SetReal writes into the values, which it is given to read"),
+    "exceeds": ("17", ERROR, "fmi2GetReal writes beyond the values that it is asked for"),
     "renumbers": ("17", ERROR, "fmi2SetReal writes into the value references, which it is given to read"),
 }
 NEEDS_SECCOMP = ("forks", "kills", "owns", "outlives", "runs", "becomes", "connects")
