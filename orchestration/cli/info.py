@@ -14,6 +14,7 @@ from orchestration.errors import UnknownNameError, printable
 from orchestration.fmi.codes import (
     DIFFERENTIATES,
     INTERPOLATES,
+    NEEDS_TOOL,
     ONE_INSTANCE,
     SAVES_STATE,
     SERIALIZES_STATE,
@@ -69,12 +70,13 @@ def _facts(name: str, variant: str | None) -> dict[str, Any]:
 
 def _fmu_text(facts: Mapping[str, Any], width: int) -> Iterator[str]:
     experiment = {key: value for key, value in facts["experiment"].items() if value is not None}
-    here = "" if facts["runs_here"] else " (not this machine)"
+    here = "" if facts["runs_here"] or not facts["platforms"] else " (not this machine)"
     about = {
         "what": facts["description"],
         "file": facts["file"],
         "made by": facts["tool"],
-        "runs on": ", ".join(facts["platforms"]) + here,
+        "runs on": (", ".join(facts["platforms"]) or "no machine: the archive has no binary") + here,
+        "needs": "the tool that exported it" if NEEDS_TOOL in facts["capabilities"] else "",
         "can": ", ".join(text for name, text in ABILITIES.items() if name in facts["capabilities"]),
         "cannot": "be instantiated twice in a process" if ONE_INSTANCE in facts["capabilities"] else "",
         "default experiment": _times(experiment),

@@ -1,8 +1,10 @@
 """The option ``--isolate`` of ``adaptimp run``: components whose FMUs live in processes of their own."""
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
-from orchestration.fmi.isolation import Isolation
+if TYPE_CHECKING:
+    from orchestration.fmi.isolation import Isolation
 
 ISOLATE = "--isolate"
 EVERY = "*"
@@ -19,8 +21,10 @@ def completed(words: Sequence[str]) -> list[str]:
     return found
 
 
-def isolation_of(words: Sequence[str]) -> Isolation | None:
+def isolation_of(words: Sequence[str]) -> "Isolation | None":
     """What the words after ``--isolate`` ask for, each with names between commas; None without any."""
+    from orchestration.fmi.isolation import Isolation
+
     names = [name.strip() for word in words for name in word.split(",") if name.strip()]
     if not words:
         return None

@@ -51,7 +51,7 @@ def combinations(document: Document, shown: Callable[[str], str] = str) -> Sente
         name = shown(variable.name)
         if variable.type != REAL and variable.variability == "continuous":
             how = "declares" if "variability" in variable.given else "has, by default,"
-            yield f"{name} is not a Real, but {how} variability continuous; discrete is usual."
+            yield f"{name} {how} variability continuous, which only a Real can have; declare discrete."
         elif pair not in LEGAL:
             yield f"{name}: causality {pair[0]} and variability {pair[1]} exclude each other."
         elif LEGAL[pair] and variable.initial not in LEGAL[pair]:

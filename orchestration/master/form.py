@@ -3,6 +3,7 @@
 import warnings
 from collections.abc import Iterable, Sequence
 from pathlib import Path
+from textwrap import shorten
 
 from orchestration.errors import SystemDescriptionError, printable
 from orchestration.fmi.instance import Instance
@@ -54,8 +55,9 @@ def _report(found: Iterable[tuple[Path, Sequence[str]]], *, strict: bool) -> Non
     for path, sentences in found:
         if not sentences:
             continue
-        first = sentences[0] if len(sentences[0]) <= _LONGEST else f"{sentences[0][:_LONGEST]}..."
-        more = f" ({len(sentences)} such faults; `adaptimp check` lists them)" if len(sentences) > 1 else ""
+        first = shorten(sentences[0], _LONGEST, placeholder=" ...")
+        count = f"{len(sentences)} such faults; " if len(sentences) > 1 else ""
+        more = f" ({count}`adaptimp check` tells more)" if count or first != sentences[0] else ""
         msg = printable(f"{path.name} breaks a rule of FMI that no step needs: {first}{more}")
         if strict:
             raise SystemDescriptionError(msg)

@@ -1,7 +1,7 @@
 """What is guarded while a run calls its FMUs: the state of the process, its exit, and Ctrl-C where it would be lost."""
 
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager, nullcontext
+from contextlib import contextmanager
 from typing import Any, TypeVar
 
 from orchestration.errors import RecordedRows, SimulationError
@@ -25,12 +25,10 @@ def over_steps(instances: Sequence[Instance], guard: Guard, time: float) -> Iter
     Raises
     ------
     KeyboardInterrupt
-        At the end, if Ctrl-C came while an isolated FMU was waited for.
+        At the end, if Ctrl-C came meanwhile: compiled code may have called Python, where the interrupt would be lost.
     """
-    names = exposed(instances)
-    with noted() if len(names) < len(instances) else nullcontext():
-        with guard.over(names, f"in a step after t = {time:.9g} s"):
-            yield
+    with noted(), guard.over(exposed(instances), f"in a step after t = {time:.9g} s"):
+        yield
 
 
 def guarded(run: tuple[Sequence[Instance], Guard], call: Callable[..., Found], *arguments: Any) -> Found:

@@ -10,6 +10,7 @@ import os
 import select
 import socket
 import struct
+from collections.abc import Callable
 from contextlib import suppress
 
 from orchestration.sandbox.system_calls import known_calls
@@ -47,24 +48,28 @@ class Denials:
         if self._listener is not None:
             os.close(self._listener)
 
-    def poll(self) -> list[str]:
-        """Refuse the calls that wait for an answer; returns their names."""
+    def poll(self, notice: Callable[[str], None]) -> None:
+        """Refuse the calls that wait for an answer.
+
+        Parameters
+        ----------
+        notice
+            Receives the name of each call before the call is answered, while the process still waits in it.
+        """
         if self._listener is None:
             self._listen()
-        found: list[str] = []
-        while self._listener is not None and len(found) < MOST_AT_ONCE:
-            if not self._calls_wait(self._listener):
+        for _ in range(MOST_AT_ONCE):
+            if self._listener is None or not self._calls_wait(self._listener):
                 break
             call = bytearray(_CALL_BYTES)
             try:
                 fcntl.ioctl(self._listener, _NEXT, call)
                 identity, _, _, number = _CALL.unpack_from(call)
-                found.append(self._names.get(number, f"call {number}"))
+                notice(self._names.get(number, f"call {number}"))
                 fcntl.ioctl(self._listener, _ANSWER, _REFUSAL.pack(identity, 0, -errno.EPERM, 0))
             except OSError as failed:
                 if failed.errno != errno.ENOENT:  # the thread that called has died, or was interrupted
                     break
-        return found
 
     @staticmethod
     def _calls_wait(listener: int) -> bool:

@@ -100,9 +100,13 @@ class _Watched:
 
     def listen(self) -> None:
         """Answer denied calls, which wait for that."""
-        for name in self._denials.poll() if self._denials is not None else ():
-            if name not in self.denied and len(self.denied) < MOST_TOLD:
-                self.denied[name] = self.announced()
+        if self._denials is not None:
+            self._denials.poll(self._notice)
+
+    def _notice(self, call: str) -> None:
+        """Keep what was announced when a call was denied."""
+        if call not in self.denied and len(self.denied) < MOST_TOLD:
+            self.denied[call] = self.announced()
 
     def announced(self) -> str:
         """The announcement that stands."""

@@ -9,6 +9,7 @@ import pytest
 
 from orchestration import Algorithm, Result, System, simulate
 from orchestration.cli.outside import joined
+from orchestration.fmi.isolation import Isolation
 from tests.faults.cli import Command
 
 RUN = ("run", "Plant.fmu", "--step", "1e-3", "--stop", "0.01", "--no-verdict")
@@ -49,9 +50,9 @@ def test_a_file_drives_inputs(adaptimp: Command, plant: Path, suffix: str) -> No
 def test_the_verdict_is_about_the_inputs_at_the_start(adaptimp: Command, monkeypatch: pytest.MonkeyPatch) -> None:
     judged: list[System] = []
 
-    def stable(system: System, step: float, algorithm: Algorithm) -> bool:
+    def stable(system: System, step: float, algorithm: Algorithm, *, isolation: Isolation | None) -> bool:
         judged.append(system)
-        return step > 0 and bool(algorithm.name)
+        return step > 0 and bool(algorithm.name) and isolation is None
 
     monkeypatch.setattr("orchestration.analysis.stability.verdict.is_stable", stable)
     outcome = adaptimp(*RUN[:-1], "--input", "tau.csv")

@@ -112,5 +112,5 @@ def noexec(tmp_path: Path):
 def test_a_folder_from_which_nothing_runs_is_named(tmp_path: Path, noexec: Path) -> None:
     done = shell(f"ADAPTIMP {SHORT}", tmp_path, TMPDIR=str(noexec))
     assert done.returncode == 2
-    assert f"nothing can be run from {noexec} (noexec), so set TMPDIR to another folder." in said(done)
+    assert f"Nothing can be run from {noexec} (noexec), so set TMPDIR to another folder." in said(done)
     assert list(noexec.iterdir()) == []

@@ -77,6 +77,7 @@ def test_a_jacobi_loop_at_2_ms_has_its_culprit_and_a_cure() -> None:
     # Gauss-Seidel at this step is stable at first, and diverges at the wall: the advice has been tried.
     assert finding.command != "simulate(system, stop_time=2, step=0.002)"
     assert eval(finding.command, {"simulate": simulate, "system": system}).status == "complete"
+    assert found(diagnosis, "delays").command == "", "what was not tried is no advice beside an error"
 
 
 def test_a_run_that_diverges_later_has_a_shorter_step() -> None:

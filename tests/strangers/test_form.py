@@ -23,7 +23,7 @@ ODD = {
     ),
     "an Integer without variability": (
         {"variables": [COUNT], "outputs": ALONE},
-        "n is not a Real, but has, by default, variability continuous",
+        "n has, by default, variability continuous, which only a Real can have",
     ),
     "an input without a start value": (
         {"variables": [U.replace(' start="3"', ""), Y], "outputs": DEPENDS},

@@ -98,8 +98,9 @@ def test_an_fmu_in_a_package(good: Path, tmp_path: Path, broken: Callable[[Entri
     package = entries(System.of({"pump": good}, "loop").write(tmp_path / "loop.ssp"))
     package["resources/stranger.fmu"] = archive(tmp_path / "broken.fmu", fmu).read_bytes()
     said = refused(archive(tmp_path / "broken.ssp", package))
-    assert "pump" in said
     assert "stranger.fmu" in said
+    if broken is not with_a_path_that_leads_out:  # which is seen before the package is read
+        assert "pump" in said
 
 
 @pytest.mark.parametrize("broken", BROKEN[:2], ids=lambda function: function.__name__)

@@ -11,6 +11,7 @@ A run that makes no error message may still be wrong. The examination asks, in t
 
 import warnings
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from orchestration.analysis.doctor.accuracy import APART, accuracy_findings
@@ -22,7 +23,7 @@ from orchestration.analysis.doctor.portability import portability_findings
 from orchestration.analysis.doctor.sampling import fit_findings, fitting_step, period_findings
 from orchestration.analysis.doctor.stability import Ways, failed_run, stability_finding
 from orchestration.analysis.doctor.study import SignalError, failure_of, study
-from orchestration.analysis.doctor.wiring import delay_findings, loop_findings
+from orchestration.analysis.doctor.wiring import DELAYS, delay_findings, loop_findings
 from orchestration.analysis.stability.verdict import Verdict, stability
 from orchestration.errors import InitializationError, OrchestrationError
 from orchestration.fmi.given import positive, require_type
@@ -103,6 +104,8 @@ def diagnose(
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", UserWarning)  # findings say the same, and more
             seen, signals = _of_runs(case, budget, spell)
+            if any(finding.severity == Severity.ERROR for finding in seen):  # what was tried against these goes first
+                findings = [replace(f, advice="", command="") if f.id == DELAYS else f for f in findings]
             findings += seen
     return Diagnosis(system.name, chosen.name, step, asked.stop_time, sorted_by_severity(findings), signals)
 

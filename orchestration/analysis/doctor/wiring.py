@@ -13,6 +13,9 @@ from orchestration.fmi.document import OUTPUTS, Document, parsed, read_bytes
 from orchestration.master.algorithm import ALGORITHMS, PARALLEL
 from orchestration.system.system import Component, Connection, System
 
+DELAYS = "delays"
+"""The kind of the finding on connections whose values arrive late, or too early."""
+
 MOST_ORDERED = 7  # most components for which all orders are tried
 
 
@@ -38,9 +41,10 @@ def loop_findings(case: Case, spell: Spelling) -> Iterator[Finding]:
 
 def _solver(case: Case, spell: Spelling) -> tuple[str, str]:
     """Advice on who solves a loop, with the command if all components can repeat a step."""
-    able = all(c.description.can(SAVES_STATE) for c in case.system.components if c.continuous)
-    advice = "Let newton or iterative solve it."
-    return advice, spell(case.but(algorithm=ALGORITHMS["newton"])) if able else ""
+    unable = [c.name for c in case.system.components if c.continuous and not c.description.can(SAVES_STATE)]
+    if unable:
+        return f"newton and iterative would solve it, but {listed(unable)} cannot repeat a step ({SAVES_STATE}).", ""
+    return "Let newton or iterative solve it.", spell(case.but(algorithm=ALGORITHMS["newton"]))
 
 
 def algebraic_loops(system: System) -> list[list[Connection]]:
@@ -202,7 +206,7 @@ def delay_findings(case: Case, spell: Spelling) -> Iterator[Finding]:
         advice = "gauss-seidel hands new values on within a step."
         command = spell(case.but(algorithm=ALGORITHMS["gauss-seidel"]))
     yield Finding(
-        "delays",
+        DELAYS,
         Severity.WARNING if better is not None and found.weight[0] else Severity.NOTE,
         f"{first[0].source}.{first[0].output}",
         f"With {case.algorithm.name} in this order, {' and '.join(parts)}: {listed([str(c) for c in first])}.",

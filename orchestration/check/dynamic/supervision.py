@@ -109,7 +109,8 @@ def experiment_on(package: Package, timeout: float = TIMEOUT, total: float = TOT
         try:
             unpack(package.path, folder / "fmu", needed_to_run)
         except (ArchiveError, OSError) as failed:
-            outcome.findings.append(error("7", f"The archive cannot be unpacked: {shown(failed)}."))
+            said = str(failed).replace(str(package.path), package.path.name)
+            outcome.findings.append(error("7", shown(f"The archive cannot be unpacked: {said}", LONGEST_MESSAGE)))
             return outcome
         try:
             require_whole(folder / "fmu", host_library(package) or "")
