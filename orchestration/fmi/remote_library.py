@@ -219,7 +219,7 @@ class RemoteLibrary(Library):
         finally:
             words[Word.MASTER_SLEEPS] = 0
             self._pass_on()
-        self._caller[Caller.RESULT] = words[Word.STATUS]
+        self._caller[Caller.RESULT] = ct.c_int32(words[Word.STATUS]).value
         return 0
 
     def _pass_on(self) -> None:
