@@ -1,19 +1,22 @@
 """Every function of FMI reaches the process of an isolated FMU, and what the function writes comes back."""
 
 import ctypes as ct
+import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 from pathlib import Path
+from typing import Any
 
 import pytest
 
-from orchestration.fmi import signatures
+from orchestration.fmi import remote_calls, signatures
 from orchestration.fmi.codes import Status
 from orchestration.fmi.description import read_description
 from orchestration.fmi.instance import Instance, c_references
 from orchestration.fmi.isolation import Isolation
-from orchestration.fmi.remote_library import start_process
+from orchestration.fmi.remote_library import RemoteLibrary, start_process
 from orchestration.sandbox.archive import unpacked
+from orchestration.sandbox.remote import RemoteProcess
 
 Opened = Callable[..., Instance]
 
@@ -109,3 +112,15 @@ def test_after_the_end_every_call_is_fatal_at_once(opened: Opened) -> None:
     assert instance.set("Real", [2], [1.0]) == Status.FATAL
     assert instance.status("fmi2Reset") == Status.FATAL
     assert instance.get("String", [2])[0] == Status.FATAL
+
+
+@pytest.mark.parametrize("damage", [b"", b"serve\n", b"serve\nno text for LLVM"])
+def test_a_damaged_server_is_made_anew(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, damage: bytes) -> None:
+    monkeypatch.setattr(remote_calls, "_folder", lambda: tmp_path)
+    whole = remote_calls.server()
+    assert remote_calls.server() == whole
+    (kept,) = tmp_path.iterdir()
+    kept.write_bytes(damage)
+    name, text = remote_calls.server()
+    assert f"define i32 @{name}" in text
+    assert remote_calls.server() == (name, text)
