@@ -201,6 +201,7 @@ class RemoteLibrary(Library):
             self._caller[Caller.ENDED] = 1
             return None
         finally:
+            self._words[Word.SAID] = 0
             self._pass_on()
 
     def _tell(self) -> None:
@@ -213,6 +214,8 @@ class RemoteLibrary(Library):
         words[Word.MASTER_SLEEPS] = 1
         try:
             self._process.wait(lambda: words[Word.CALL] == IDLE)
+            words[Word.SAID] = 0
+            self._process.take()  # the call may have ended before its last messages were read
         except RemoteEndedError:
             self._caller[Caller.ENDED] = 1
             return 0
@@ -224,7 +227,6 @@ class RemoteLibrary(Library):
 
     def _pass_on(self) -> None:
         """Give the instance the messages that its FMU has logged."""
-        self._words[Word.SAID] = 0
         said = self._process.said
         while said:
             text = said.popleft()

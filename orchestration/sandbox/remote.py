@@ -35,6 +35,7 @@ REPLY, SAID = 0, 1
 """Kinds of a message: the answer to a request; a text that the process says of itself."""
 MOST_BYTES, MOST_TEXT, MOST_SAID = 2**31, 2**16, 10_000
 """Bytes of a message and of a text that are taken, and texts that are kept until somebody takes them."""
+_MOST_READS = 256  # of 64 KiB, which is more than a socket holds, so that a process that goes on is not heard for ever
 _ROOT = str(Path(__file__).parents[2])
 
 
@@ -175,6 +176,19 @@ class RemoteProcess:
             if asked() and not interrupted:
                 interrupted, end = True, time.monotonic() + GRACE
             pause = _LOOK if end is None else max(0.0, min(_LOOK, end - time.monotonic()))
+
+    def take(self) -> None:
+        """Receive what the process has sent so far, without waiting; whether it lives is not asked.
+
+        Raises
+        ------
+        RemoteEndedError
+            If it sent what is no message.
+        """
+        with suppress(OSError):  # there is nothing more now, or never again
+            for _ in range(_MOST_READS):
+                self._received += self._talk.recv(2**16)
+        self._unpack()
 
     def close(self) -> None:
         """End the process, if it has not ended; a second call does nothing."""

@@ -114,6 +114,21 @@ def test_after_the_end_every_call_is_fatal_at_once(opened: Opened) -> None:
     assert instance.get("String", [2])[0] == Status.FATAL
 
 
+def test_no_message_of_a_call_is_late(opened: Opened, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The call has ended before anybody reads: what the FMU logged is still in the socket."""
+    instance = opened("step refuse")
+
+    def wait_for_the_end_only(_: Any, ready: Callable[[], bool], *, limit: float | None = None) -> None:  # noqa: ARG001
+        while not ready():
+            time.sleep(0.001)
+
+    monkeypatch.setattr(RemoteProcess, "wait", wait_for_the_end_only)
+    status = instance.status("fmi2DoStep", 0.45, 0.1, 1)
+    said = instance.failure("fmi2DoStep", status)
+    monkeypatch.undo()
+    assert said == 'm: fmi2DoStep returned fmi2Error; its last message: "this cannot be done at t = 0.45 s".'
+
+
 @pytest.mark.parametrize("damage", [b"", b"serve\n", b"serve\nno text for LLVM"])
 def test_a_damaged_server_is_made_anew(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, damage: bytes) -> None:
     monkeypatch.setattr(remote_calls, "_folder", lambda: tmp_path)
