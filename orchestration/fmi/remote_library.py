@@ -60,7 +60,8 @@ def start_process(isolation: Isolation, n_variables: int) -> RemoteProcess:
     spins, yields = _turns(_SERVER_TURNS)
     limits = [isolation.memory_limit, isolation.descriptor_limit]
     with suppress(RemoteEndedError):  # the first call says it
-        process.tell({"server": server(), "spins": spins, "yields": yields, "limits": limits})
+        plan = {"server": server(), "spins": spins, "yields": yields, "limits": limits}
+        process.tell(plan, limit=LONGEST_START)  # it may be more than the socket holds until the process reads
     return process
 
 

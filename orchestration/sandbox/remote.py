@@ -124,14 +124,19 @@ class RemoteProcess:
         for end in (self._talk, self._bell):
             self._poll.register(end, select.POLLIN)
 
-    def tell(self, content: Mapping[str, Any]) -> None:
+    def tell(self, content: Mapping[str, Any], *, limit: float | None = None) -> None:
         """Send a message that has no answer.
+
+        Parameters
+        ----------
+        limit
+            Longest time, s, that the process may take to receive it, if it is not the process's own.
 
         Raises
         ------
         RemoteEndedError
         """
-        self._send(packed(REPLY, json.dumps(content).encode()), self.ring)
+        self._send(packed(REPLY, json.dumps(content).encode()), self.ring, limit)
 
     def request(self, content: Mapping[str, Any], notify: Callable[[], None], *, limit: float | None = None) -> Any:
         """Send a message, and return the answer.
@@ -147,7 +152,7 @@ class RemoteProcess:
         ------
         RemoteEndedError
         """
-        self._send(packed(REPLY, json.dumps(content).encode()), notify)
+        self._send(packed(REPLY, json.dumps(content).encode()), notify, limit)
         self.wait(lambda: bool(self._replies), limit=limit)
         return self._replies.popleft()
 
@@ -201,7 +206,7 @@ class RemoteProcess:
             self._process.kill()
             self._reap(None)
 
-    def _send(self, message: bytes, notify: Callable[[], None]) -> None:
+    def _send(self, message: bytes, notify: Callable[[], None], limit: float | None) -> None:
         """Send a message, while the process may be sending too."""
         rest = memoryview(message)
         told = False
@@ -212,7 +217,7 @@ class RemoteProcess:
                 if not told:
                     notify()  # it reads what fills the socket
                 told = True
-                self.wait(lambda: bool(select.select((), (self._talk,), (), 0.01)[1]))
+                self.wait(lambda: bool(select.select((), (self._talk,), (), 0.01)[1]), limit=limit)
             except OSError:
                 self._died()
         notify()

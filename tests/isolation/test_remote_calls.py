@@ -139,3 +139,14 @@ def test_a_damaged_server_is_made_anew(tmp_path: Path, monkeypatch: pytest.Monke
     name, text = remote_calls.server()
     assert f"define i32 @{name}" in text
     assert remote_calls.server() == (name, text)
+
+
+def test_the_start_is_not_limited_by_the_time_of_a_call(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The first message is longer than what a socket holds, so it waits until the process has begun."""
+    name, text = remote_calls.server()
+    monkeypatch.setattr(remote_calls, "server", lambda: (name, text + ";" * 2**20))
+    process = start_process(Isolation(time_limit=0.001), 1)
+    try:
+        assert process.ending == ""
+    finally:
+        process.close()
