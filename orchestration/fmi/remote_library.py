@@ -29,6 +29,8 @@ _PROGRAM = "orchestration.fmi.remote_program"
 # Turns that a side waits in a loop, and by letting others run, before it sleeps. The process of an FMU sleeps early:
 # five of them that wait for long keep each other from the two cores (3 us per step and component, else 8 to 14 us).
 _MASTER_TURNS, _SERVER_TURNS = (200, 20), (50, 5)
+# What an answer raises that is not as this program makes it: the FMU has written over the process's memory.
+_NO_ANSWER = (ArithmeticError, AttributeError, LookupError, TypeError, ValueError)
 _ATTEND = ct.CFUNCTYPE(ct.c_int, ct.c_void_p, ct.c_void_p)
 
 
@@ -179,7 +181,7 @@ class RemoteLibrary(Library):
             try:
                 if answer is not None:
                     return deliver(name, arguments, answer["written"], self._kept, status=int(answer["status"]))
-            except (AttributeError, KeyError, TypeError, ValueError):  # the FMU has written over the process's memory
+            except _NO_ANSWER:
                 self._process.end("sent what is no answer")
                 self._caller[Caller.ENDED] = 1
             return Status.FATAL

@@ -256,7 +256,7 @@ class RemoteProcess:
                 continue
             try:
                 self._replies.append(json.loads(content))
-            except ValueError:
+            except (ValueError, RecursionError):
                 self._fail("sent what is no message")
 
     def _died(self) -> None:

@@ -150,3 +150,13 @@ def test_the_start_is_not_limited_by_the_time_of_a_call(monkeypatch: pytest.Monk
         assert process.ending == ""
     finally:
         process.close()
+
+
+@pytest.mark.parametrize("answer", ["no object", {}, {"status": 0}, {"status": float("inf"), "written": {}}])
+def test_an_answer_that_makes_no_sense_ends_the_process(
+    opened: Opened, monkeypatch: pytest.MonkeyPatch, answer: object
+) -> None:
+    instance = opened("none")
+    monkeypatch.setattr(RemoteProcess, "request", lambda *_, **__: answer)
+    assert instance.status("fmi2Reset") == Status.FATAL
+    assert instance.failure("fmi2Reset", Status.FATAL).startswith("m: fmi2Reset sent what is no answer")
