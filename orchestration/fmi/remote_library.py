@@ -153,10 +153,12 @@ class RemoteLibrary(Library):
 
     def close(self) -> None:
         """Unload the library and end the process; a second call does nothing."""
-        if not self._process.ending:
-            self._request(UNLOAD, [], limit=LONGEST_END)
-        self._caller[Caller.ENDED] = 1
-        self._process.close()
+        try:
+            if not self._process.ending:
+                self._request(UNLOAD, [], limit=LONGEST_END)
+        finally:
+            self._caller[Caller.ENDED] = 1
+            self._process.close()
 
     def _found(self, name: str) -> Any:
         if name not in self._functions:

@@ -114,6 +114,12 @@ def test_after_the_end_every_call_is_fatal_at_once(opened: Opened) -> None:
     assert instance.get("String", [2])[0] == Status.FATAL
 
 
+def process_of(instance: Instance) -> RemoteProcess:
+    """The process that an instance lives in."""
+    assert isinstance(instance.library, RemoteLibrary)
+    return instance.library._process
+
+
 def test_no_message_of_a_call_is_late(opened: Opened, monkeypatch: pytest.MonkeyPatch) -> None:
     """The call has ended before anybody reads: what the FMU logged is still in the socket."""
     instance = opened("step refuse")
@@ -160,3 +166,18 @@ def test_an_answer_that_makes_no_sense_ends_the_process(
     monkeypatch.setattr(RemoteProcess, "request", lambda *_, **__: answer)
     assert instance.status("fmi2Reset") == Status.FATAL
     assert instance.failure("fmi2Reset", Status.FATAL).startswith("m: fmi2Reset sent what is no answer")
+
+
+def test_the_process_ends_also_if_its_library_cannot_be_unloaded(
+    opened: Opened, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    instance = opened("none")
+    process = process_of(instance)
+
+    def interrupted(*_: Any, **__: Any) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(RemoteProcess, "request", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        instance.library.close()
+    assert process.ending == "was ended"
