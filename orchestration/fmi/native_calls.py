@@ -7,9 +7,9 @@ a negative status, which FMI does not know, the calls return `NEGATIVE`.
 """
 
 import ctypes
-import pickle
-from collections.abc import Callable
-from contextlib import suppress
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from io import BytesIO
 from pathlib import Path
 from typing import Any, Concatenate, ParamSpec, cast
 
@@ -19,6 +19,7 @@ from numba import types
 from numba.core import caching, cgutils
 from numba.extending import intrinsic, overload
 
+from adaptimp_fmu.files.sealed_file import read_sealed, write_sealed
 from orchestration.fmi.codes import NEGATIVE
 
 SOURCES = (Path(__file__), Path(__file__).with_name("codes.py"))
@@ -131,6 +132,25 @@ def keep_machine_code(compiled: Any, function: Callable[..., Any], folder: Path 
     return compiled
 
 
+class _SealedFiles(caching.IndexDataCacheFile):
+    """Files of machine code, of which numba sees only those that are as they were written."""
+
+    @contextmanager
+    def _open_for_write(self, filepath: str) -> Iterator[BytesIO]:
+        written = BytesIO()
+        yield written
+        write_sealed(Path(filepath), written.getvalue())
+
+    def _load_index(self) -> Any:
+        return {} if read_sealed(Path(self._index_path)) is None else super()._load_index()
+
+    def _load_data(self, name: str) -> Any:
+        path = Path(self._data_path(name))
+        if read_sealed(path) is None:
+            raise FileNotFoundError(path)  # numba compiles the function again
+        return super()._load_data(name)  # pickle reads no further than the seal
+
+
 def _cache_in(folder: Path, function: Callable[..., Any]) -> caching.FunctionCache:
     """Return numba's cache in a folder whose name stands for the sources."""
 
@@ -156,14 +176,15 @@ def _cache_in(folder: Path, function: Callable[..., Any]) -> caching.FunctionCac
     class Cache(caching.FunctionCache):
         _impl_class = Results
 
+        def __init__(self, py_func: Any) -> None:
+            super().__init__(py_func)
+            self._cache_file = _SealedFiles(str(folder), self._impl.filename_base, folder.name)
+
         def load_overload(self, sig: Any, target_context: Any) -> Any:
             try:
                 return super().load_overload(sig, target_context)
             except OSError:
                 self.disable()
-            except (EOFError, pickle.UnpicklingError):  # damaged: begin anew
-                with suppress(OSError):
-                    self.flush()
             return None
 
         def save_overload(self, sig: Any, data: Any) -> None:
