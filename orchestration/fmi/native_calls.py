@@ -136,7 +136,7 @@ class _SealedFiles(caching.IndexDataCacheFile):
     """Files of machine code, of which numba sees only those that are as they were written."""
 
     @contextmanager
-    def _open_for_write(self, filepath: str) -> Iterator[BytesIO]:
+    def _open_for_write(self, filepath: str) -> Iterator[Any]:
         written = BytesIO()
         yield written
         write_sealed(Path(filepath), written.getvalue())
