@@ -22,8 +22,9 @@ from orchestration.fmi.library import Library
 from orchestration.fmi.logging import Message, heard
 from orchestration.fmi.remote_arguments import deliver, outward, types
 from orchestration.fmi.remote_layout import CALLS, IDLE, LOAD, SLOW, UNLOAD, WORD, Caller, Word, arrays_size
+from orchestration.sandbox.interpreter import LONGEST_START
 from orchestration.sandbox.interrupts import noted
-from orchestration.sandbox.remote import LONGEST_END, LONGEST_START, RemoteEndedError, RemoteProcess
+from orchestration.sandbox.remote import LONGEST_END, RemoteEndedError, RemoteProcess
 
 _PROGRAM = "orchestration.fmi.remote_program"
 # Turns that a side waits in a loop, and by letting others run, before it sleeps. The process of an FMU sleeps early:

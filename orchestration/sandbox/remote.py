@@ -9,7 +9,6 @@ import json
 import mmap
 import os
 import select
-import signal
 import socket
 import struct
 import subprocess
@@ -19,13 +18,12 @@ import time
 from collections import deque
 from collections.abc import Callable, Mapping
 from contextlib import suppress
-from pathlib import Path
 from typing import Any
 
 from orchestration.errors import OrchestrationError
+from orchestration.sandbox.interpreter import command, death, search_path
 from orchestration.sandbox.interrupts import asked
 
-LONGEST_START = 120.0  # s that an interpreter may need to start on a machine that is busy
 LONGEST_END = 5.0  # s that a process may take to end by itself
 GRACE = 0.5  # s that a call may last on after Ctrl-C; the command line expects an effect within 1 s
 _LOOK = 0.1  # s between two looks whether the process lives
@@ -36,7 +34,6 @@ REPLY, SAID = 0, 1
 MOST_BYTES, MOST_TEXT, MOST_SAID = 2**31, 2**16, 10_000
 """Bytes of a message and of a text that are taken, and texts that are kept until somebody takes them."""
 _MOST_READS = 256  # of 64 KiB, which is more than a socket holds, so that a process that goes on is not heard for ever
-_ROOT = str(Path(__file__).parents[2])
 
 
 class RemoteEndedError(OrchestrationError):
@@ -268,11 +265,11 @@ class RemoteProcess:
         """
         if self._process.returncode is None and not self._reap(LONGEST_END):
             self._fail("closed its connection to the master")
-        code = self._process.returncode or 0
-        used = self._used
+        code, used = self._process.returncode or 0, self._used
+        how = death(code, "ended its process", "died")
         if code < 0 and self.memory_limit is not None and used > _NEAR_LIMIT * self.memory_limit:
-            self._fail(f"went beyond its memory limit of {self.memory_limit / 2**20:.0f} MiB ({death(code)})")
-        self._fail(death(code))
+            self._fail(f"went beyond its memory limit of {self.memory_limit / 2**20:.0f} MiB ({how})")
+        self._fail(how)
 
     def _fail(self, how: str) -> None:
         self.end(how)
@@ -305,16 +302,6 @@ class RemoteProcess:
             time.sleep(0.001)
 
 
-def death(code: int) -> str:
-    """How a process with a return code of `subprocess` ended, as the end of a sentence."""
-    if code >= 0:
-        return f"ended its process with exit code {code}"
-    try:
-        return f"died of {signal.Signals(-code).name}"
-    except ValueError:
-        return f"died of signal {-code}"
-
-
 def _shared_file(size: int) -> int:
     """Descriptor of a file without a name, which vanishes with its last user."""
     if hasattr(os, "memfd_create"):
@@ -327,13 +314,12 @@ def _shared_file(size: int) -> int:
 
 
 def _started(program: str, plan: Mapping[str, Any], descriptors: tuple[int, ...]) -> subprocess.Popen[bytes]:
-    path = os.pathsep.join(filter(None, (_ROOT, os.environ.get("PYTHONPATH"))))
     return subprocess.Popen(
-        [sys.executable, "-P", "-m", program, json.dumps(plan)],
+        command(program, json.dumps(plan)),
         stdin=subprocess.DEVNULL,
         stdout=subprocess.DEVNULL,
         stderr=subprocess.DEVNULL,
-        env=os.environ | {"PYTHONPATH": path},
+        env=os.environ | {"PYTHONPATH": search_path()},
         pass_fds=descriptors,
         start_new_session=True,  # Ctrl-C is for this process, which then ends the other
     )
