@@ -33,8 +33,8 @@ class Status(IntEnum):
 WORST_ACCEPTED = int(Status.WARNING)
 """Worst status of a call that succeeded."""
 
-NEGATIVE = 2**31 - 1
-"""What calls by address return in place of a negative status, so that loops need one comparison to see a failure."""
+UNDEFINED = 2**31 - 1
+"""What calls by address return in place of a status that FMI does not define, such as -1: loops see a failure."""
 
 
 def accepted(status: int) -> bool:
@@ -44,6 +44,6 @@ def accepted(status: int) -> bool:
 
 def status_name(status: int) -> str:
     """Return the name of a status in the standard; an unknown number is named by its value."""
-    if status == NEGATIVE:
-        return "a negative status"
+    if status == UNDEFINED:
+        return "a status that FMI does not define"
     return str(Status(status)) if Status.OK <= status <= Status.PENDING else f"status {status}"

@@ -3,7 +3,7 @@
 Compiled by numba, a call costs as much as in C. Without compilation the same functions go through ctypes,
 so a loop that uses them also runs as plain Python, as a slow oracle of itself. Addresses are
 arguments, never constants, so that machine code can be kept from one process to the next. In place of
-a negative status, which FMI does not know, the calls return `NEGATIVE`.
+a status that FMI does not define the calls return `UNDEFINED`.
 """
 
 import ctypes
@@ -20,7 +20,7 @@ from numba.core import caching, cgutils
 from numba.extending import intrinsic, overload
 
 from adaptimp_fmu.files.sealed_file import read_sealed, write_sealed
-from orchestration.fmi.codes import NEGATIVE
+from orchestration.fmi.codes import UNDEFINED, Status
 
 SOURCES = (Path(__file__), Path(__file__).with_name("codes.py"))
 """Sources that are compiled into every function that calls by address."""
@@ -99,7 +99,7 @@ def call_direction(function: int, component: int, unknowns: int, n: int, known: 
 
 
 def _known(status: int) -> int:
-    return NEGATIVE if status < 0 else status
+    return status if Status.OK <= status <= Status.PENDING else UNDEFINED
 
 
 def copy_run(source: np.ndarray, first: int, rows: np.ndarray, row: int | np.uint64, column: int, n: int) -> None:
@@ -208,10 +208,10 @@ def emitted(emit: Callable[Concatenate[Any, Arguments], Any]) -> Callable[Argume
 
 
 def call_for_status(builder: Any, callee: Any, arguments: Any) -> Any:
-    """Build a call of a function that returns an fmi2Status; in place of a negative one comes `NEGATIVE`."""
+    """Build a call of a function that returns an fmi2Status, or `UNDEFINED` for what FMI does not define."""
     status = builder.call(callee, arguments)
-    is_negative = builder.icmp_signed("<", status, ir.Constant(_I32, 0))
-    return builder.select(is_negative, ir.Constant(_I32, NEGATIVE), status)
+    is_defined = builder.icmp_unsigned("<=", status, ir.Constant(_I32, int(Status.PENDING)))
+    return builder.select(is_defined, status, ir.Constant(_I32, UNDEFINED))
 
 
 @emitted
