@@ -42,7 +42,7 @@ def printable(text: object, most: int | None = None) -> str:
 
 
 def printable_lines(text: str) -> str:
-    """Return a text of several lines without characters that a terminal obeys, but for tabs and the ends of lines."""
+    """Return a text of several lines without characters that a terminal obeys, except tabs and the ends of lines."""
     return _UNSAFE.sub(lambda found: found[0] if found[0] in "\n\t" else _as_escape(found), text)
 
 

@@ -72,7 +72,7 @@ class Draft:
         Raises
         ------
         OSError
-            If the last bytes cannot be written, or something that is no file stands at the path.
+            If the last bytes cannot be written, or something other than a file stands at the path.
         """
         self.file.flush()
         if os.name == "nt":  # there an open file cannot be moved; elsewhere its lock lasts until it has moved

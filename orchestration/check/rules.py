@@ -78,7 +78,7 @@ RULES = (
     ),
     Rule(
         *("6", ERROR, "2.2.1, 2.3, 4.3.1"),
-        "There is no binary for this machine, the model identifier is no C identifier, or flags contradict each other.",
+        "There is no binary for this machine, modelIdentifier is not a C identifier, or flags contradict each other.",
         "Build the FMU for this platform (`fmpy compile` does so from sources), and set the flags to what it can do.",
     ),
     Rule(
@@ -204,7 +204,7 @@ RULES = (
     Rule(
         *("18", ERROR, ""),
         "The binary writes to descriptors that it did not open.",
-        "Do not use the FMU; nothing that computes does so.",
+        "Do not use the FMU: a simulation model has no reason to do this.",
     ),
     Rule(
         *("18", WARNING, ""),
@@ -239,7 +239,7 @@ RULES = (
     Rule(
         *(LOOP, WARNING, ""),
         "The tip misses its trajectory by more than with the shipped controller, or a torque exceeds its limit.",
-        "Compare the numbers side by side; what differs at the wall only depends on F_hat.",
+        "Compare the numbers side by side; a difference that appears only at the wall comes from F_hat.",
     ),
     Rule(
         *(LOOP, NOTE, ""),

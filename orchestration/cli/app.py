@@ -321,7 +321,7 @@ def check(
     ] = None,
     json: Json = False,
 ) -> None:
-    """Examine an FMU: description, contract, interface, and for a controller a closed loop."""
+    """Examine an FMU in a confined process: description, contract, interface, and for a controller a closed loop."""
     from orchestration.cli.check import run_check
 
     raise typer.Exit(run_check(fmu, role, json, tuple(map_ or ())))

@@ -27,7 +27,7 @@ EPILOG = closing(
     "adaptimp doctor fig5",
     "adaptimp doctor fig2 --algorithm jacobi \\\n    --sample-time 2e-3 --json",
     codes={
-        ExitCode.FAILED: "warnings or errors were found, or a file cannot be used",
+        ExitCode.FAILED: "warnings or errors were found, or a file is unusable",
         ExitCode.REFUSED: "the system cannot be examined",
     },
 )
@@ -47,7 +47,7 @@ def doctor(
     sample_time: SampleTime = None,
     stop: Stop = None,
     budget: Annotated[
-        float, typer.Option(metavar="SECONDS", help="Time for runs with halved steps.", rich_help_panel=CARE)
+        float, typer.Option(metavar="SECONDS", help="Time for the runs with halved steps, s.", rich_help_panel=CARE)
     ] = 10.0,
     json: Json = False,
 ) -> None:

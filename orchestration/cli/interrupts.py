@@ -1,4 +1,4 @@
-"""Ends a command that gets a signal: SIGTERM and SIGHUP like Ctrl-C, and a second signal where the first has no effect.
+"""Ends a command that gets a signal: SIGTERM and SIGHUP act like Ctrl-C, and a second signal where the first cannot.
 
 Python acts on a signal between two steps of its own. While an FMU does not return from a call, there are none. So a
 thread listens, too: the operating system hands it each signal through a socket, whatever the main thread does. The

@@ -23,7 +23,7 @@ Variant = Annotated[
     str | None,
     typer.Option(
         metavar="NAME",
-        help="Another .ssd file of the package; 'adaptimp info' lists them.",
+        help="Take another .ssd file of the package; 'adaptimp info' lists them.",
         rich_help_panel=SYSTEM,
     ),
 ]
@@ -64,7 +64,8 @@ Isolate = Annotated[
     typer.Option(
         "--isolate",
         metavar="[COMP,...]",
-        help="Run the FMUs of these components, or of all, in processes of their own; repeatable.",
+        help="Run the FMUs of these components, or of all, in processes of their own, so that a crash or a hang is an "
+        "error; repeatable.",
         rich_help_panel=CARE,
     ),
 ]
@@ -133,14 +134,14 @@ Json = Annotated[
 Strict = Annotated[
     bool,
     typer.Option(
-        "--strict", help="Unconnected inputs, and FMUs that break rules of form, are errors.", rich_help_panel=CARE
+        "--strict", help="Treat unconnected inputs, and FMUs that break rules of form, as errors.", rich_help_panel=CARE
     ),
 ]
 StaleInputs = Annotated[
     bool,
     typer.Option(
         "--allow-stale-inputs",
-        help="Let a step hold several ticks, on the inputs of its start.",
+        help="Let a step hold several ticks, which use the inputs of its start.",
         rich_help_panel=CARE,
     ),
 ]
@@ -154,7 +155,7 @@ FmuTolerance = Annotated[
     float | None,
     typer.Option(
         metavar="R",
-        help="Relative tolerance that FMUs are told; by default that of each one's own default experiment.",
+        help="Relative tolerance that each FMU is told; by default that of its own default experiment.",
         rich_help_panel=TIME,
     ),
 ]
@@ -166,5 +167,5 @@ FmuStopTime = Annotated[
 ]
 Start = Annotated[
     float | None,
-    typer.Option(metavar="T", help="Start time, s; by default the system's.", rich_help_panel=TIME),
+    typer.Option(metavar="T", help="Start time, s; by default that of the system.", rich_help_panel=TIME),
 ]

@@ -27,7 +27,7 @@ Verbose = Annotated[
     typer.Option(
         "--verbose",
         "-v",
-        help="Say what is unpacked, compiled or taken from a cache, and how long it takes.",
+        help="Say more: what is unpacked, compiled or taken from a cache, what FMUs log, what to do about findings.",
         rich_help_panel=MESSAGES,
     ),
 ]

@@ -83,7 +83,7 @@ def number(option: str, text: str, kind: type[Number]) -> Number:
 def listed(texts: Sequence[str] | None, system: System | None = None) -> list[str] | None:
     """Names and patterns of an option that may be given several times with several names each; None if it is not.
 
-    A comma separates names, but for one within brackets, and one within a name that the system knows.
+    A comma separates names, unless it stands within brackets or within a name that the system knows.
     """
     if not texts:
         return None

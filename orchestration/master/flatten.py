@@ -34,7 +34,7 @@ class Assembly:
     Attributes
     ----------
     columns
-        Recorded variables, but for Strings, as ``component.variable``.
+        Recorded variables, except Strings, as ``component.variable``.
     real_outputs
         Index of each fetched Real output in the plan's buffer of reals, by ``component.variable``.
     driven

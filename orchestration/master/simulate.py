@@ -184,11 +184,11 @@ def stream(
     isolate: bool | str | Collection[str] | Isolation | None = None,
     options: Options | None = None,
 ) -> int:
-    """Run a system and write its rows to a Parquet file during the run; of these, 16 MB at most are in memory.
+    """Run a system and write its rows to a Parquet file during the run.
 
-    Besides, the communication points need 8 bytes for each step. If the run fails or is interrupted, the rows before
-    are in ``STEM.partial.parquet``. If the process is killed, its complete groups of rows are in
-    ``NAME.<random>.part``, which `Result.read` reads.
+    At most 16 MB of rows are in memory; the communication points take 8 bytes for each step. If the run fails or is
+    interrupted, the rows before are in ``STEM.partial.parquet``. If the process is killed, its complete groups of rows
+    are in ``NAME.<random>.part``, which `Result.read` reads.
 
     Parameters
     ----------

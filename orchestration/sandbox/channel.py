@@ -61,7 +61,7 @@ class Receiver:
     records
         The objects that were received with a right signature, each once and in their order.
     foreign
-        Number of lines in the pipe that are no such record.
+        Number of lines in the pipe that are not such records.
     """
 
     def __init__(self, stream: IO[bytes], key: bytes) -> None:

@@ -178,7 +178,7 @@ def _resources(limits: Limits) -> list[str]:
 
 
 def _drop_capabilities(libc: ctypes.CDLL) -> bool:
-    """Give up what root may do more than others, but for reading; returns whether the kernel took it."""
+    """Give up what root may do more than others, except reading; returns whether the kernel took it."""
     header = ctypes.create_string_buffer(struct.pack("=Ii", _CAPABILITIES, 0))
     data = ctypes.create_string_buffer(24)
     if libc.capget(header, data) != 0:

@@ -1,4 +1,4 @@
-"""Guards this process while code of strangers runs in it: puts back what they change, and tells an exit for what it is.
+"""Guards this process while code of strangers runs in it: puts back what that code changes, and says so if it exits.
 
     guard = Guard()
     with guard.over(["plant"], "while plant was loaded"):

@@ -24,7 +24,7 @@ _MOST = 4096  # tables: more are a damaged header
 
 
 class LibraryError(ArchiveError):
-    """A file is no shared library of this machine; the message is the end of a sentence about the file."""
+    """A file is not a shared library of this machine; the message is the end of a sentence about the file."""
 
 
 @dataclass(frozen=True)

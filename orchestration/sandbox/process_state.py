@@ -1,7 +1,7 @@
-"""What a library can change for the whole process or thread, although it is nobody else's business.
+"""What a library can change for its whole process or thread, and should leave alone.
 
-These are how numbers are rounded and whether tiny ones become 0, the locale, the working directory, and what a signal
-does. `ProcessState` remembers them and puts them back.
+Such things are how numbers are rounded and whether tiny ones become 0, the locale, the working directory, and what a
+signal does. `ProcessState` remembers them and puts them back.
 """
 
 import ctypes

@@ -1,4 +1,4 @@
-"""A process that serves this one: memory that both see, messages in a socket, and what becomes of it.
+"""A process that serves this one: memory that both see, messages in a socket, and how the process ended.
 
 The process runs a program of this package, which knows its job. Whatever the process does, this one goes on: a process
 that dies, hangs or closes its connection becomes a sentence, `RemoteProcess.ending`. The process ends with this one,

@@ -189,7 +189,7 @@ def test_quiet_verbose_and_debug_stand_anywhere(adaptimp: Command, place: str) -
     assert adaptimp(*typed("-q", "list")).out.startswith("Scenarios")
     verbose = adaptimp(*typed("-v", "run", "fig2", *SHORT))
     assert re.search(r"^Plant for \w+: the binary is in the cache, |^compiled Plant for ", verbose.err, re.MULTILINE)
-    assert re.search(r"^unpacked .*Plant\.fmu in \S+ s$", verbose.err, re.MULTILINE)
+    assert re.search(r"^unpacked .*Plant\.fmu of plant in \S+ s$", verbose.err, re.MULTILINE)
     assert re.search(r"^(loaded|compiled) the master's loop .*in \S+ s$", verbose.err, re.MULTILINE)
     both = adaptimp("--quiet", *typed("--verbose", "list"))
     assert (both.code, both.sentence) == (2, "--quiet and --verbose exclude each other; give one of them.")

@@ -48,7 +48,7 @@ def _is_round(value: float) -> bool:
 
 
 def fit_findings(case: Case, fitting: float | None, spell: Spelling) -> Iterator[Finding]:
-    """Findings on periods that are no multiples of the step, so that the run is refused."""
+    """Findings on periods that are not multiples of the step, so that the run is refused."""
     for component in case.system.components:
         if _fits(component, case.step):
             continue

@@ -14,7 +14,7 @@ _UTF_8 = 0x800
 
 
 def unreadable(reason: str) -> RuleError:
-    """Return the error of a file that is no archive, or a damaged one."""
+    """Return the error of a file that is not an archive, or is a damaged one."""
     return RuleError(f"is not a readable zip archive: {reason}; it is damaged or of another kind, so copy it again")
 
 
