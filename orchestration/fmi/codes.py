@@ -33,6 +33,9 @@ class Status(IntEnum):
 WORST_ACCEPTED = int(Status.WARNING)
 """Worst status of a call that succeeded."""
 
+UNDEFINED = 2**31 - 1
+"""What calls by address return in place of a status that FMI does not define, such as -1: loops see a failure."""
+
 
 def accepted(status: int) -> bool:
     """Whether a call succeeded: its status is fmi2OK or fmi2Warning."""
@@ -41,4 +44,6 @@ def accepted(status: int) -> bool:
 
 def status_name(status: int) -> str:
     """Return the name of a status in the standard; an unknown number is named by its value."""
+    if status == UNDEFINED:
+        return "a status that FMI does not define"
     return str(Status(status)) if Status.OK <= status <= Status.PENDING else f"status {status}"

@@ -89,10 +89,7 @@ class Instance:
         self.failed_in = ""
         self._announce, self._unloads = announce, False
         self._callbacks = callbacks(self.messages)
-        guid, resources = (text.encode() for text in identity)
-        pointer = ctypes.byref(self._callbacks)
-        arguments = (name.encode(), CO_SIMULATION, guid, resources, pointer, 0, 1)  # invisible, with logging
-        self._handle: int | None = self._call("fmi2Instantiate", *arguments)
+        self._handle = self._instantiate(identity)
         if not self._handle:
             how = library.ending or "failed"
             msg = f"{name}: fmi2Instantiate {how}; {self.messages.last()}."
@@ -191,7 +188,11 @@ class Instance:
 
     def ask(self, function: str, kind: int, answer: Any) -> int | None:
         """Ask for a status of a kind, an fmi2StatusKind; returns the fmi2Status, None if there is no such function."""
-        return None if self.library.lacks([function]) else self._call(function, self._handle, kind, answer)
+        if self.library.lacks([function]):
+            return None
+        status: int = self._call(function, self._handle, kind, answer)
+        raise_kept()
+        return status
 
     def failure(self, function: str, status: int, where: str = "") -> str:
         """Return a sentence that names a call, how it ended, and the messages of this call."""
@@ -277,9 +278,24 @@ class Instance:
         try:
             if handle is not None and self.worst != Status.FATAL:
                 self._call("fmi2FreeInstance", handle)
+                raise_kept()
         finally:
             if self._unloads:
                 self.library.close()
+
+    def _instantiate(self, identity: tuple[str, str]) -> int | None:
+        """Call fmi2Instantiate; an instance that nobody will get, because a callback was interrupted, is freed."""
+        guid, resources = (text.encode() for text in identity)
+        pointer = ctypes.byref(self._callbacks)
+        arguments = (self.name.encode(), CO_SIMULATION, guid, resources, pointer, 0, 1)  # invisible, with logging
+        handle: int | None = self._call("fmi2Instantiate", *arguments)
+        try:
+            raise_kept()
+        except BaseException:
+            if handle:
+                self._call("fmi2FreeInstance", handle)
+            raise
+        return handle
 
     def _call(self, function: str, *arguments: Any) -> Any:
         c_function = self.library.function(function)

@@ -2,13 +2,14 @@
 
 Compiled by numba, a call costs as much as in C. Without compilation the same functions go through ctypes,
 so a loop that uses them also runs as plain Python, as a slow oracle of itself. Addresses are
-arguments, never constants, so that machine code can be kept from one process to the next.
+arguments, never constants, so that machine code can be kept from one process to the next. In place of
+a status that FMI does not define the calls return `UNDEFINED`.
 """
 
 import ctypes
-import pickle
-from collections.abc import Callable
-from contextlib import suppress
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from io import BytesIO
 from pathlib import Path
 from typing import Any, Concatenate, ParamSpec, cast
 
@@ -17,6 +18,9 @@ from llvmlite import ir
 from numba import types
 from numba.core import caching, cgutils
 from numba.extending import intrinsic, overload
+
+from adaptimp_fmu.files.sealed_file import read_sealed, write_sealed
+from orchestration.fmi.codes import UNDEFINED, Status
 
 SOURCES = (Path(__file__), Path(__file__).with_name("codes.py"))
 """Sources that are compiled into every function that calls by address."""
@@ -45,7 +49,7 @@ def call_transfer(function: int, component: int, references: int, n: int, values
         The fmi2Status.
     """
     # ctypes takes no NumPy integers, which is what the table holds
-    return _TRANSFER(int(function))(int(component), int(references), int(n), int(values))
+    return _known(_TRANSFER(int(function))(int(component), int(references), int(n), int(values)))
 
 
 def call_do_step(function: int, component: int, t: float, h: float) -> int:
@@ -53,7 +57,7 @@ def call_do_step(function: int, component: int, t: float, h: float) -> int:
 
     The argument noSetFMUStatePriorToCurrentPoint is true, because fixed-step algorithms never go back.
     """
-    return _DO_STEP(int(function))(int(component), t, h, 1)
+    return _known(_DO_STEP(int(function))(int(component), t, h, 1))
 
 
 def call_state(function: int, component: int, state: int) -> int:
@@ -64,12 +68,12 @@ def call_state(function: int, component: int, state: int) -> int:
     int
         The fmi2Status.
     """
-    return _STATE(int(function))(int(component), int(state))
+    return _known(_STATE(int(function))(int(component), int(state)))
 
 
 def call_rates(function: int, component: int, references: int, n: int, orders: int, values: int) -> int:
     """Call fmi2SetRealInputDerivatives; all arguments but `n` are addresses; returns the fmi2Status."""
-    return _RATES(int(function))(int(component), int(references), int(n), int(orders), int(values))
+    return _known(_RATES(int(function))(int(component), int(references), int(n), int(orders), int(values)))
 
 
 def call_direction(function: int, component: int, unknowns: int, n: int, known: int, seed: int, values: int) -> int:
@@ -89,7 +93,13 @@ def call_direction(function: int, component: int, unknowns: int, n: int, known: 
     int
         The fmi2Status.
     """
-    return _DIRECTION(int(function))(int(component), int(unknowns), int(n), int(known), 1, int(seed), int(values))
+    return _known(
+        _DIRECTION(int(function))(int(component), int(unknowns), int(n), int(known), 1, int(seed), int(values))
+    )
+
+
+def _known(status: int) -> int:
+    return status if Status.OK <= status <= Status.PENDING else UNDEFINED
 
 
 def copy_run(source: np.ndarray, first: int, rows: np.ndarray, row: int | np.uint64, column: int, n: int) -> None:
@@ -122,6 +132,25 @@ def keep_machine_code(compiled: Any, function: Callable[..., Any], folder: Path 
     return compiled
 
 
+class _SealedFiles(caching.IndexDataCacheFile):
+    """Files of machine code, of which numba sees only those that are as they were written."""
+
+    @contextmanager
+    def _open_for_write(self, filepath: str) -> Iterator[Any]:
+        written = BytesIO()
+        yield written
+        write_sealed(Path(filepath), written.getvalue())
+
+    def _load_index(self) -> Any:
+        return {} if read_sealed(Path(self._index_path)) is None else super()._load_index()
+
+    def _load_data(self, name: str) -> Any:
+        path = Path(self._data_path(name))
+        if read_sealed(path) is None:
+            raise FileNotFoundError(path)  # numba compiles the function again
+        return super()._load_data(name)  # pickle reads no further than the seal
+
+
 def _cache_in(folder: Path, function: Callable[..., Any]) -> caching.FunctionCache:
     """Return numba's cache in a folder whose name stands for the sources."""
 
@@ -147,14 +176,15 @@ def _cache_in(folder: Path, function: Callable[..., Any]) -> caching.FunctionCac
     class Cache(caching.FunctionCache):
         _impl_class = Results
 
+        def __init__(self, py_func: Any) -> None:
+            super().__init__(py_func)
+            self._cache_file = _SealedFiles(str(folder), self._impl.filename_base, folder.name)
+
         def load_overload(self, sig: Any, target_context: Any) -> Any:
             try:
                 return super().load_overload(sig, target_context)
             except OSError:
                 self.disable()
-            except (EOFError, pickle.UnpicklingError):  # damaged: begin anew
-                with suppress(OSError):
-                    self.flush()
             return None
 
         def save_overload(self, sig: Any, data: Any) -> None:
@@ -177,6 +207,13 @@ def emitted(emit: Callable[Concatenate[Any, Arguments], Any]) -> Callable[Argume
     return cast("Callable[Arguments, Any]", intrinsic(emit))
 
 
+def call_for_status(builder: Any, callee: Any, arguments: Any) -> Any:
+    """Build a call of a function that returns an fmi2Status, or `UNDEFINED` for what FMI does not define."""
+    status = builder.call(callee, arguments)
+    is_defined = builder.icmp_unsigned("<=", status, ir.Constant(_I32, int(Status.PENDING)))
+    return builder.select(is_defined, status, ir.Constant(_I32, UNDEFINED))
+
+
 @emitted
 def emit_transfer(typing: Any, function: Any, component: Any, references: Any, n: Any, values: Any) -> Any:
     """What `call_transfer` compiles to."""
@@ -187,7 +224,7 @@ def emit_transfer(typing: Any, function: Any, component: Any, references: Any, n
         address, component, references, n, values = arguments
         callee = builder.inttoptr(address, kind.as_pointer())
         pointers = [builder.inttoptr(a, _I8P) for a in (component, references, values)]
-        return builder.call(callee, [pointers[0], pointers[1], n, pointers[2]])
+        return call_for_status(builder, callee, [pointers[0], pointers[1], n, pointers[2]])
 
     return signature, generate
 
@@ -202,7 +239,7 @@ def emit_do_step(typing: Any, function: Any, component: Any, t: Any, h: Any) -> 
         address, component, t, h = arguments
         callee = builder.inttoptr(address, kind.as_pointer())
         pointer = builder.inttoptr(component, _I8P)
-        return builder.call(callee, [pointer, t, h, ir.Constant(_I32, 1)])
+        return call_for_status(builder, callee, [pointer, t, h, ir.Constant(_I32, 1)])
 
     return signature, generate
 
@@ -216,7 +253,7 @@ def emit_state(typing: Any, function: Any, component: Any, state: Any) -> Any:
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         address, component, state = arguments
         callee = builder.inttoptr(address, kind.as_pointer())
-        return builder.call(callee, [builder.inttoptr(component, _I8P), builder.inttoptr(state, _I8P)])
+        return call_for_status(builder, callee, [builder.inttoptr(component, _I8P), builder.inttoptr(state, _I8P)])
 
     return signature, generate
 
@@ -231,7 +268,7 @@ def emit_rates(typing: Any, function: Any, component: Any, references: Any, n: A
         address, component, references, n, orders, values = arguments
         callee = builder.inttoptr(address, kind.as_pointer())
         pointers = [builder.inttoptr(a, _I8P) for a in (component, references, orders, values)]
-        return builder.call(callee, [*pointers[:2], n, *pointers[2:]])
+        return call_for_status(builder, callee, [*pointers[:2], n, *pointers[2:]])
 
     return signature, generate
 
@@ -248,7 +285,7 @@ def emit_direction(
         address, component, unknowns, n, known, seed, values = arguments
         callee = builder.inttoptr(address, kind.as_pointer())
         pointers = [builder.inttoptr(a, _I8P) for a in (component, unknowns, known, seed, values)]
-        return builder.call(callee, [*pointers[:2], n, pointers[2], ir.Constant(_I64, 1), *pointers[3:]])
+        return call_for_status(builder, callee, [*pointers[:2], n, pointers[2], ir.Constant(_I64, 1), *pointers[3:]])
 
     return signature, generate
 

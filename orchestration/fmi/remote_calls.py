@@ -15,6 +15,7 @@ from typing import Any, cast
 from numba import njit, types
 from numba.core.ccallback import CFunc
 
+from adaptimp_fmu.files.sealed_file import read_sealed, write_sealed
 from orchestration.fmi.codes import Status
 from orchestration.fmi.machine_code import code_folder
 from orchestration.fmi.native_calls import (
@@ -279,16 +280,16 @@ def server() -> tuple[str, str]:
     """
     folder = _folder()
     file = None if folder is None else folder / _SERVER_FILE
-    with suppress(OSError):
-        if file is not None:
-            name, _, text = file.read_text(encoding="ascii").partition("\n")
-            return name, text
+    kept = None if file is None else read_sealed(file)
+    if kept is not None:
+        name, _, text = kept.decode("ascii").partition("\n")
+        return name, text
     made = _compiled_as(_serve, _I32(_I64))
     made.compile()
     name, text = made.native_name, made.inspect_llvm()
     if file is not None:
         with suppress(OSError):  # a full disk: it is made again
-            file.write_text(f"{name}\n{text}", encoding="ascii")
+            write_sealed(file, f"{name}\n{text}".encode("ascii"))
     return name, text
 
 

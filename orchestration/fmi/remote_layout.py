@@ -8,7 +8,8 @@ in a socket.
 
 from enum import IntEnum
 
-NO_RESULT = -1
+NO_RESULT = -(2**62)
+"""What stands in place of a status until there is one; no status is so low."""
 
 CALLS = (
     *("fmi2SetReal", "fmi2SetInteger", "fmi2SetBoolean", "fmi2GetReal", "fmi2GetInteger", "fmi2GetBoolean"),

@@ -22,13 +22,16 @@ from orchestration.fmi.library import Library
 from orchestration.fmi.logging import Message, heard
 from orchestration.fmi.remote_arguments import deliver, outward, types
 from orchestration.fmi.remote_layout import CALLS, IDLE, LOAD, SLOW, UNLOAD, WORD, Caller, Word, arrays_size
+from orchestration.sandbox.interpreter import LONGEST_START
 from orchestration.sandbox.interrupts import noted
-from orchestration.sandbox.remote import LONGEST_END, LONGEST_START, RemoteEndedError, RemoteProcess
+from orchestration.sandbox.remote import LONGEST_END, RemoteEndedError, RemoteProcess
 
 _PROGRAM = "orchestration.fmi.remote_program"
 # Turns that a side waits in a loop, and by letting others run, before it sleeps. The process of an FMU sleeps early:
 # five of them that wait for long keep each other from the two cores (3 us per step and component, else 8 to 14 us).
 _MASTER_TURNS, _SERVER_TURNS = (200, 20), (50, 5)
+# What an answer raises that is not as this program makes it: the FMU has written over the process's memory.
+_NO_ANSWER = (ArithmeticError, AttributeError, LookupError, TypeError, ValueError)
 _ATTEND = ct.CFUNCTYPE(ct.c_int, ct.c_void_p, ct.c_void_p)
 
 
@@ -60,7 +63,8 @@ def start_process(isolation: Isolation, n_variables: int) -> RemoteProcess:
     spins, yields = _turns(_SERVER_TURNS)
     limits = [isolation.memory_limit, isolation.descriptor_limit]
     with suppress(RemoteEndedError):  # the first call says it
-        process.tell({"server": server(), "spins": spins, "yields": yields, "limits": limits})
+        plan = {"server": server(), "spins": spins, "yields": yields, "limits": limits}
+        process.tell(plan, limit=LONGEST_START)  # it may be more than the socket holds until the process reads
     return process
 
 
@@ -150,10 +154,12 @@ class RemoteLibrary(Library):
 
     def close(self) -> None:
         """Unload the library and end the process; a second call does nothing."""
-        if not self._process.ending:
-            self._request(UNLOAD, [], limit=LONGEST_END)
-        self._caller[Caller.ENDED] = 1
-        self._process.close()
+        try:
+            if not self._process.ending:
+                self._request(UNLOAD, [], limit=LONGEST_END)
+        finally:
+            self._caller[Caller.ENDED] = 1
+            self._process.close()
 
     def _found(self, name: str) -> Any:
         if name not in self._functions:
@@ -178,7 +184,7 @@ class RemoteLibrary(Library):
             try:
                 if answer is not None:
                     return deliver(name, arguments, answer["written"], self._kept, status=int(answer["status"]))
-            except (AttributeError, KeyError, TypeError, ValueError):  # the FMU has written over the process's memory
+            except _NO_ANSWER:
                 self._process.end("sent what is no answer")
                 self._caller[Caller.ENDED] = 1
             return Status.FATAL
@@ -201,6 +207,7 @@ class RemoteLibrary(Library):
             self._caller[Caller.ENDED] = 1
             return None
         finally:
+            self._words[Word.SAID] = 0
             self._pass_on()
 
     def _tell(self) -> None:
@@ -213,18 +220,19 @@ class RemoteLibrary(Library):
         words[Word.MASTER_SLEEPS] = 1
         try:
             self._process.wait(lambda: words[Word.CALL] == IDLE)
+            words[Word.SAID] = 0
+            self._process.take()  # the call may have ended before its last messages were read
         except RemoteEndedError:
             self._caller[Caller.ENDED] = 1
             return 0
         finally:
             words[Word.MASTER_SLEEPS] = 0
             self._pass_on()
-        self._caller[Caller.RESULT] = words[Word.STATUS]
+        self._caller[Caller.RESULT] = ct.c_int32(words[Word.STATUS]).value
         return 0
 
     def _pass_on(self) -> None:
         """Give the instance the messages that its FMU has logged."""
-        self._words[Word.SAID] = 0
         said = self._process.said
         while said:
             text = said.popleft()

@@ -10,7 +10,7 @@ from llvmlite import ir
 from numba import types
 from numba.core import cgutils
 
-from orchestration.fmi.native_calls import emitted
+from orchestration.fmi.native_calls import call_for_status, emitted
 from orchestration.fmi.remote_layout import LONGEST_SLEEP
 
 _I64, _F64, _I32 = types.int64, types.float64, types.int32
@@ -98,7 +98,7 @@ def call_step(typing: Any, function: Any, component: Any, t: Any, h: Any, final:
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         callee = builder.inttoptr(arguments[0], kind.as_pointer())
         pointer = builder.inttoptr(arguments[1], _BYTES)
-        return builder.call(callee, [pointer, *arguments[2:4], builder.trunc(arguments[4], _INT)])
+        return call_for_status(builder, callee, [pointer, *arguments[2:4], builder.trunc(arguments[4], _INT)])
 
     return _I32(_I64, _I64, _F64, _F64, _I64), generate
 
@@ -114,6 +114,6 @@ def call_direction(typing: Any, function: Any, component: Any, y: Any, n: Any, u
             builder.inttoptr(a, t) if isinstance(t, ir.PointerType) else a
             for a, t in zip(arguments[1:], kind.args, strict=True)
         ]
-        return builder.call(callee, given)
+        return call_for_status(builder, callee, given)
 
     return _I32(*[_I64] * 8), generate

@@ -9,7 +9,7 @@ import numpy as np
 
 from orchestration.errors import InitializationError
 from orchestration.fmi.blame import blaming
-from orchestration.fmi.codes import ONE_INSTANCE, REAL, WORST_ACCEPTED, accepted
+from orchestration.fmi.codes import ONE_INSTANCE, REAL, accepted
 from orchestration.fmi.display import listed
 from orchestration.fmi.experiment import UNKNOWN, Experiment
 from orchestration.fmi.instance import Instance
@@ -278,6 +278,6 @@ def _same(a: np.ndarray, b: np.ndarray) -> bool:
 
 
 def _raise_failure(instance: Instance, call: int, status: int) -> None:
-    """Raise an error if a call returned a status worse than a warning."""
-    if status > WORST_ACCEPTED:
+    """Raise an error if a call did not succeed."""
+    if not accepted(status):
         raise InitializationError(instance.failure(CALL_NAMES[Column(call)], status, " during initialization"))

@@ -5,7 +5,7 @@ from contextlib import contextmanager
 from typing import Any, TypeVar
 
 from orchestration.errors import RecordedRows, SimulationError
-from orchestration.fmi.codes import WORST_ACCEPTED
+from orchestration.fmi.codes import accepted
 from orchestration.fmi.instance import Instance
 from orchestration.sandbox.guard import Guard
 from orchestration.sandbox.interrupts import noted
@@ -56,5 +56,5 @@ def terminate(instances: Sequence[Instance], guard: Guard, rows: Callable[[], Re
             continue
         with guard.over(exposed([instance]), "while it was terminated"):
             status = instance.status("fmi2Terminate")
-        if status > WORST_ACCEPTED:
+        if not accepted(status):
             raise SimulationError(instance.failure("fmi2Terminate", status), rows())

@@ -3,7 +3,6 @@
 import json
 import os
 import secrets
-import signal
 import subprocess
 import sys
 import time
@@ -16,6 +15,7 @@ from typing import IO, TYPE_CHECKING, Any, cast
 from adaptimp_fmu.files.cache_folder import VARIABLE, cache_folder
 from orchestration.sandbox.channel import KEY_BYTES, Receiver
 from orchestration.sandbox.confinement import end, environment, starting
+from orchestration.sandbox.interpreter import LONGEST_START, command, death, search_path
 from orchestration.sandbox.leftovers import empty, files_in
 from orchestration.sandbox.worker import COUNT_BYTES, DONE, STARTED, TRACE_BYTES
 
@@ -23,9 +23,7 @@ if TYPE_CHECKING:
     from orchestration.sandbox.denials import Denials
 
 POLL = 0.01  # s
-LONGEST_START = 120.0  # s that an interpreter may need to start and import the job on a machine that is busy
 LONGEST_READING = 60.0  # s that the parent reads on what a child has left in the pipe
-ROOT = str(Path(__file__).parents[2])
 HOME = "work"  # name of the child's folder
 MOST_KEPT = 1024**3  # bytes of all files in the child's folder
 LOOKS = 1.0  # s between looks at these files
@@ -199,14 +197,13 @@ def _denials() -> "Iterator[Denials | None]":
 
 def _started(home: Path, cache: Path, passed: Sequence[int]) -> subprocess.Popen[bytes]:
     """Start the child, which waits for its plan."""
-    path = os.pathsep.join(filter(None, (ROOT, os.environ.get("PYTHONPATH"))))
     return subprocess.Popen[bytes](
-        [sys.executable, "-P", "-m", "orchestration.sandbox.worker"],
+        command("orchestration.sandbox.worker"),
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
         stderr=subprocess.DEVNULL,
         cwd=home,
-        env=environment(home, {"PYTHONPATH": path, VARIABLE: str(cache)}),
+        env=environment(home, {"PYTHONPATH": search_path(), VARIABLE: str(cache)}),
         pass_fds=passed,
         **starting(),
     )
@@ -229,7 +226,7 @@ def _ending(watched: _Watched, receiver: Receiver, late: str, folder: Path) -> E
     empty(home)
     return Ending(
         lines=[record for record in records if not {STARTED, DONE} & set(record)],
-        how=late or ("" if done else _death(watched.process.returncode)),
+        how=late or ("" if done else death(watched.process.returncode, "ends the process", "dies")),
         function="" if done else watched.announced(),
         printed=_beginning(folder / "printed", PRINTED),
         out_of_time=late.startswith("does not come"),
@@ -247,12 +244,3 @@ def _beginning(path: Path, most: int) -> str:
             return file.read(most).decode(errors="replace")
     except OSError:
         return ""
-
-
-def _death(code: int) -> str:
-    if code >= 0:
-        return f"ends the process with exit code {code}"
-    try:
-        return f"dies of {signal.Signals(-code).name}"
-    except ValueError:
-        return f"dies of signal {-code}"

@@ -9,7 +9,6 @@ import json
 import mmap
 import os
 import select
-import signal
 import socket
 import struct
 import subprocess
@@ -19,13 +18,12 @@ import time
 from collections import deque
 from collections.abc import Callable, Mapping
 from contextlib import suppress
-from pathlib import Path
 from typing import Any
 
 from orchestration.errors import OrchestrationError
+from orchestration.sandbox.interpreter import command, death, search_path
 from orchestration.sandbox.interrupts import asked
 
-LONGEST_START = 120.0  # s that an interpreter may need to start on a machine that is busy
 LONGEST_END = 5.0  # s that a process may take to end by itself
 GRACE = 0.5  # s that a call may last on after Ctrl-C; the command line expects an effect within 1 s
 _LOOK = 0.1  # s between two looks whether the process lives
@@ -35,7 +33,7 @@ REPLY, SAID = 0, 1
 """Kinds of a message: the answer to a request; a text that the process says of itself."""
 MOST_BYTES, MOST_TEXT, MOST_SAID = 2**31, 2**16, 10_000
 """Bytes of a message and of a text that are taken, and texts that are kept until somebody takes them."""
-_ROOT = str(Path(__file__).parents[2])
+_MOST_READS = 256  # of 64 KiB, which is more than a socket holds, so that a process that goes on is not heard for ever
 
 
 class RemoteEndedError(OrchestrationError):
@@ -123,14 +121,19 @@ class RemoteProcess:
         for end in (self._talk, self._bell):
             self._poll.register(end, select.POLLIN)
 
-    def tell(self, content: Mapping[str, Any]) -> None:
+    def tell(self, content: Mapping[str, Any], *, limit: float | None = None) -> None:
         """Send a message that has no answer.
+
+        Parameters
+        ----------
+        limit
+            Longest time, s, that the process may take to receive it, if it is not the process's own.
 
         Raises
         ------
         RemoteEndedError
         """
-        self._send(packed(REPLY, json.dumps(content).encode()), self.ring)
+        self._send(packed(REPLY, json.dumps(content).encode()), self.ring, limit)
 
     def request(self, content: Mapping[str, Any], notify: Callable[[], None], *, limit: float | None = None) -> Any:
         """Send a message, and return the answer.
@@ -146,7 +149,7 @@ class RemoteProcess:
         ------
         RemoteEndedError
         """
-        self._send(packed(REPLY, json.dumps(content).encode()), notify)
+        self._send(packed(REPLY, json.dumps(content).encode()), notify, limit)
         self.wait(lambda: bool(self._replies), limit=limit)
         return self._replies.popleft()
 
@@ -176,6 +179,19 @@ class RemoteProcess:
                 interrupted, end = True, time.monotonic() + GRACE
             pause = _LOOK if end is None else max(0.0, min(_LOOK, end - time.monotonic()))
 
+    def take(self) -> None:
+        """Receive what the process has sent so far, without waiting; whether it lives is not asked.
+
+        Raises
+        ------
+        RemoteEndedError
+            If it sent what is no message.
+        """
+        with suppress(OSError):  # there is nothing more now, or never again
+            for _ in range(_MOST_READS):
+                self._received += self._talk.recv(2**16)
+        self._unpack()
+
     def close(self) -> None:
         """End the process, if it has not ended; a second call does nothing."""
         if not self.ending:
@@ -187,7 +203,7 @@ class RemoteProcess:
             self._process.kill()
             self._reap(None)
 
-    def _send(self, message: bytes, notify: Callable[[], None]) -> None:
+    def _send(self, message: bytes, notify: Callable[[], None], limit: float | None) -> None:
         """Send a message, while the process may be sending too."""
         rest = memoryview(message)
         told = False
@@ -198,7 +214,7 @@ class RemoteProcess:
                 if not told:
                     notify()  # it reads what fills the socket
                 told = True
-                self.wait(lambda: bool(select.select((), (self._talk,), (), 0.01)[1]))
+                self.wait(lambda: bool(select.select((), (self._talk,), (), 0.01)[1]), limit=limit)
             except OSError:
                 self._died()
         notify()
@@ -237,7 +253,7 @@ class RemoteProcess:
                 continue
             try:
                 self._replies.append(json.loads(content))
-            except ValueError:
+            except (ValueError, RecursionError):
                 self._fail("sent what is no message")
 
     def _died(self) -> None:
@@ -249,11 +265,11 @@ class RemoteProcess:
         """
         if self._process.returncode is None and not self._reap(LONGEST_END):
             self._fail("closed its connection to the master")
-        code = self._process.returncode or 0
-        used = self._used
+        code, used = self._process.returncode or 0, self._used
+        how = death(code, "ended its process", "died")
         if code < 0 and self.memory_limit is not None and used > _NEAR_LIMIT * self.memory_limit:
-            self._fail(f"went beyond its memory limit of {self.memory_limit / 2**20:.0f} MiB ({death(code)})")
-        self._fail(death(code))
+            self._fail(f"went beyond its memory limit of {self.memory_limit / 2**20:.0f} MiB ({how})")
+        self._fail(how)
 
     def _fail(self, how: str) -> None:
         self.end(how)
@@ -286,16 +302,6 @@ class RemoteProcess:
             time.sleep(0.001)
 
 
-def death(code: int) -> str:
-    """How a process with a return code of `subprocess` ended, as the end of a sentence."""
-    if code >= 0:
-        return f"ended its process with exit code {code}"
-    try:
-        return f"died of {signal.Signals(-code).name}"
-    except ValueError:
-        return f"died of signal {-code}"
-
-
 def _shared_file(size: int) -> int:
     """Descriptor of a file without a name, which vanishes with its last user."""
     if hasattr(os, "memfd_create"):
@@ -308,13 +314,12 @@ def _shared_file(size: int) -> int:
 
 
 def _started(program: str, plan: Mapping[str, Any], descriptors: tuple[int, ...]) -> subprocess.Popen[bytes]:
-    path = os.pathsep.join(filter(None, (_ROOT, os.environ.get("PYTHONPATH"))))
     return subprocess.Popen(
-        [sys.executable, "-P", "-m", program, json.dumps(plan)],
+        command(program, json.dumps(plan)),
         stdin=subprocess.DEVNULL,
         stdout=subprocess.DEVNULL,
         stderr=subprocess.DEVNULL,
-        env=os.environ | {"PYTHONPATH": path},
+        env=os.environ | {"PYTHONPATH": search_path()},
         pass_fds=descriptors,
         start_new_session=True,  # Ctrl-C is for this process, which then ends the other
     )

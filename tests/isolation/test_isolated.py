@@ -2,6 +2,7 @@
 
 import locale
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -19,6 +20,7 @@ from orchestration.errors import ArchiveError, InitializationError
 from tests.isolation.conftest import Unruly
 
 Found = TypeVar("Found")
+UNDEFINED = "a status that FMI does not define"
 WHERE = "at t = 0.5 s (step 5)"
 SMALL = 600 * 2**20  # bytes, which an interpreter takes many times over in addresses, and a bomb in a second
 
@@ -46,6 +48,24 @@ def test_the_end_of_the_process_is_an_error_with_the_rows_before(unruly: Unruly,
     np.testing.assert_allclose(failed.value.result["m.y"], np.linspace(0, 0.5, 6))
     assert failed.value.result.status == "failed"
     assert children() == []
+
+
+@pytest.mark.parametrize("isolated", [False, True])
+@pytest.mark.parametrize(
+    ("deed", "error", "message"),
+    [
+        ("step minus one", SimulationError, f"m: fmi2DoStep returned {UNDEFINED} {WHERE}; its last message: "),
+        ("step lowest", SimulationError, f"m: fmi2DoStep returned {UNDEFINED} {WHERE}; its last message: "),
+        ("step hundred", SimulationError, f"m: fmi2DoStep returned {UNDEFINED} {WHERE}; its last message: "),
+        ("get minus one", InitializationError, f"m: fmi2GetReal returned {UNDEFINED} during initialization; it"),
+        ("terminate minus one", SimulationError, "m: fmi2Terminate returned status -1; it logged nothing"),
+    ],
+)
+def test_a_status_that_fmi_does_not_define_is_a_failure(
+    unruly: Unruly, deed: str, error: type[Exception], message: str, *, isolated: bool
+) -> None:
+    with pytest.raises(error, match=re.escape(message)):
+        simulate(unruly(deed), 1.0, 0.1, isolate=isolated)
 
 
 def test_a_call_that_does_not_return_is_ended(unruly: Unruly) -> None:

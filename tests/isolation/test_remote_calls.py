@@ -1,19 +1,22 @@
 """Every function of FMI reaches the process of an isolated FMU, and what the function writes comes back."""
 
 import ctypes as ct
+import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 from pathlib import Path
+from typing import Any
 
 import pytest
 
-from orchestration.fmi import signatures
+from orchestration.fmi import remote_calls, signatures
 from orchestration.fmi.codes import Status
 from orchestration.fmi.description import read_description
 from orchestration.fmi.instance import Instance, c_references
 from orchestration.fmi.isolation import Isolation
-from orchestration.fmi.remote_library import start_process
+from orchestration.fmi.remote_library import RemoteLibrary, start_process
 from orchestration.sandbox.archive import unpacked
+from orchestration.sandbox.remote import RemoteProcess
 
 Opened = Callable[..., Instance]
 
@@ -109,3 +112,72 @@ def test_after_the_end_every_call_is_fatal_at_once(opened: Opened) -> None:
     assert instance.set("Real", [2], [1.0]) == Status.FATAL
     assert instance.status("fmi2Reset") == Status.FATAL
     assert instance.get("String", [2])[0] == Status.FATAL
+
+
+def process_of(instance: Instance) -> RemoteProcess:
+    """The process that an instance lives in."""
+    assert isinstance(instance.library, RemoteLibrary)
+    return instance.library._process
+
+
+def test_no_message_of_a_call_is_late(opened: Opened, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The call has ended before anybody reads: what the FMU logged is still in the socket."""
+    instance = opened("step refuse")
+
+    def wait_for_the_end_only(_: Any, ready: Callable[[], bool], *, limit: float | None = None) -> None:  # noqa: ARG001
+        while not ready():
+            time.sleep(0.001)
+
+    monkeypatch.setattr(RemoteProcess, "wait", wait_for_the_end_only)
+    status = instance.status("fmi2DoStep", 0.45, 0.1, 1)
+    said = instance.failure("fmi2DoStep", status)
+    monkeypatch.undo()
+    assert said == 'm: fmi2DoStep returned fmi2Error; its last message: "this cannot be done at t = 0.45 s".'
+
+
+@pytest.mark.parametrize("damage", [b"", b"serve\n", b"serve\nno text for LLVM"])
+def test_a_damaged_server_is_made_anew(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, damage: bytes) -> None:
+    monkeypatch.setattr(remote_calls, "_folder", lambda: tmp_path)
+    whole = remote_calls.server()
+    assert remote_calls.server() == whole
+    (kept,) = tmp_path.iterdir()
+    kept.write_bytes(damage)
+    name, text = remote_calls.server()
+    assert f"define i32 @{name}" in text
+    assert remote_calls.server() == (name, text)
+
+
+def test_the_start_is_not_limited_by_the_time_of_a_call(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The first message is longer than what a socket holds, so it waits until the process has begun."""
+    name, text = remote_calls.server()
+    monkeypatch.setattr(remote_calls, "server", lambda: (name, text + ";" * 2**20))
+    process = start_process(Isolation(time_limit=0.001), 1)
+    try:
+        assert process.ending == ""
+    finally:
+        process.close()
+
+
+@pytest.mark.parametrize("answer", ["no object", {}, {"status": 0}, {"status": float("inf"), "written": {}}])
+def test_an_answer_that_makes_no_sense_ends_the_process(
+    opened: Opened, monkeypatch: pytest.MonkeyPatch, answer: object
+) -> None:
+    instance = opened("none")
+    monkeypatch.setattr(RemoteProcess, "request", lambda *_, **__: answer)
+    assert instance.status("fmi2Reset") == Status.FATAL
+    assert instance.failure("fmi2Reset", Status.FATAL).startswith("m: fmi2Reset sent what is no answer")
+
+
+def test_the_process_ends_also_if_its_library_cannot_be_unloaded(
+    opened: Opened, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    instance = opened("none")
+    process = process_of(instance)
+
+    def interrupted(*_: Any, **__: Any) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(RemoteProcess, "request", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        instance.library.close()
+    assert process.ending == "was ended"

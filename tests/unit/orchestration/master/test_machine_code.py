@@ -9,13 +9,15 @@ import time
 from collections.abc import Callable
 from importlib import import_module
 from pathlib import Path
+from typing import Any, cast
 
 import numpy as np
 import pytest
+from numba import njit, types
 
 import orchestration
 from orchestration.fmi import machine_code
-from orchestration.fmi.native_calls import SOURCES
+from orchestration.fmi.native_calls import SOURCES, keep_machine_code
 from orchestration.master import kernel
 from tests.unit.orchestration.small_models import mixed
 
@@ -93,6 +95,31 @@ def test_a_damaged_cache_is_compiled_again(run: Callable[..., subprocess.Complet
         path.write_bytes(path.read_bytes()[:40])
     second = run()
     assert second.returncode == 0, second.stderr
+
+
+def test_a_changed_byte_in_machine_code_is_noticed(tmp_path: Path) -> None:
+    """Machine code that is not as it was written would end the process, or compute something else."""
+
+    def made() -> Any:
+        def tripled(x: float) -> float:
+            return 3.0 * x
+
+        return keep_machine_code(cast("Any", njit)(tripled), tripled, tmp_path)
+
+    assert made()(2.0) == 6.0
+    files = {path: path.read_bytes() for path in tmp_path.iterdir()}
+    assert {path.suffix for path in files} == {".nbi", ".nbc"}
+    for path, whole in files.items():
+        for place in range(0, len(whole), max(1, len(whole) // 50)):
+            path.write_bytes(whole[:place] + bytes([whole[place] ^ 0x15]) + whole[place + 1 :])
+            assert loaded(made()) is None, (path.suffix, place)
+        assert made()(2.0) == 6.0  # it is compiled and kept anew
+        assert loaded(made()) is not None
+
+
+def loaded(function: Any) -> Any:
+    """The machine code that is kept of a function of a float64."""
+    return function._cache.load_overload((types.float64,), function.targetctx)
 
 
 def test_every_imported_module_of_the_kernel_is_hashed() -> None:
