@@ -88,3 +88,22 @@ def test_the_exit_of_a_program_within_a_run_is_its_own(unruly_file: Callable[[st
     )
     ended = subprocess.run([sys.executable, str(script)], capture_output=True, text=True, check=False)
     assert (ended.returncode, ended.stderr) == (7, "")
+
+
+def test_an_exit_while_the_stability_is_judged_is_no_success(
+    unruly_file: Callable[[str], Path], tmp_path: Path
+) -> None:
+    script = tmp_path / "judge.py"
+    system = f"System.of({{'m': {str(unruly_file('step exit'))!r}}})"
+    script.write_text(f"from orchestration import System\n{system}.stability(0.1, at=1.0)\nprint('done')\n")
+    ended = subprocess.run([sys.executable, str(script)], capture_output=True, text=True, check=False)
+    assert (ended.returncode, ended.stdout) == (EXIT_CODE, "")
+    assert ended.stderr.startswith("Error: m ended the process while its stability was judged, as if")
+
+
+def test_changes_while_the_stability_is_judged_are_put_back_and_said_once(unruly: Unruly) -> None:
+    before = state()
+    with pytest.warns(ProcessChangedWarning, match="^m changed the working directory .* its stability was") as said:
+        unruly("step folder").stability(0.1, at=1.0)
+    assert len(said) == 1
+    assert state() == before

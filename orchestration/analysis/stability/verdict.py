@@ -38,6 +38,7 @@ from orchestration.master.algorithm import (
     Correction,
     find_algorithm,
 )
+from orchestration.sandbox.guard import Guard
 from orchestration.system.system import Connection, System
 
 GAIN = 1e-6  # change of a connection's factor for a difference quotient
@@ -210,8 +211,9 @@ def stability(
     if a_number("The time", at) < 0:
         msg = f"The time of the verdict, at = {at:g} s, is before the start at 0 s; give a later time."
         raise SystemDescriptionError(msg)
-    with operating_point(system, step, at, isolation) as saved:
-        examined = Examined(system, step, at, saved, algorithm, isolation)
+    guard = Guard()
+    with operating_point(system, step, at, isolation, guard) as saved:
+        examined = Examined(system, step, at, saved, algorithm, isolation, guard)
         coupled = examined.coupled(step, algorithm.order)
         here = examined.judged(coupled, step)
         search = Search(examined, here)
