@@ -18,7 +18,6 @@ import itertools
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from html import escape
 
 import numpy as np
 
@@ -27,6 +26,7 @@ from orchestration.analysis.stability.step_limit import ABOVE, BELOW, FLOOR, GRI
 from orchestration.analysis.stability.step_map import Coupled
 from orchestration.errors import SystemDescriptionError
 from orchestration.fmi.codes import REAL
+from orchestration.fmi.display import escaped
 from orchestration.fmi.given import a_number, positive
 from orchestration.fmi.isolation import Isolation
 from orchestration.master.algorithm import (
@@ -147,7 +147,8 @@ class Verdict:
         return f"<Verdict: {what} is {word}, radius 1 {self.radius - 1:+.3e} per step>"
 
     def _repr_html_(self) -> str:
-        return f"<pre>{escape(str(self))}</pre>"
+        lines = "\n".join(map(escaped, str(self).split("\n")))
+        return f"<pre>{lines}</pre>"
 
     def __str__(self) -> str:
         """Verdict as several lines of text for a terminal."""
