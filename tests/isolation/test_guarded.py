@@ -5,6 +5,7 @@ import os
 import signal
 import subprocess
 import sys
+import tempfile
 import warnings
 from collections.abc import Callable
 from pathlib import Path
@@ -12,7 +13,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from orchestration import ProcessChangedWarning, System, simulate
+from orchestration import ProcessChangedWarning, System, prepare, simulate
+from orchestration.master.simulation import Simulation
 from orchestration.sandbox.guard import EXIT_CODE
 from tests.isolation.conftest import Unruly
 
@@ -107,3 +109,33 @@ def test_changes_while_the_stability_is_judged_are_put_back_and_said_once(unruly
         unruly("step folder").stability(0.1, at=1.0)
     assert len(said) == 1
     assert state() == before
+
+
+def test_a_warning_that_is_an_error_leaves_nothing_behind(
+    unruly: Unruly, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "temporary").mkdir()
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path / "temporary"))
+    system = unruly("terminate folder")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", ProcessChangedWarning)
+        with pytest.raises(ProcessChangedWarning, match="while it was terminated"):
+            simulate(system, 1.0, 0.1)
+    assert list((tmp_path / "temporary").iterdir()) == []
+
+
+def test_an_interrupt_at_the_end_leaves_nothing_behind(
+    unruly: Unruly, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def interrupted(_: Simulation) -> None:
+        raise KeyboardInterrupt
+
+    (tmp_path / "temporary").mkdir()
+    (tmp_path / "rows").mkdir()
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path / "temporary"))
+    monkeypatch.setattr(Simulation, "complete", interrupted)
+    run = prepare(unruly("step none"), 1.0, 0.1)
+    run.stream_to(tmp_path / "rows" / "rows.parquet")
+    with pytest.raises(KeyboardInterrupt), run:
+        run.run()
+    assert [*(tmp_path / "temporary").iterdir(), *(tmp_path / "rows").iterdir()] == []
