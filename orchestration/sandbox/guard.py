@@ -17,10 +17,11 @@ import sys
 import threading
 import warnings
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from functools import cache
 from typing import Any
 
+from adaptimp_fmu.files.temporary_folder import remove_all
 from orchestration.sandbox.process_state import ProcessState
 
 EXIT_CODE = 4
@@ -144,8 +145,15 @@ class _Exits:
         own = self._sentences.get(threading.get_ident())
         said = own[-1] if own else next(iter(self._sentences.values()))[-1]
         advice = "The run has no result; isolate the component to keep the rows before."
-        os.write(2, f"Error: {said}, as if the program were at its end. {advice}\n".encode(errors="replace"))
-        os._exit(EXIT_CODE)
+        try:
+            if sys.stdout is not None:
+                with suppress(OSError, ValueError):  # it may be closed
+                    sys.stdout.flush()
+            os.write(2, f"Error: {said}, as if the program were at its end. {advice}\n".encode(errors="replace"))
+            with suppress(OSError):
+                remove_all()
+        finally:
+            os._exit(EXIT_CODE)
 
 
 @cache

@@ -139,3 +139,14 @@ def test_an_interrupt_at_the_end_leaves_nothing_behind(
     with pytest.raises(KeyboardInterrupt), run:
         run.run()
     assert [*(tmp_path / "temporary").iterdir(), *(tmp_path / "rows").iterdir()] == []
+
+
+def test_an_exit_leaves_no_folder_and_all_that_was_printed(unruly_file: Callable[[str], Path], tmp_path: Path) -> None:
+    script, temporary = tmp_path / "run.py", tmp_path / "temporary"
+    temporary.mkdir()
+    system = f"System.of({{'m': {str(unruly_file('step exit'))!r}}})"
+    script.write_text(f"from orchestration import System, simulate\nprint('begun')\nsimulate({system}, 1.0, 0.1)\n")
+    command, environment = [sys.executable, str(script)], {**os.environ, "TMPDIR": str(temporary)}
+    ended = subprocess.run(command, capture_output=True, text=True, check=False, env=environment)
+    assert (ended.returncode, ended.stdout) == (EXIT_CODE, "begun\n")
+    assert list(temporary.iterdir()) == []
