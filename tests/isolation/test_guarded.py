@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from orchestration import ProcessChangedWarning, System, prepare, simulate
+from orchestration import Fmu, ProcessChangedWarning, System, prepare, simulate
 from orchestration.master.simulation import Simulation
 from orchestration.sandbox.guard import EXIT_CODE
 from tests.isolation.conftest import Unruly
@@ -150,3 +150,33 @@ def test_an_exit_leaves_no_folder_and_all_that_was_printed(unruly_file: Callable
     ended = subprocess.run(command, capture_output=True, text=True, check=False, env=environment)
     assert (ended.returncode, ended.stdout) == (EXIT_CODE, "begun\n")
     assert list(temporary.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("deed", "calls", "when"),
+    [
+        ("instantiate exit", "", "while it was opened"),
+        ("step exit", "fmu.drive([k / 10 for k in range(11)])", "in fmi2DoStep"),
+        ("step exit", "[fmu.step(0.1) for _ in range(10)]", "in fmi2DoStep"),
+        ("terminate exit", "fmu.close()", "in fmi2Terminate"),
+    ],
+)
+def test_the_exit_of_a_single_fmu_is_no_success(
+    unruly_file: Callable[[str], Path], tmp_path: Path, deed: str, calls: str, when: str
+) -> None:
+    script = tmp_path / "drive.py"
+    opened = f"fmu = Fmu({str(unruly_file(deed))!r})"
+    script.write_text(f"from orchestration import Fmu\n{opened}\n{calls}\nprint('done')\n")
+    ended = subprocess.run([sys.executable, str(script)], capture_output=True, text=True, check=False)
+    assert (ended.returncode, ended.stdout) == (EXIT_CODE, "")
+    assert f" ended the process {when}, as if the program were at its end." in ended.stderr
+    assert "run it as a component of a System with isolate=True to keep the rows before." in ended.stderr
+
+
+def test_what_a_single_fmu_changes_is_put_back_and_said_once(unruly_file: Callable[[str], Path]) -> None:
+    before = state()
+    with Fmu(unruly_file("step folder")) as fmu:
+        with pytest.warns(ProcessChangedWarning, match="changed the working directory .* in a step after t") as said:
+            fmu.drive([k / 10 for k in range(11)])
+        assert state() == before
+    assert len(said) == 1
