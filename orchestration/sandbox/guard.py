@@ -22,6 +22,7 @@ from functools import cache
 from typing import Any
 
 from adaptimp_fmu.files.temporary_folder import remove_all
+from orchestration.errors import printable
 from orchestration.sandbox.process_state import ProcessState
 
 EXIT_CODE = 4
@@ -96,15 +97,14 @@ class Guard:
         return _Told(f"{what}, as if the program were at its end. {advice}")
 
     def _put_back(self, before: ProcessState, names: Sequence[str], when: str) -> None:
-        changed = before.restore()
-        for what in changed:
+        for what, how in before.restore().items():
             key = (*names, what)
             if key in self._said:
                 continue
             self._said.add(key)
             msg = (
-                f"{_either(names)} changed {what} {when}, for everybody in this process; it was put back. Results of"
-                f" this run may be affected; {self._remedy} to keep such changes out."
+                f"{_either(names)} changed {what}{printable(how)} {when}, for everybody in this process; it was put"
+                f" back. Results of this run may be affected; {self._remedy} to keep such changes out."
             )
             warnings.warn(msg, ProcessChangedWarning, stacklevel=3)
 

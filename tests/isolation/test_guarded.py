@@ -19,11 +19,11 @@ from orchestration.sandbox.guard import EXIT_CODE
 from tests.isolation.conftest import Unruly
 
 CHANGES = {
-    "folder": r"the working directory \(to /\)",
+    "folder": "the working directory to /",
     "locale": "the locale",
     "rounding": "the rounding mode",
-    "flush": "whether tiny numbers become 0",
-    "signals": "what happens on SIGINT, SIGTERM",
+    "flush": r"the treatment of tiny numbers \(flush to zero\)",
+    "signals": r"the handlers of signals \(SIGINT, SIGTERM\)",
 }
 
 
@@ -44,7 +44,7 @@ def test_changes_are_put_back_and_said_once(unruly: Unruly, place: str, deed: st
 
 
 def test_a_library_that_is_loaded_with_fast_mathematics_changes_no_other_run(unruly: Unruly) -> None:
-    with pytest.warns(ProcessChangedWarning, match="^m changed whether tiny numbers become 0 while it was loaded"):
+    with pytest.warns(ProcessChangedWarning, match="^m changed the treatment of tiny .* while it was loaded"):
         simulate(unruly("load flush"), 1.0, 0.1)
     assert np.multiply(np.float64(5e-324), 1.0) == 5e-324
 
