@@ -15,14 +15,13 @@ import os
 import platform
 import sys
 import threading
-import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager, suppress
 from functools import cache
 from typing import Any
 
 from adaptimp_fmu.files.temporary_folder import remove_all
-from orchestration.errors import printable
+from orchestration.errors import printable, warn_caller
 from orchestration.sandbox.process_state import ProcessState
 
 EXIT_CODE = 4
@@ -106,7 +105,7 @@ class Guard:
                 f"{_either(names)} changed {what}{printable(how)} {when}, for everybody in this process; it was put"
                 f" back. Results of this run may be affected; {self._remedy} to keep such changes out."
             )
-            warnings.warn(msg, ProcessChangedWarning, stacklevel=3)
+            warn_caller(msg, ProcessChangedWarning)
 
 
 def _either(names: Sequence[str]) -> str:
