@@ -5,6 +5,8 @@ strangers, so what could move a terminal's cursor, hide a word or make a line of
 """
 
 import re
+import sys
+import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
 
@@ -12,6 +14,7 @@ if TYPE_CHECKING:
     import numpy as np
 
 
+_NOT_CALLERS = ("orchestration", "adaptimp_fmu", "fmus", "contextlib")
 LONGEST_MESSAGE = 10_000  # characters of an error's message
 # Controls, invisible characters, and those that turn the direction of writing or begin a line.
 _UNSAFE = re.compile(
@@ -48,6 +51,27 @@ def printable_lines(text: str) -> str:
 
 def _as_escape(found: "re.Match[str]") -> str:
     return found[0].encode("unicode_escape").decode()
+
+
+def warn_caller(message: str, category: type[Warning]) -> None:
+    """Warn with the line of the caller's program, which is the first outside of this project.
+
+    Python shows a warning once for each such line, and users filter warnings by the module of that line.
+
+    Examples
+    --------
+    >>> import warnings
+    >>> from orchestration.errors import warn_caller
+    >>> with warnings.catch_warnings(record=True) as caught:
+    ...     warnings.simplefilter("always")
+    ...     warn_caller("The wall is stiff.", UserWarning)
+    >>> print(caught[0].message)
+    The wall is stiff.
+    """
+    level, frame = 1, sys._getframe()
+    while frame.f_back is not None and frame.f_globals.get("__name__", "").partition(".")[0] in _NOT_CALLERS:
+        level, frame = level + 1, frame.f_back
+    warnings.warn(message, category, stacklevel=level)
 
 
 class RecordedRows(Protocol):

@@ -13,11 +13,8 @@ Over step k, from t_k to t_k + h, the inputs are those of row k, set at t_k; row
 FMU shows at the end of the step.
 """
 
-import hashlib
-import struct
 from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
-from dataclasses import dataclass, field
 from os import PathLike
 from types import TracebackType
 from typing import Any, Self
@@ -31,24 +28,17 @@ from orchestration.fmi.codes import Status, accepted
 from orchestration.fmi.description import Variable, read_description
 from orchestration.fmi.display import Variables, escaped, variables_html
 from orchestration.fmi.experiment import Experiment
-from orchestration.fmi.given import a_number, a_path, require_type
+from orchestration.fmi.given import a_number, a_path
 from orchestration.fmi.instance import Instance
 from orchestration.fmi.library import needed_to_run
 from orchestration.fmi.logging import Messages
+from orchestration.fmi.saved_state import SavedState, with_head, without_head
 from orchestration.fmi.start_values import by_time
 from orchestration.fmi.step_times import as_times, number_of_steps, require_step
 from orchestration.sandbox.archive import unpacked
+from orchestration.sandbox.guard import Guard
 
-_HEAD = struct.Struct("<16sddqq")  # of a saved state: which FMU; origin, step, steps since the origin, steps
-
-
-@dataclass(frozen=True)
-class SavedState:
-    """A saved state of an FMU that cannot serialize it; the state is valid for the same open `Fmu` only."""
-
-    head: bytes
-    owner: "Fmu" = field(repr=False)
-    state: Any = field(repr=False)
+_REMEDY = "run it as a component of a System with isolate=True"
 
 
 class Fmu:
@@ -117,11 +107,11 @@ class Fmu:
         self._origin = a_number(f"{self.name}: the start time", start_time, SignalError)
         self._h, self._k = 0.0, 0
         self._saved: list[Any] = []
-        self._initialized = False
-        with ExitStack() as opened:
+        self._initialized, self._guard = False, Guard(_REMEDY)
+        with self._guard.over([self.name], "while it was opened"), ExitStack() as opened:
             folder = opened.enter_context(unpacked(self.description.path, needed_to_run))
             self._instance = Instance.open(self.name, self.description, folder, messages=self.messages)
-            opened.callback(self._instance.close)
+            opened.callback(_free, self._instance, self._guard)
             others, inputs = by_time(self.description, {**(start or {}), **values})
             self.set(others)
             given = (("stop time", stop_time), ("tolerance", tolerance or self.description.experiment.tolerance))
@@ -262,15 +252,16 @@ class Fmu:
             raise SignalError(msg)
         calls = self._signals.calls(rows)
         table = np.empty((n, len(self._signals.outputs)))
-        for k in range(n):
-            for kind, references, values in calls:
-                self._set(kind, references, values[k])
-            if points.ndim == 0:
-                self.step(float(points))
-            else:
-                self._do_step(float(points[k + 1]) - self.time)
-                self._origin, self._h, self._k = float(points[k + 1]), 0.0, 0
-            table[k] = self._row()
+        with self._guard.over([self.name], f"in a step after t = {self.time:.9g} s"):
+            for k in range(n):
+                for kind, references, values in calls:
+                    self._set(kind, references, values[k])
+                if points.ndim == 0:
+                    self.step(float(points))
+                else:
+                    self._do_step(float(points[k + 1]) - self.time)
+                    self._origin, self._h, self._k = float(points[k + 1]), 0.0, 0
+                table[k] = self._row()
         return self._signals.grouped(table)
 
     def save(self) -> bytes | SavedState:
@@ -295,12 +286,11 @@ class Fmu:
         0.001
         """
         self._require_open()
-        state = self._instance.save()
-        head = _HEAD.pack(self._key(), self._origin, self._h, self._k, self.steps)
-        if isinstance(state, bytes):
-            return head + state
-        self._saved.append(state)
-        return SavedState(head, self, state)
+        with self._guard.over_call(self.name, "fmi2GetFMUstate"):
+            state = self._instance.save()
+        if not isinstance(state, bytes):
+            self._saved.append(state)
+        return with_head(state, self.description.guid, (self._origin, self._h, self._k, self.steps), self)
 
     def restore(self, state: bytes | SavedState) -> None:
         """Go back to a state that `save` returned.
@@ -313,18 +303,10 @@ class Fmu:
             If the FMU refuses it.
         """
         self._require_open()
-        require_type(
-            f"{self.name}: the state", state, (bytes, SavedState), "give one that save() returned", SignalError
-        )
-        if isinstance(state, SavedState):
-            head, own, foreign = state.head, state.state, state.owner is not self
-        else:
-            head, own, foreign = state[: _HEAD.size], state[_HEAD.size :], False
-        if foreign or len(head) < _HEAD.size or not head.startswith(self._key()):
-            msg = f"{self.name}: the state to restore is of another FMU, or damaged; use one that save() returned."
-            raise SignalError(msg)
-        self._instance.restore(own)
-        _, self._origin, self._h, self._k, self.steps = _HEAD.unpack(head)
+        own, clock = without_head(self.name, self.description.guid, state, self)
+        with self._guard.over_call(self.name, "fmi2SetFMUstate"):
+            self._instance.restore(own)
+        self._origin, self._h, self._k, self.steps = clock
 
     def close(self) -> None:
         """Terminate and free the instance, and remove what was unpacked; again does nothing.
@@ -336,7 +318,7 @@ class Fmu:
         """
         initialized, self._initialized = self._initialized, False
         self._forgotten.detach()
-        with self._opened:
+        with self._guard.over([self.name], "while it was closed"), self._opened:
             if self._instance.worst != Status.FATAL:
                 for state in self._saved:
                     self._instance.free_state(state)
@@ -352,10 +334,6 @@ class Fmu:
     ) -> None:
         self.close()
 
-    def _key(self) -> bytes:
-        """Return a key that marks the states of this FMU, so that a state of another FMU is noticed."""
-        return hashlib.sha256(self.description.guid.encode()).digest()[:16]
-
     def _do_step(self, h: float) -> None:
         self._call("fmi2DoStep", self.time, h, 1)
         self.steps += 1
@@ -367,17 +345,22 @@ class Fmu:
         for kind in dict.fromkeys(v.type for v in outputs):
             places = [i for i, v in enumerate(outputs) if v.type == kind]
             self._require_open()
-            status, row[places] = self._instance.get(kind, [outputs[i].reference for i in places])
+            with self._guard.over_call(self.name, f"fmi2Get{kind}"):
+                status, row[places] = self._instance.get(kind, [outputs[i].reference for i in places])
             self._require_accepted(f"fmi2Get{kind}", status)
         return row
 
     def _set(self, kind: str, references: Sequence[int], values: Sequence[Any]) -> None:
         self._require_open()
-        self._require_accepted(f"fmi2Set{kind}", self._instance.set(kind, references, values))
+        with self._guard.over_call(self.name, f"fmi2Set{kind}"):
+            status = self._instance.set(kind, references, values)
+        self._require_accepted(f"fmi2Set{kind}", status)
 
     def _call(self, function: str, *arguments: Any) -> None:
         self._require_open()
-        self._require_accepted(function, self._instance.status(function, *arguments))
+        with self._guard.over_call(self.name, function):
+            status = self._instance.status(function, *arguments)
+        self._require_accepted(function, status)
 
     def _require_open(self) -> None:
         if not self._instance.is_open:
@@ -389,3 +372,9 @@ class Fmu:
             where = f" at t = {self.time:.12g} s (step {self.steps})"
             error = SimulationError if self._initialized else InitializationError
             raise error(self._instance.failure(function, status, where))
+
+
+def _free(instance: Instance, guard: Guard) -> None:
+    """Free an instance, also one that nobody has closed."""
+    with guard.over_call(instance.name, "fmi2FreeInstance"):
+        instance.close()

@@ -1,9 +1,9 @@
 """What the FMUs of a run logged: kept with the result, and said once if it is a warning."""
 
 import json
-import warnings
 from collections.abc import Sequence
 
+from orchestration.errors import warn_caller
 from orchestration.fmi.instance import Instance
 from orchestration.results.columns import MESSAGES
 
@@ -43,4 +43,4 @@ def report_warnings(instances: Sequence[Instance]) -> None:
         if count:
             more = f" and {count - 1} more" if count > 1 else ""
             msg = f'{instance.name} logged fmi2Warning: "{first}"{more}; result.messages, or --verbose, has the texts.'
-            warnings.warn(msg, FmuWarning, stacklevel=4)
+            warn_caller(msg, FmuWarning)

@@ -1,11 +1,10 @@
 """Warns before a run of FMUs that break rules of form, which no step needs."""
 
-import warnings
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 from textwrap import shorten
 
-from orchestration.errors import SystemDescriptionError, printable
+from orchestration.errors import SystemDescriptionError, printable, warn_caller
 from orchestration.fmi.instance import Instance
 from orchestration.system.system import System
 
@@ -61,4 +60,4 @@ def _report(found: Iterable[tuple[Path, Sequence[str]]], *, strict: bool) -> Non
         msg = printable(f"{path.name} breaks a rule of FMI that no step needs: {first}{more}")
         if strict:
             raise SystemDescriptionError(msg)
-        warnings.warn(msg, FormalityWarning, stacklevel=5)
+        warn_caller(msg, FormalityWarning)

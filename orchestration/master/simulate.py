@@ -16,7 +16,6 @@ as FMI 2.0 demands.
 
 import itertools
 import json
-import warnings
 from collections.abc import Collection, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import replace
@@ -26,7 +25,7 @@ from typing import Any
 
 import numpy as np
 
-from orchestration.errors import SystemDescriptionError, printable
+from orchestration.errors import SystemDescriptionError, printable, warn_caller
 from orchestration.fmi.display import listed
 from orchestration.fmi.given import a_path, require_type, shown
 from orchestration.fmi.isolation import Isolation
@@ -372,4 +371,4 @@ def _report_unconnected(system: System, options: Options, given: Collection[str]
     if options.strict:
         msg = f"{msg} Connect them, or run without strict."
         raise SystemDescriptionError(msg)
-    warnings.warn(msg, UnconnectedInputWarning, stacklevel=4)
+    warn_caller(msg, UnconnectedInputWarning)

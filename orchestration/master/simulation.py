@@ -16,7 +16,6 @@ import numpy as np
 
 from orchestration.errors import (
     InitializationError,
-    OrchestrationError,
     RunInterrupted,
     SimulationError,
 )
@@ -177,7 +176,7 @@ class Simulation:
                 self._terminate()
             else:
                 self._recorder.flush()
-        except OrchestrationError as failed:
+        except BaseException as failed:  # an interrupt, or a warning that is an error, must leave nothing behind either
             self._stack.__exit__(type(failed), failed, failed.__traceback__)
             raise
         self._stack.__exit__(kind, error, trace)

@@ -16,10 +16,10 @@ stiffest parameter in N/m over the lightest in kg, or in N.m/rad over kg.m2, bou
 """
 
 import math
-import warnings
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from orchestration.errors import warn_caller
 from orchestration.fmi.codes import REAL
 from orchestration.fmi.units import Unit
 from orchestration.system.component import Component
@@ -90,7 +90,7 @@ class Stiffness:
 def report_stiffness(system: System, step: float) -> None:
     """Warn of each component whose sub-steps are too long for its stiffest spring; the step in s."""
     for found in stiff_components(system, step):
-        warnings.warn(str(found), StiffnessWarning, stacklevel=4)
+        warn_caller(str(found), StiffnessWarning)
 
 
 def stiff_components(system: System, step: float) -> list[Stiffness]:

@@ -15,12 +15,13 @@ import os
 import platform
 import sys
 import threading
-import warnings
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager, suppress
 from functools import cache
 from typing import Any
 
+from adaptimp_fmu.files.temporary_folder import remove_all
+from orchestration.errors import printable, warn_caller
 from orchestration.sandbox.process_state import ProcessState
 
 EXIT_CODE = 4
@@ -45,10 +46,17 @@ class ProcessChangedWarning(RuntimeWarning):
 
 
 class Guard:
-    """Guards the process during one run; each warning is given once."""
+    """Guards the process during one run; each warning is given once.
 
-    def __init__(self) -> None:
+    Parameters
+    ----------
+    remedy
+        What keeps the process out of the reach of an FMU, as a command.
+    """
+
+    def __init__(self, remedy: str = "isolate the component") -> None:
         self._said: set[tuple[str, ...]] = set()
+        self._remedy = remedy
 
     @contextmanager
     def over(self, names: Sequence[str], when: str) -> Iterator[None]:
@@ -66,23 +74,38 @@ class Guard:
             return
         before = ProcessState.now()
         try:
-            with _exits.told(f"{_either(names)} ended the process {when}"):
+            with self._told(f"{_either(names)} ended the process {when}"):
                 yield
         finally:
             self._put_back(before, names, when)
 
+    def over_call(self, name: str, function: str) -> AbstractContextManager[None]:
+        """Guard the process against the exit of an FMU in a single call; what it changes is left to a longer context.
+
+        Parameters
+        ----------
+        name
+            Component whose library is called.
+        function
+            Function of FMI that is called.
+        """
+        return self._told(f"{name} ended the process in {function}")
+
+    def _told(self, what: str) -> "_Told":
+        advice = f"The run has no result; {self._remedy} to keep the rows before."
+        return _Told(f"{what}, as if the program were at its end. {advice}")
+
     def _put_back(self, before: ProcessState, names: Sequence[str], when: str) -> None:
-        changed = before.restore()
-        for what in changed:
+        for what, how in before.restore().items():
             key = (*names, what)
             if key in self._said:
                 continue
             self._said.add(key)
             msg = (
-                f"{_either(names)} changed {what} {when}, for everybody in this process; it was put back. Results of"
-                " this run may be affected; isolate the component to keep such changes out."
+                f"{_either(names)} changed {what}{printable(how)} {when}, for everybody in this process; it was put"
+                f" back. Results of this run may be affected; {self._remedy} to keep such changes out."
             )
-            warnings.warn(msg, ProcessChangedWarning, stacklevel=3)
+            warn_caller(msg, ProcessChangedWarning)
 
 
 def _either(names: Sequence[str]) -> str:
@@ -103,38 +126,38 @@ class _Exits:
         self._function = ctypes.CFUNCTYPE(None, ctypes.c_void_p)(self._end)
         self._mark = ctypes.create_string_buffer(8)  # its address tells this function from others
 
-    @contextmanager
-    def told(self, sentence: str) -> Iterator[None]:
-        """Say a sentence if the process ends by ``exit`` within the context."""
+    def begin(self, sentence: str) -> None:
+        """Say a sentence if the process ends by ``exit``, until `end` is called in the same thread."""
         thread = threading.get_ident()
         with self._lock:
             self._sentences.setdefault(thread, []).append(sentence)
             self._armed += 1
             if self._armed == 1 and _can_be_told():
                 self._arm()
-        try:
-            yield
-        finally:
-            with self._lock:
-                self._sentences[thread].pop()
-                if not self._sentences[thread]:
-                    del self._sentences[thread]
-                self._armed -= 1
-                if self._armed == 0:
-                    self._disarm()
+
+    def end(self) -> None:
+        """Say the sentence no more that was given last in this thread."""
+        thread = threading.get_ident()
+        with self._lock:
+            self._sentences[thread].pop()
+            if not self._sentences[thread]:
+                del self._sentences[thread]
+            self._armed -= 1
+            if self._armed == 0:
+                self._disarm()
 
     def _arm(self) -> None:
         """Have the function called at an exit."""
         if not self._registered:
             self._registered = True
             atexit.register(self._disarm)  # Python cannot be called once it has ended
-        getattr(_c(), "__cxa_atexit")(self._function, None, self._mark)
+        _c_functions()[0](self._function, None, self._mark)
 
     def _disarm(self) -> None:
         """Take the function back, which calls it once."""
         if _can_be_told():
             armed, self._armed = self._armed, 0
-            getattr(_c(), "__cxa_finalize")(self._mark)
+            _c_functions()[1](self._mark)
             self._armed = armed
 
     def _end(self, _: int | None) -> None:
@@ -143,9 +166,15 @@ class _Exits:
             return
         own = self._sentences.get(threading.get_ident())
         said = own[-1] if own else next(iter(self._sentences.values()))[-1]
-        advice = "The run has no result; isolate the component to keep the rows before."
-        os.write(2, f"Error: {said}, as if the program were at its end. {advice}\n".encode(errors="replace"))
-        os._exit(EXIT_CODE)
+        try:
+            if sys.stdout is not None:
+                with suppress(OSError, ValueError):  # it may be closed
+                    sys.stdout.flush()
+            os.write(2, f"Error: {said}\n".encode(errors="replace"))
+            with suppress(OSError):
+                remove_all()
+        finally:
+            os._exit(EXIT_CODE)
 
 
 @cache
@@ -155,8 +184,25 @@ def _can_be_told() -> bool:
 
 
 @cache
-def _c() -> Any:
-    return ctypes.CDLL(None)
+def _c_functions() -> tuple[Any, Any]:
+    """The functions of C that register a function for the exit, and that call it at once, and never again."""
+    library = ctypes.CDLL(None)
+    return getattr(library, "__cxa_atexit"), getattr(library, "__cxa_finalize")
 
 
 _exits = _Exits()
+
+
+class _Told:
+    """A context within which an exit is told; it is no generator, because it is entered for every call of an FMU."""
+
+    __slots__ = ("_sentence",)
+
+    def __init__(self, sentence: str) -> None:
+        self._sentence = sentence
+
+    def __enter__(self) -> None:
+        _exits.begin(self._sentence)
+
+    def __exit__(self, *_: object) -> None:
+        _exits.end()

@@ -5,6 +5,7 @@ import os
 import signal
 import subprocess
 import sys
+import tempfile
 import warnings
 from collections.abc import Callable
 from pathlib import Path
@@ -12,16 +13,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from orchestration import ProcessChangedWarning, System, simulate
+from orchestration import Fmu, ProcessChangedWarning, System, prepare, simulate
+from orchestration.master.simulation import Simulation
 from orchestration.sandbox.guard import EXIT_CODE
 from tests.isolation.conftest import Unruly
 
 CHANGES = {
-    "folder": r"the working directory \(to /\)",
+    "folder": "the working directory to /",
     "locale": "the locale",
     "rounding": "the rounding mode",
-    "flush": "whether tiny numbers become 0",
-    "signals": "what happens on SIGINT, SIGTERM",
+    "flush": r"the treatment of tiny numbers \(flush to zero\)",
+    "signals": r"the handlers of signals \(SIGINT, SIGTERM\)",
 }
 
 
@@ -37,12 +39,12 @@ def test_changes_are_put_back_and_said_once(unruly: Unruly, place: str, deed: st
     before = state()
     with pytest.warns(ProcessChangedWarning, match=f"^m changed {CHANGES[deed]}.* put back") as said:
         simulate(unruly(f"{place} {deed}"), 1.0, 0.1)
-    assert len(said) == 1
+    assert [warning.filename for warning in said] == [__file__]
     assert state() == before
 
 
 def test_a_library_that_is_loaded_with_fast_mathematics_changes_no_other_run(unruly: Unruly) -> None:
-    with pytest.warns(ProcessChangedWarning, match="^m changed whether tiny numbers become 0 while it was loaded"):
+    with pytest.warns(ProcessChangedWarning, match="^m changed the treatment of tiny .* while it was loaded"):
         simulate(unruly("load flush"), 1.0, 0.1)
     assert np.multiply(np.float64(5e-324), 1.0) == 5e-324
 
@@ -88,3 +90,93 @@ def test_the_exit_of_a_program_within_a_run_is_its_own(unruly_file: Callable[[st
     )
     ended = subprocess.run([sys.executable, str(script)], capture_output=True, text=True, check=False)
     assert (ended.returncode, ended.stderr) == (7, "")
+
+
+def test_an_exit_while_the_stability_is_judged_is_no_success(
+    unruly_file: Callable[[str], Path], tmp_path: Path
+) -> None:
+    script = tmp_path / "judge.py"
+    system = f"System.of({{'m': {str(unruly_file('step exit'))!r}}})"
+    script.write_text(f"from orchestration import System\n{system}.stability(0.1, at=1.0)\nprint('done')\n")
+    ended = subprocess.run([sys.executable, str(script)], capture_output=True, text=True, check=False)
+    assert (ended.returncode, ended.stdout) == (EXIT_CODE, "")
+    assert ended.stderr.startswith("Error: m ended the process while its stability was judged, as if")
+
+
+def test_changes_while_the_stability_is_judged_are_put_back_and_said_once(unruly: Unruly) -> None:
+    before = state()
+    with pytest.warns(ProcessChangedWarning, match="^m changed the working directory .* its stability was") as said:
+        unruly("step folder").stability(0.1, at=1.0)
+    assert len(said) == 1
+    assert state() == before
+
+
+def test_a_warning_that_is_an_error_leaves_nothing_behind(
+    unruly: Unruly, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "temporary").mkdir()
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path / "temporary"))
+    system = unruly("terminate folder")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", ProcessChangedWarning)
+        with pytest.raises(ProcessChangedWarning, match="while it was terminated"):
+            simulate(system, 1.0, 0.1)
+    assert list((tmp_path / "temporary").iterdir()) == []
+
+
+def test_an_interrupt_at_the_end_leaves_nothing_behind(
+    unruly: Unruly, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def interrupted(_: Simulation) -> None:
+        raise KeyboardInterrupt
+
+    (tmp_path / "temporary").mkdir()
+    (tmp_path / "rows").mkdir()
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path / "temporary"))
+    monkeypatch.setattr(Simulation, "complete", interrupted)
+    run = prepare(unruly("step none"), 1.0, 0.1)
+    run.stream_to(tmp_path / "rows" / "rows.parquet")
+    with pytest.raises(KeyboardInterrupt), run:
+        run.run()
+    assert [*(tmp_path / "temporary").iterdir(), *(tmp_path / "rows").iterdir()] == []
+
+
+def test_an_exit_leaves_no_folder_and_all_that_was_printed(unruly_file: Callable[[str], Path], tmp_path: Path) -> None:
+    script, temporary = tmp_path / "run.py", tmp_path / "temporary"
+    temporary.mkdir()
+    system = f"System.of({{'m': {str(unruly_file('step exit'))!r}}})"
+    script.write_text(f"from orchestration import System, simulate\nprint('begun')\nsimulate({system}, 1.0, 0.1)\n")
+    command, environment = [sys.executable, str(script)], {**os.environ, "TMPDIR": str(temporary)}
+    ended = subprocess.run(command, capture_output=True, text=True, check=False, env=environment)
+    assert (ended.returncode, ended.stdout) == (EXIT_CODE, "begun\n")
+    assert list(temporary.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("deed", "calls", "when"),
+    [
+        ("instantiate exit", "", "while it was opened"),
+        ("step exit", "fmu.drive([k / 10 for k in range(11)])", "in fmi2DoStep"),
+        ("step exit", "[fmu.step(0.1) for _ in range(10)]", "in fmi2DoStep"),
+        ("terminate exit", "fmu.close()", "in fmi2Terminate"),
+    ],
+)
+def test_the_exit_of_a_single_fmu_is_no_success(
+    unruly_file: Callable[[str], Path], tmp_path: Path, deed: str, calls: str, when: str
+) -> None:
+    script = tmp_path / "drive.py"
+    opened = f"fmu = Fmu({str(unruly_file(deed))!r})"
+    script.write_text(f"from orchestration import Fmu\n{opened}\n{calls}\nprint('done')\n")
+    ended = subprocess.run([sys.executable, str(script)], capture_output=True, text=True, check=False)
+    assert (ended.returncode, ended.stdout) == (EXIT_CODE, "")
+    assert f" ended the process {when}, as if the program were at its end." in ended.stderr
+    assert "run it as a component of a System with isolate=True to keep the rows before." in ended.stderr
+
+
+def test_what_a_single_fmu_changes_is_put_back_and_said_once(unruly_file: Callable[[str], Path]) -> None:
+    before = state()
+    with Fmu(unruly_file("step folder")) as fmu:
+        with pytest.warns(ProcessChangedWarning, match="changed the working directory .* in a step after t") as said:
+            fmu.drive([k / 10 for k in range(11)])
+        assert state() == before
+    assert len(said) == 1

@@ -76,6 +76,7 @@ def test_it_runs_with_one_warning(odd: tuple[Path, str]) -> None:
         result = simulate(System.of({"m": path}), 0.5, 0.1)
     found = [str(w.message) for w in caught if issubclass(w.category, FormalityWarning)]
     assert len(found) == 1
+    assert {w.filename for w in caught} == {__file__}
     assert found[0].startswith(f"stranger.fmu breaks a rule of FMI that no step needs: {said}")
     assert len(found[0]) <= 300
     assert len(result.time) == 6

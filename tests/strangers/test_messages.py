@@ -97,6 +97,7 @@ def test_a_warning_is_said_once(warning: System) -> None:
             run.run()
             result = run.result()
     found = [str(w.message) for w in caught if issubclass(w.category, FmuWarning)]
+    assert {w.filename for w in caught} == {__file__}
     assert len(found) == 1
     assert found[0].startswith('m logged fmi2Warning: "nearly empty at t = 0 s" and 4 more; result.messages')
     assert result.messages[0] == "m: fmi2Warning: nearly empty at t = 0 s"

@@ -4,11 +4,11 @@ import json
 import math
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
-from html import escape
 from typing import Any
 
 from orchestration.analysis.doctor.finding import Finding, Severity, counted
 from orchestration.analysis.doctor.study import SignalError
+from orchestration.fmi.display import escaped
 
 
 @dataclass(frozen=True, repr=False)
@@ -101,13 +101,13 @@ class Diagnosis:
 
     def _repr_html_(self) -> str:
         rows = "".join(
-            f"<tr><td>{f.severity}</td><td>{escape(f.id)}</td><td>{escape(f.subject)}</td>"
-            f"<td style='text-align:left'>{escape(f.sentence)} {escape(f.advice)}"
-            f"{f'<br><code>{escape(f.command)}</code>' if f.command else ''}</td></tr>"
+            f"<tr><td>{f.severity}</td><td>{escaped(f.id)}</td><td>{escaped(f.subject)}</td>"
+            f"<td style='text-align:left'>{escaped(f.sentence)} {escaped(f.advice)}"
+            f"{f'<br><code>{escaped(f.command)}</code>' if f.command else ''}</td></tr>"
             for f in self.findings
         )
         head = "<tr><th></th><th>kind</th><th>subject</th><th>finding</th></tr>"
-        return f"<p>{escape(repr(self)[1:-1])}</p><table>{head}{rows}</table>"
+        return f"<p>{escaped(repr(self)[1:-1])}</p><table>{head}{rows}</table>"
 
 
 def sorted_by_severity(findings: list[Finding]) -> tuple[Finding, ...]:

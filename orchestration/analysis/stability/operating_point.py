@@ -22,6 +22,8 @@ from orchestration.master.initialization import initialize, opened
 from orchestration.master.kernel import fixed_step
 from orchestration.master.kernel.codes import CALL_NAMES, Column
 from orchestration.master.kernel.step_program import operations_of_step
+from orchestration.master.safeguard import exposed
+from orchestration.sandbox.guard import Guard
 from orchestration.system.system import Component, System
 
 
@@ -132,7 +134,7 @@ class SavedComponent:
 
 @contextmanager
 def operating_point(
-    system: System, step: float, at: float, isolation: Isolation | None = None
+    system: System, step: float, at: float, isolation: Isolation | None = None, guard: Guard | None = None
 ) -> Iterator[list[SavedComponent]]:
     """Bring a system to its operating point, and save the states of all components there.
 
@@ -147,6 +149,8 @@ def operating_point(
         ticks.
     isolation
         Which FMUs live in processes of their own.
+    guard
+        Puts back what an FMU changes in this process, at the end of the context too. Default: a guard of its own.
 
     Yields
     ------
@@ -169,9 +173,11 @@ def operating_point(
         raise SystemDescriptionError(msg)
     common = int(np.lcm.reduce([1, *system.steps_per_tick(step).values()]))
     n = int(at / (common * step) + 1e-9) * common
-    with opened(system, isolation) as instances, ExitStack() as stack:
+    guard = guard or Guard()
+    with opened(system, isolation, guard) as instances, ExitStack() as stack:
         assembly = assemble(system, instances, None)
-        initialize(system, instances, assembly, 0.0)
+        initialize(system, instances, assembly, 0.0, guard=guard)
+        stack.enter_context(guard.over(exposed(instances), "while its stability was judged"))
         if n > 0:
             _run_on(instances, assembly, n, step)
         _require_finite(system, assembly, n * step)

@@ -16,7 +16,7 @@ from a true limit by the size of the excess at the last step at which it is visi
 import math
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -27,6 +27,7 @@ from orchestration.errors import SimulationError
 from orchestration.fmi.description import SAMPLE_TIME
 from orchestration.fmi.isolation import Isolation
 from orchestration.master.algorithm import Algorithm
+from orchestration.sandbox.guard import Guard
 from orchestration.system.system import System
 
 FLOOR = 1e-11  # smallest threshold: rounding errors of the eigenvalues
@@ -85,6 +86,8 @@ class Examined:
         Co-simulation algorithm to be judged.
     isolation
         Which FMUs live in processes of their own.
+    guard
+        Puts back what an FMU changes in this process.
     """
 
     system: System
@@ -93,6 +96,7 @@ class Examined:
     saved: list[SavedComponent]
     algorithm: Algorithm
     isolation: Isolation | None = None
+    guard: Guard = field(default_factory=Guard)
 
     def coupled(self, h: float, order: int) -> Coupled:
         """Linear coupled system at a step of h, s; all sampling periods change in proportion to the step."""
@@ -133,7 +137,7 @@ class Examined:
             return
         scaled = {f"{name}.{SAMPLE_TIME}": period * h / self.step for name, period in periods.items()}
         system = self.system.set(scaled)
-        with operating_point(system, h, self.at, self.isolation) as saved:
+        with operating_point(system, h, self.at, self.isolation, self.guard) as saved:
             yield system, saved
 
 

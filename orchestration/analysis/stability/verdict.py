@@ -18,7 +18,6 @@ import itertools
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from html import escape
 
 import numpy as np
 
@@ -27,6 +26,7 @@ from orchestration.analysis.stability.step_limit import ABOVE, BELOW, FLOOR, GRI
 from orchestration.analysis.stability.step_map import Coupled
 from orchestration.errors import SystemDescriptionError
 from orchestration.fmi.codes import REAL
+from orchestration.fmi.display import escaped
 from orchestration.fmi.given import a_number, positive
 from orchestration.fmi.isolation import Isolation
 from orchestration.master.algorithm import (
@@ -38,6 +38,7 @@ from orchestration.master.algorithm import (
     Correction,
     find_algorithm,
 )
+from orchestration.sandbox.guard import Guard
 from orchestration.system.system import Connection, System
 
 GAIN = 1e-6  # change of a connection's factor for a difference quotient
@@ -146,7 +147,8 @@ class Verdict:
         return f"<Verdict: {what} is {word}, radius 1 {self.radius - 1:+.3e} per step>"
 
     def _repr_html_(self) -> str:
-        return f"<pre>{escape(str(self))}</pre>"
+        lines = "\n".join(map(escaped, str(self).split("\n")))
+        return f"<pre>{lines}</pre>"
 
     def __str__(self) -> str:
         """Verdict as several lines of text for a terminal."""
@@ -210,8 +212,9 @@ def stability(
     if a_number("The time", at) < 0:
         msg = f"The time of the verdict, at = {at:g} s, is before the start at 0 s; give a later time."
         raise SystemDescriptionError(msg)
-    with operating_point(system, step, at, isolation) as saved:
-        examined = Examined(system, step, at, saved, algorithm, isolation)
+    guard = Guard()
+    with operating_point(system, step, at, isolation, guard) as saved:
+        examined = Examined(system, step, at, saved, algorithm, isolation, guard)
         coupled = examined.coupled(step, algorithm.order)
         here = examined.judged(coupled, step)
         search = Search(examined, here)

@@ -6,9 +6,9 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
-from orchestration.check.dynamic.host_state import CHANGES_RESULTS, HostState
 from orchestration.check.findings import Finding, error, shown, warning
 from orchestration.fmi.library import Library
+from orchestration.sandbox.process_state import CHANGES_RESULTS, ProcessState
 
 RULE = "17"
 LOADING = "loading the library"
@@ -60,7 +60,7 @@ class WatchedLibrary(Library):
     def __init__(self, path: Path, tell: Callable[[Finding], None], told: list[str]) -> None:
         self._tell, self._told, self._calls = tell, told, Counter[str]()
         self._watched: dict[str, Callable[..., Any]] = {}
-        self._usual = HostState.read()
+        self._usual = ProcessState.now()
         super().__init__(path)
         self._compare_host(LOADING)
 
@@ -115,16 +115,13 @@ class WatchedLibrary(Library):
 
     def _compare_host(self, call: str) -> None:
         """Report what a call has changed in its host, and undo the change."""
-        changes = self._usual.changes(HostState.read())
-        for what, how in changes.items():
+        for what, how in self._usual.restore().items():
             said = f"{call[0].upper()}{call[1:]}" if call == LOADING else call
             if what in CHANGES_RESULTS:
                 effect = "all that this process computes from then on has other results"
                 self._report(what, error(RULE, f"{said} changes {what}: {effect}."))
             else:
                 self._report(what, warning(RULE, f"{said} changes {what}{shown(how)} of its host."))
-        if changes:
-            self._usual.restore()
 
     def _report(self, what: str, finding: Finding) -> None:
         """Report a kind of change once."""

@@ -230,6 +230,13 @@ def test_a_diagnosis_shows_itself() -> None:
     assert json.loads(diagnosis.json())["findings"][0]["figures"] == {"growth": None}
 
 
+def test_a_page_shows_what_hides_in_the_texts_of_strangers() -> None:
+    turned = Finding("run", Severity.ERROR, "a\u202e.x", "It failed:\u2066 <b>\x1b[2J.", {}, "Do\u202e this.", "")
+    page = Diagnosis("s", "jacobi", 1e-3, 1.0, (turned,))._repr_html_()
+    assert not set(page) & set("\u202e\u2066\x1b")
+    assert r"It failed:\u2066 &lt;b&gt;\x1b[2J. Do\u202e this." in page
+
+
 @pytest.mark.parametrize(("given", "named"), [({"budget": 0.0}, "budget"), ({"step": 0.0}, "step")])
 def test_what_cannot_be_examined_is_refused(given: dict[str, float], named: str) -> None:
     with pytest.raises(SystemDescriptionError, match=named):

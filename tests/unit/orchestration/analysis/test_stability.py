@@ -11,7 +11,7 @@ import pytest
 from scipy.optimize import brentq
 
 from orchestration import System, SystemDescriptionError, simulate
-from orchestration.analysis.stability.verdict import stability
+from orchestration.analysis.stability.verdict import Verdict, stability
 from orchestration.master.algorithm import NEWTON, PARALLEL, Algorithm, Correction
 from tests.reference.problems import PROBLEMS, damper_pair, force_displacement, wall
 from tests.unit.orchestration.small_models import H, system
@@ -222,3 +222,11 @@ def test_invalid_arguments_are_refused() -> None:
             stability(at_wall(1e-2), step)
     with pytest.raises(SystemDescriptionError, match="There is no algorithm"):
         stability(at_wall(1e-2), algorithm="magic")
+
+
+def test_a_page_shows_what_hides_in_a_verdict() -> None:
+    verdict = Verdict("s\u202e", "jacobi", 0.1, None, 1.0, 1e-9, None, None, (), ("Use <b>\u2066 less.",))
+    page = verdict._repr_html_()
+    assert not set(page) & set("\u202e\u2066")
+    assert page.startswith("<pre>s\\u202e: jacobi with a step of 0.1 s is stable as far as can be seen\n  radius ")
+    assert page.endswith("\n  - Use &lt;b&gt;\\u2066 less.</pre>")

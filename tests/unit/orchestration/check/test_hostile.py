@@ -12,7 +12,6 @@ from pathlib import Path
 import pytest
 
 from orchestration.check import Report, Severity, check
-from orchestration.check.dynamic.host_state import HostState
 from tests.unit.orchestration.checked import PATIENT, assert_found, compiled, hasty, misbehaving, swap
 
 ERROR, WARNING, NOTE = Severity.ERROR, Severity.WARNING, Severity.NOTE
@@ -158,20 +157,3 @@ def worker_of(parent: int) -> int:
         time.sleep(0.1)
     msg = "no worker was started"
     raise AssertionError(msg)
-
-
-def test_the_state_of_the_host_is_restored(tmp_path: Path) -> None:
-    usual = HostState.read()
-    before = Path.cwd()
-    os.chdir(tmp_path)
-    handler = signal.signal(signal.SIGUSR1, signal.SIG_IGN)
-    try:
-        changes = usual.changes(HostState.read())
-        assert set(changes) == {"the working directory", "the handlers of signals"}
-        assert changes["the handlers of signals"] == " (SIGUSR1)"
-        usual.restore()
-        assert usual.changes(HostState.read()) == {}
-        assert Path.cwd() == before
-    finally:
-        signal.signal(signal.SIGUSR1, handler)
-        os.chdir(before)

@@ -63,7 +63,7 @@ BROKEN: dict[str, tuple[Edit, str, Severity, str]] = {
     ),
     "continuous Integer": (
         swap(r'causality="input" variability="continuous">\s*<Real[^>]*/>', 'causality="input"><Integer start="1"/>'),
-        *("2", ERROR, r"q\[1\] is not a Real, but has, by default, variability continuous"),
+        *("2", ERROR, r"q\[1\] has, by default, variability continuous, which only a Real can have"),
     ),
     "initial of an input": (
         swap('causality="input"', 'causality="input" initial="exact"'),

@@ -19,6 +19,7 @@ def warned(system: System) -> tuple[list[str], float]:
         warnings.simplefilter("always", StiffnessWarning)
         result = simulate(system)
         said = [str(w.message) for w in caught]
+        assert {w.filename for w in caught} <= {__file__}
     # A fiftieth of a radian for each sub-step: (omega dt)^4 / 120 is 1e-9 per radian.
     dt_max, K_f = (float(np.max(system["plant"][name])) for name in ("dt_max", "K_f"))
     fine = min(dt_max, 0.02 / math.sqrt(K_f), system.run_step() / 10)
