@@ -1,8 +1,8 @@
 """Ends a command that gets a signal: SIGTERM and SIGHUP act like Ctrl-C, and a second signal where the first cannot.
 
-Python acts on a signal between two steps of its own. While an FMU does not return from a call, there are none. So a
-thread listens, too: the operating system hands it each signal through a socket, whatever the main thread does. The
-loops of the master know nothing of it.
+Python acts on a signal between two steps of its own. While a call of an FMU or of the compiler does not return, there
+are none. So a thread listens, too: the operating system hands it each signal through a socket, whatever the main thread
+does. The loops of the master know nothing of it.
 """
 
 import os
@@ -14,12 +14,13 @@ from threading import Thread, current_thread, main_thread
 from types import FrameType, TracebackType
 from typing import TYPE_CHECKING, Any, Self
 
+from orchestration.sandbox.interrupts import SIGNALS
+
 if TYPE_CHECKING:
     from socket import socket
 
 SIGNALLED = 128  # plus the number of a signal: exit code, as shells have it
 PATIENCE = 1.0  # s that the main thread gets to act on a signal
-_HANDLED = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name))
 _END = b"\0"  # no signal has this number
 
 
@@ -64,7 +65,7 @@ class Interrupts:
         from socket import socketpair
 
         usual = (signal.SIG_DFL, signal.default_int_handler)
-        for number in _HANDLED:
+        for number in SIGNALS:
             if signal.getsignal(number) in usual:
                 self._before[number] = signal.signal(number, self._interrupt)
         self._ends = socketpair()
@@ -106,7 +107,7 @@ class Interrupts:
                 if not self._acted(arrived):
                     waiting = arrived
                     again = "press Ctrl-C again" if number == signal.SIGINT else "send the signal again"
-                    _tell(f"The run does not stop, because an FMU does not return; {again} to end it without its rows.")
+                    _tell(f"The run does not stop, because a call does not return; {again} to end it without its rows.")
 
     def _acted(self, arrived: float) -> bool:
         """Whether the main thread acts on a signal that has just arrived."""
@@ -121,7 +122,7 @@ def _end_process(number: int) -> None:
     """End this process without the help of its main thread."""
     from adaptimp_fmu.files.temporary_folder import remove_all
 
-    _tell("Interrupted: the process ends while an FMU does not return. Its rows are lost, except in a streamed file.")
+    _tell("Interrupted: the process ends while a call does not return. Its rows are lost, except in a streamed file.")
     remove_all()
     os._exit(SIGNALLED + number)
 

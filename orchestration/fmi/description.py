@@ -5,10 +5,11 @@ to `orchestration.check`.
 """
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 from pathlib import Path
+from typing import Protocol, TypeVar
 
 import numpy as np
 
@@ -39,6 +40,46 @@ SAMPLE_TIME = "sample_time"
 """Name of the parameter that tells a sampled component's period, s."""
 LONGEST_SHOWN = 60  # characters of a name or version in a message
 _VERSION = re.compile(r"1\.0|2\.0|3\.\d+([.-].*)?")  # those of FMI 3 may have a patch, or name a draft
+
+
+class _Typed(Protocol):
+    """What tells whether a variable is the sampling period, or a discrete output."""
+
+    @property
+    def name(self) -> str: ...
+    @property
+    def type(self) -> str: ...
+    @property
+    def causality(self) -> str: ...
+    @property
+    def variability(self) -> str: ...
+    @property
+    def unit(self) -> str: ...
+
+
+_Kind = TypeVar("_Kind", bound=_Typed)
+
+
+def only_discrete(outputs: Iterable[_Typed]) -> bool:
+    """Return whether there are no outputs but discrete ones, Strings aside; also true without any output."""
+    return all(v.type == STRING or _variability(v) == "discrete" for v in outputs)
+
+
+def sampling_period(variables: Sequence[_Kind]) -> _Kind | None:
+    """Return the parameter that tells the sampling period, s, of an FMU; None if the FMU is not sampled.
+
+    An FMU is sampled if all of its outputs are discrete and it has a Real parameter ``sample_time`` in s. A parameter
+    of that name with another type or unit, or beside continuous outputs, means something else.
+    """
+    period = (SAMPLE_TIME, "parameter", REAL, "s")
+    found = next((v for v in variables if (v.name, v.causality, v.type, v.unit) == period), None)
+    return found if found is None or only_discrete(v for v in variables if v.causality == "output") else None
+
+
+def _variability(variable: _Typed) -> str:
+    """Variability for use by a master: only a Real is continuous, whatever the default of the standard is."""
+    unfit = variable.type != REAL and variable.variability == "continuous"
+    return "discrete" if unfit else variable.variability
 
 
 @dataclass(frozen=True)
@@ -140,7 +181,12 @@ class Description:
     @cached_property
     def discrete_outputs(self) -> bool:
         """Whether there are no outputs but discrete ones; also true without any output."""
-        return all(variable.variability == "discrete" for variable in self._by_causality.get("output", ()))
+        return only_discrete(self._by_causality.get("output", ()))
+
+    @cached_property
+    def sampling_period(self) -> Variable | None:
+        """The parameter that tells the sampling period, s; None if the FMU is not sampled; see `sampling_period`."""
+        return sampling_period(tuple(self.variables.values()))
 
     @cached_property
     def _by_causality(self) -> Mapping[str, Sequence[Variable]]:
@@ -265,10 +311,10 @@ def _require_consistent(document: Document) -> None:
         if variable.derivative is not None and not 1 <= variable.derivative <= n:
             msg = f"{variable.name}: derivative {variable.derivative} is not the index of a variable; there are {n}."
             raise DocumentError(msg)
-        is_period = (variable.name, variable.causality, variable.unit) == (SAMPLE_TIME, "parameter", "s")
-        if is_period and variable.number is None:
-            msg = f"the parameter {SAMPLE_TIME} has no start value, so the sampling period is unknown."
-            raise DocumentError(msg)
+    period = sampling_period(document.variables)
+    if period is not None and period.number is None:
+        msg = f"the parameter {SAMPLE_TIME} has no start value, so the sampling period is unknown."
+        raise DocumentError(msg)
     for listing in (OUTPUTS, DERIVATIVES, INITIAL_UNKNOWNS):
         for row in document.unknowns(listing):
             for index in (row.index, *(row.dependencies or ())):
@@ -287,14 +333,13 @@ def _direct(document: Document) -> set[int]:
 
 
 def _variable(declared: Declared, *, direct: bool) -> Variable:
-    """Return a variable for use by a master: only a Real is continuous, whatever the default of the standard is."""
-    unfit = declared.type != REAL and declared.variability == "continuous"
+    """Return a variable for use by a master."""
     return Variable(
         name=declared.name,
         reference=declared.reference,
         type=declared.type,
         causality=declared.causality,
-        variability="discrete" if unfit else declared.variability,
+        variability=_variability(declared),
         unit=declared.unit,
         start=declared.start if declared.type == STRING else declared.number,
         description=declared.description,

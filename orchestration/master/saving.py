@@ -90,7 +90,7 @@ class Saving:
         plan, arrays = self.assembly.plan, snapshot.arrays
         present = self.layout.changing() | {"reals": plan.reals, "discretes": plan.discretes}
         limits = {"intervals": self.intervals, "rows": self.recorder.most, "columns": self.recorder.n_columns}
-        require_fit(arrays, present, {**limits, "components": len(self.instances)})
+        require_fit(arrays, present, {**limits, "components": len(self.instances)}, self.assembly.texts)
         if len(snapshot.states) != len(self.instances):
             msg = f"The snapshot has {len(snapshot.states)} states of components, the run has {len(self.instances)}."
             raise OrchestrationError(msg)

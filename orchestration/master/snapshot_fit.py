@@ -6,11 +6,14 @@ import numpy as np
 
 from orchestration.errors import OrchestrationError
 from orchestration.master.kernel.codes import N_PAST
+from orchestration.master.texts import BYTES, LENGTHS, NUMBERS, Texts
 
-TIMES, ROWS, CHANGES = "times", "rows", "changes"
+DISCRETES, TIMES, ROWS, CHANGES = "discretes", "times", "rows", "changes"
 
 
-def require_fit(arrays: Mapping[str, np.ndarray], present: Mapping[str, np.ndarray], limits: Mapping[str, int]) -> None:
+def require_fit(
+    arrays: Mapping[str, np.ndarray], present: Mapping[str, np.ndarray], limits: Mapping[str, int], texts: Texts
+) -> None:
     """Refuse arrays of a snapshot that are not those of a run.
 
     Parameters
@@ -21,6 +24,8 @@ def require_fit(arrays: Mapping[str, np.ndarray], present: Mapping[str, np.ndarr
         Arrays of the run that are to get their values, of the same names.
     limits
         Number of intervals, of columns and of components of the run.
+    texts
+        The texts of the run, which tell where numbers of texts stand.
 
     Raises
     ------
@@ -28,6 +33,8 @@ def require_fit(arrays: Mapping[str, np.ndarray], present: Mapping[str, np.ndarr
         If an array is missing, has another shape or type, or holds an impossible index.
     """
     fault = _of_forms(arrays, present, limits["columns"]) or _of_indices(arrays, limits)
+    if texts and not fault:
+        fault = _of_texts(arrays) or _of_text_numbers(arrays, texts)
     if fault:
         msg = f"The snapshot does not fit the run: {fault}; it is damaged, so give another one."
         raise OrchestrationError(msg)
@@ -57,4 +64,32 @@ def _of_indices(arrays: Mapping[str, np.ndarray], limits: Mapping[str, int]) -> 
         return f"it has {len(arrays[TIMES])} rows"
     if pivots.size and not (pivots.min() >= 0 and pivots.max() < pivots.size):
         return "a pivot of its Jacobian is impossible"
+    return None
+
+
+def _of_texts(arrays: Mapping[str, np.ndarray]) -> str | None:
+    """The first fault of the texts, their numbers and lengths; None if there is none."""
+    for name, kind in ((NUMBERS, np.int64), (LENGTHS, np.int64), (BYTES, np.uint8)):
+        if name not in arrays:
+            return f"it has no array {name}"
+        if arrays[name].ndim != 1 or arrays[name].dtype != kind:
+            return f"array {name} has shape {arrays[name].shape} and type {arrays[name].dtype}"
+    numbers, lengths = arrays[NUMBERS].tolist(), arrays[LENGTHS].tolist()
+    if len(numbers) != len(lengths) or min(lengths, default=0) < 0 or sum(lengths) != arrays[BYTES].size:
+        return f"it has {len(numbers)} texts, {len(lengths)} lengths of texts and {arrays[BYTES].size} bytes of texts"
+    if len(set(numbers)) != len(numbers):
+        return "two of its texts have the same number"
+    if min(numbers, default=0) < 0 or max(numbers, default=0) > np.iinfo(np.int32).max:
+        return f"its texts have the numbers {min(numbers)} to {max(numbers)}"
+    if 0 not in numbers or lengths[numbers.index(0)]:
+        return "its text of the number 0 is not the empty one"
+    return None
+
+
+def _of_text_numbers(arrays: Mapping[str, np.ndarray], texts: Texts) -> str | None:
+    """The first number, of a value or in a row, that no text has; None if there is none."""
+    for name, used in ((DISCRETES, arrays[DISCRETES][texts.places]), (ROWS, arrays[ROWS][:, texts.first :])):
+        unknown = np.setdiff1d(used, arrays[NUMBERS])
+        if unknown.size:
+            return f"array {name} has the number {unknown[0]:g} for a text, and no text has that number"
     return None

@@ -24,6 +24,8 @@ from orchestration.fmi.instance import Instance
 
 FIRST_LIMIT = 2**14
 """Number of texts from which on those that nobody uses any more are forgotten."""
+NUMBERS, LENGTHS, BYTES = "text_numbers", "text_lengths", "text_bytes"
+"""Names of the arrays that keep the texts in a snapshot."""
 _SIZE = 4  # bytes of a value reference and of an Integer
 _Transfer = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_size_t, ctypes.c_void_p)
 
@@ -35,9 +37,9 @@ class TextTable:
     """
 
     def __init__(self) -> None:
-        self._texts: list[bytes] = [b""]
+        self._texts: dict[int, bytes] = {0: b""}
         self._numbers: dict[bytes, int] = {b"": 0}
-        self._free: list[int] = []
+        self._next = 0  # no number below it is free
         self._limit = FIRST_LIMIT
 
     def __len__(self) -> int:
@@ -48,13 +50,10 @@ class TextTable:
         """Return the number of a text."""
         found = self._numbers.get(text)
         if found is None:
-            if self._free:
-                found = self._free.pop()
-                self._texts[found] = text
-            else:
-                found = len(self._texts)
-                self._texts.append(text)
-            self._numbers[text] = found
+            while self._next in self._texts:
+                self._next += 1
+            found = self._next
+            self._texts[found], self._numbers[text] = text, found
         return found
 
     def text(self, number: int) -> bytes:
@@ -80,9 +79,8 @@ class TextTable:
         alive = {0, *(int(number) for array in used() for number in np.unique(array))}
         for text, number in list(self._numbers.items()):
             if number not in alive:
-                del self._numbers[text]
-                self._texts[number] = b""
-                self._free.append(number)
+                del self._numbers[text], self._texts[number]
+        self._next = 0
         self._limit = max(FIRST_LIMIT, 2 * len(self))
 
     def save(self) -> dict[str, np.ndarray]:
@@ -90,20 +88,19 @@ class TextTable:
         lengths = [len(text) for text in self._numbers]
         joined = np.frombuffer(b"".join(self._numbers), np.uint8)
         return {
-            "text_numbers": np.array(list(self._numbers.values()), np.int64),
-            "text_lengths": np.array(lengths, np.int64),
-            "text_bytes": joined.copy(),
+            NUMBERS: np.array(list(self._numbers.values()), np.int64),
+            LENGTHS: np.array(lengths, np.int64),
+            BYTES: joined.copy(),
         }
 
     def restore(self, arrays: dict[str, np.ndarray]) -> None:
-        """Restore the texts that `save` returned."""
-        numbers, joined = arrays["text_numbers"].tolist(), arrays["text_bytes"].tobytes()
-        ends = np.cumsum(arrays["text_lengths"]).tolist()
-        self._texts = [b""] * (max(numbers) + 1)
-        for number, begin, end in zip(numbers, [0, *ends], ends, strict=False):
-            self._texts[number] = joined[begin:end]
-        self._numbers = {self._texts[number]: number for number in numbers}
-        self._free = sorted(set(range(len(self._texts))) - set(numbers), reverse=True)
+        """Restore the texts that `save` returned; `orchestration.master.snapshot_fit` looks at them before."""
+        numbers, joined = arrays[NUMBERS].tolist(), arrays[BYTES].tobytes()
+        ends = np.cumsum(arrays[LENGTHS]).tolist()
+        texts = [joined[begin:end] for begin, end in zip([0, *ends], ends, strict=False)]
+        self._texts = dict(zip(numbers, texts, strict=True))
+        self._numbers = dict(zip(texts, numbers, strict=True))
+        self._next = 0
 
 
 @dataclass(frozen=True)

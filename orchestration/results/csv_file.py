@@ -51,7 +51,8 @@ def write_csv(columns: Columns, path: Path) -> None:
 def read_csv(path: Path) -> Columns:
     """Read a CSV file whose first column is ``time``, in UTF-8 with or without a byte order mark.
 
-    A column holds texts if its first cell is quoted, as `write_csv` writes texts.
+    A column holds texts if its first cell is quoted, as `write_csv` writes texts. If that of ``time`` is quoted,
+    another tool has quoted all cells, and all columns hold numbers.
 
     Raises
     ------
@@ -87,4 +88,6 @@ def _quoted(lines: Iterable[str], names: Sequence[str]) -> list[str]:
 
     next(csv.reader(listened()), [])  # a cell may have line breaks
     cells = [match[0] for match in _CELL.finditer("".join(taken))]
+    if not cells or cells[0].startswith('"'):
+        return []
     return [name for name, cell in zip(names, cells, strict=False) if cell.lstrip(",").startswith('"')]

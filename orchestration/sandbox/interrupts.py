@@ -3,6 +3,11 @@
 Python runs the handler of a signal wherever it has control next. That may be in a function which compiled code has
 called back, and there the KeyboardInterrupt of the handler would be lost. So signals are noted meanwhile, and handled
 afterwards.
+
+Three modules share the work. `orchestration.cli.interrupts` has the policy: what a signal does to a command, and when a
+second one ends the process. `noted`, here, defers the handler of that policy, or Python's own, while a call must not be
+interrupted. `orchestration.fmi.deferred` keeps an exception that was raised in a callback nevertheless, until the call
+has returned.
 """
 
 import signal
@@ -11,7 +16,8 @@ from contextlib import contextmanager
 from threading import current_thread, main_thread
 from types import FrameType
 
-_SIGNALS = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name))
+SIGNALS = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name))
+"""Signals that ask a process to end, and that it can handle; Windows has no SIGHUP."""
 _asked: list[tuple[int, FrameType | None]] = []
 
 
@@ -26,7 +32,7 @@ def noted() -> Iterator[None]:
     KeyboardInterrupt
         At the end, or what else the handler raises, in place of any other exception.
     """
-    handlers = {number: signal.getsignal(number) for number in _SIGNALS}
+    handlers = {number: signal.getsignal(number) for number in SIGNALS}
     usual = {number: handler for number, handler in handlers.items() if callable(handler)}
     if not usual or _note in usual.values() or current_thread() is not main_thread():
         yield

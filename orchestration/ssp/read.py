@@ -63,7 +63,7 @@ def read_ssp(path: Path, variant: str | None = None) -> System:
     try:
         return _system(package, path)
     except OrchestrationError:
-        package.discard()  # what is refused takes no place in the cache
+        package.discard()  # what is refused takes no more place in the cache than before
         raise
 
 
@@ -104,7 +104,7 @@ def variants_of(path: Path) -> list[str]:
     ArchiveError
         If the package is missing, unsafe or invalid.
     """
-    return variants_in(Package.folder_of(path)[0])
+    return variants_in(Package.at(path).folder)
 
 
 @dataclass
@@ -186,7 +186,8 @@ class _Reading:
             msg = f"{self.package.path}: component {dotted}, {source}, {why}."
             raise SystemDescriptionError(msg)
         if xml.get("type") == PACKAGE_TYPE:
-            package = replace(Package.open(file, unquote(variant) or None), path=self.package.path / source)
+            package = Package.open(file, unquote(variant) or None, self.package)
+            package.path = self.package.path / source
         else:
             package = self.package.definition(file)
         root = package.structure()

@@ -33,7 +33,7 @@ ASSUMPTIONS_ANNOTATION = "org.adaptimp.assumptions"
 NAMES_ANNOTATION = "org.adaptimp.names"
 _SCHEME = re.compile(r"[A-Za-z][A-Za-z0-9+.-]*:")
 
-MAX_PARSED = 64 * 1024**2  # bytes of all XML files of a package
+MAX_PARSED = 64 * 1024**2  # bytes of all XML files of a package and of the packages within it
 
 Xml = etree._Element
 """Type of an XML element, for which lxml has no public name."""
@@ -42,6 +42,22 @@ Xml = etree._Element
 def ssd(path: str) -> str:
     """Return an XPath to elements of ``SystemStructure.ssd``, such as ``Elements/Component``, with their namespace."""
     return "/".join(f"{{{SSD}}}{part}" for part in path.split("/"))
+
+
+@dataclass
+class Shared:
+    """What a package has in common with all packages within it.
+
+    Attributes
+    ----------
+    parsed_bytes
+        Bytes of the XML files that were parsed until now.
+    unpacked
+        Folders in the cache to which packages were unpacked just now, so that nothing else uses them yet.
+    """
+
+    parsed_bytes: int = 0
+    unpacked: list[Path] = field(default_factory=list)
 
 
 @dataclass
@@ -58,20 +74,29 @@ class Package:
         Path of the .ssd file in the folder. The sources that it names are relative to it.
     formalities
         Sentences on rules of form that documents of the package break, as far as they have been read.
-    parsed_bytes
-        Bytes of the XML files that were parsed until now.
+    shared
+        What the package has in common with the packages around it and within it.
     """
 
     path: Path
     folder: Path
     main: str = DEFAULT
     formalities: list[str] = field(default_factory=list, compare=False)
-    parsed_bytes: int = 0
+    shared: Shared = field(default_factory=Shared, compare=False)
     _documents: dict[tuple[Path | None, str, str], Xml] = field(default_factory=dict, repr=False)
 
     @classmethod
-    def open(cls, path: Path, variant: str | None = None) -> "Package":
-        """Open an SSP package, an unpacked folder or an .ssd file; `variant` names another .ssd file beside it.
+    def open(cls, path: Path, variant: str | None = None, outer: "Package | None" = None) -> "Package":
+        """Open an SSP package, an unpacked folder or an .ssd file.
+
+        Parameters
+        ----------
+        path
+            The package, folder or .ssd file.
+        variant
+            Name of another .ssd file beside the usual one.
+        outer
+            The package that this one lies in.
 
         Raises
         ------
@@ -80,33 +105,38 @@ class Package:
         SystemDescriptionError
             If there is no such variant.
         """
-        folder, main = cls.folder_of(path)
-        return cls(path, folder, chosen(path, folder, main, variant))
+        package = cls.at(path, outer)
+        try:
+            package.main = chosen(path, package.folder, package.main, variant)
+        except SystemDescriptionError:
+            package.discard()
+            raise
+        return package
 
     @classmethod
-    def folder_of(cls, path: Path) -> tuple[Path, str]:
-        """Return the folder with the files of a package, folder or .ssd file, and the name of the .ssd file there."""
-        return unpacked_place(path) if is_unpacked(path) else (cls._unpacked(path), DEFAULT)
+    def at(cls, path: Path, outer: "Package | None" = None) -> "Package":
+        """Return a package, folder or .ssd file before a variant is chosen; parameters and errors are as of `open`.
 
-    @staticmethod
-    def _unpacked(path: Path) -> Path:
-        """Unpack a package into the cache folder, unless the cache folder holds the package already.
-
-        The cache folder is ``$ADAPTIMP_CACHE``, or else the cache folder of the user; see
-        `orchestration.ssp.unpacked`.
-
-        Raises
-        ------
-        ArchiveError
-            If the package is missing, invalid or unsafe.
+        A package is unpacked into the cache folder, unless the cache folder holds the package already. The cache
+        folder is ``$ADAPTIMP_CACHE``, or else the cache folder of the user; see `orchestration.ssp.unpacked`.
         """
+        shared = Shared() if outer is None else outer.shared
+        if is_unpacked(path):
+            return cls(path, *unpacked_place(path), shared=shared)
         require_file(path, "package")
-        return unpacked_package(path)
+        folder, unpacked_now = unpacked_package(path)
+        if unpacked_now:
+            shared.unpacked.append(folder)
+        return cls(path, folder, shared=shared)
 
     def discard(self) -> None:
-        """Remove the files from the cache folder if they were unpacked; the next `open` unpacks the package again."""
-        if not is_unpacked(self.path):
-            forget_package(self.folder)
+        """Remove from the cache folder what was unpacked for this package, the packages around it and within it.
+
+        Files that the cache folder held before stay, because another system may use them. The next `open` unpacks
+        again what is removed.
+        """
+        while self.shared.unpacked:
+            forget_package(self.shared.unpacked.pop())
 
     def file(self, source: str | None) -> Path:
         """Return the path of a file in the package by its URI.
@@ -204,8 +234,8 @@ class Package:
         """Parse and validate a file without external entities."""
         try:
             content = file if isinstance(file, bytes) else _first_bytes(file, LARGEST + 1)
-            self.parsed_bytes += len(content)
-            if self.parsed_bytes > MAX_PARSED:
+            self.shared.parsed_bytes += len(content)
+            if self.shared.parsed_bytes > MAX_PARSED:
                 msg = f"{self.path}: its XML files have more than {MAX_PARSED} bytes, {name} included."
                 raise ArchiveError(msg)
             root = parse_xml(content)

@@ -22,8 +22,8 @@ FOLDER, FILES, MANIFEST = "ssp", "files", "manifest"
 _BLOCK = 2**20  # bytes that are read at a time
 
 
-def unpacked_package(path: Path) -> Path:
-    """Return the folder in the cache with the unpacked files of a package.
+def unpacked_package(path: Path) -> tuple[Path, bool]:
+    """Return the folder in the cache with the unpacked files of a package, and whether they were unpacked just now.
 
     The package is unpacked if the cache does not hold it, or does not hold it as it was unpacked: a file was emptied,
     altered, removed or added, or belongs to another user.
@@ -37,21 +37,32 @@ def unpacked_package(path: Path) -> Path:
     """
     name = file_hash(path)[:32]
     kept = cache_folder() / FOLDER / name
-    if not _is_intact(kept):
-        kept = writable_cache(FOLDER) / name
-    if not _is_intact(kept):
-        with temporary_folder(kept.parent) as scratch:
-            fresh = scratch / "fresh"
-            (fresh / FILES).mkdir(parents=True)
-            unpack(path, fresh / FILES)
-            write_sealed(fresh / MANIFEST, json.dumps(_manifest(fresh / FILES)).encode())
-            if kept.exists():
-                _LOG.info("%s is damaged in the cache, and is unpacked again", path)
-                with suppress(OSError):  # another run repairs it, too
-                    kept.rename(scratch / "damaged")
-            with suppress(OSError):  # another run was faster
-                fresh.rename(kept)
-    return kept / FILES
+    if _is_intact(kept):
+        return kept / FILES, False
+    writable = writable_cache(FOLDER) / name
+    if writable != kept and _is_intact(writable):
+        return writable / FILES, False
+    return writable / FILES, _unpack(path, writable)
+
+
+def _unpack(path: Path, kept: Path) -> bool:
+    """Unpack a package to its folder in the cache; returns False if another run was faster."""
+    with temporary_folder(kept.parent) as scratch:
+        fresh = scratch / "fresh"
+        (fresh / FILES).mkdir(parents=True)
+        unpack(path, fresh / FILES)
+        write_sealed(fresh / MANIFEST, json.dumps(_manifest(fresh / FILES)).encode())
+        if _is_intact(kept):  # another run was faster
+            return False
+        if kept.exists():
+            _LOG.info("%s is damaged in the cache, and is unpacked again", path)
+            with suppress(OSError):  # another run repairs it, too
+                kept.rename(scratch / "damaged")
+        try:
+            fresh.rename(kept)
+        except OSError:  # another run was faster by a moment
+            return False
+    return True
 
 
 def forget_package(files: Path) -> None:

@@ -143,12 +143,8 @@ class Component:
         A component is sampled if all of its outputs are discrete and it has a Real parameter ``sample_time`` in s. A
         parameter of that name with another type or unit, or beside continuous outputs, means something else.
         """
-        variable = self.description.variables.get(SAMPLE_TIME)
-        if variable is None or (variable.causality, variable.type, variable.unit) != ("parameter", REAL, "s"):
-            return None
-        if not self.description.discrete_outputs:
-            return None
-        period = self.start.get(SAMPLE_TIME, variable.start)
+        variable = self.description.sampling_period
+        period = None if variable is None else self.start.get(SAMPLE_TIME, variable.start)
         return None if period is None else float(period)
 
     @property

@@ -97,7 +97,7 @@ def test_a_second_ctrl_c_ends_a_run_whose_fmu_never_returns(tmp_path: Path, libr
         run.send_signal(signal.SIGINT)
         said = said_until(terminal, b"streamed file")
         assert run.wait(PATIENCE) == 130
-    assert b"Interrupted: the process ends while an FMU does not return." in said
+    assert b"Interrupted: the process ends while a call does not return." in said
     assert list((tmp_path / "temporary").iterdir()) == []
     assert not (tmp_path / "x.csv").exists()
 

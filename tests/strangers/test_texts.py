@@ -2,6 +2,7 @@
 
 import signal
 import threading
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -174,6 +175,47 @@ def test_a_run_that_is_taken_back_has_its_texts(pair: System, tmp_path: Path) ->
         assert run.result()["a.says"].tolist() == whole["a.says"].tolist()[:3]
         run.run()
         assert run.result() == whole
+
+
+FORGED: dict[str, Callable[[dict[str, np.ndarray]], object]] = {
+    "it has no array text_numbers": lambda arrays: arrays.pop("text_numbers"),
+    "it has no array text_bytes": lambda arrays: arrays.pop("text_bytes"),
+    "array text_lengths has shape": lambda arrays: arrays.update(text_lengths=arrays["text_lengths"][None]),
+    "array text_numbers has .* type float64": lambda arrays: arrays.update(text_numbers=np.zeros(1)),
+    r"\d+ texts, 1 lengths of texts": lambda arrays: arrays.update(text_lengths=arrays["text_lengths"][:1]),
+    r"\d+ texts, \d+ lengths of texts and 3 bytes": lambda arrays: arrays.update(text_bytes=arrays["text_bytes"][:3]),
+    "two of its texts have the same number": lambda arrays: arrays["text_numbers"].fill(0),
+    "its texts have the numbers -7 to": lambda arrays: arrays["text_numbers"].put(-1, -7),
+    "to 9223372036854775807": lambda arrays: arrays["text_numbers"].put(-1, 2**63 - 1),
+    "number 0 is not the empty one": lambda arrays: arrays["text_numbers"].__iadd__(1),
+    "array discretes has the number 99 for a text": lambda arrays: arrays["discretes"].fill(99),
+    "array discretes has the number -1 for a text": lambda arrays: arrays["discretes"].fill(-1),
+    "array rows has the number 0.5 for a text": lambda arrays: arrays["rows"].fill(0.5),
+    "array rows has the number nan for a text": lambda arrays: arrays["rows"].fill(np.nan),
+}
+
+
+@pytest.mark.parametrize("said", FORGED)
+def test_a_snapshot_with_texts_that_somebody_made_up_is_refused(pair: System, tmp_path: Path, said: str) -> None:
+    whole = simulate(pair, 0.5, 0.1)
+    with prepare(pair, 0.5, 0.1) as run:
+        run.run(until=0.2)
+        snapshot = Snapshot.read(run.save().write(tmp_path / "half.snapshot"))
+        FORGED[said](snapshot.arrays)
+        forged = Snapshot.read(snapshot.write(tmp_path / "forged.snapshot"))  # with the right hash
+        with pytest.raises(OrchestrationError, match=rf"^The snapshot does not fit the run: .*{said}"):
+            run.restore(forged)
+        run.run()  # the run goes on from where it was
+        assert run.result() == whole
+
+
+def test_a_large_number_of_a_text_takes_no_memory() -> None:
+    table, rich = TextTable(), TextTable()
+    rich.number(b"a")
+    arrays = rich.save()
+    arrays["text_numbers"][1] = 2**31 - 1
+    table.restore(arrays)
+    assert (table.text(2**31 - 1), table.number(b"a"), table.number(b"b"), len(table)) == (b"a", 2**31 - 1, 1, 3)
 
 
 def test_memory_is_bounded_while_texts_change(stranger: Stranger) -> None:

@@ -17,7 +17,7 @@ from orchestration.check.findings import Finding, Severity, error, listed, note,
 from orchestration.check.static.archive_rules import LONGEST_MESSAGE, Package
 from orchestration.check.static.binary_rules import host_library
 from orchestration.errors import ArchiveError
-from orchestration.fmi.description import SAMPLE_TIME
+from orchestration.fmi.description import only_discrete, sampling_period
 from orchestration.fmi.library import needed_to_run, require_whole
 from orchestration.sandbox.archive import unpack
 from orchestration.sandbox.leftovers import empty
@@ -202,8 +202,8 @@ def step_of(package: Package) -> float:
 def _proposed_steps(package: Package) -> Iterator[float]:
     """Yield the steps that a description proposes, s."""
     document = package.document
-    periods = [v.number for v in document.variables if v.name == SAMPLE_TIME and v.type == "Real"]
-    for step in (document.experiment("stepSize"), *periods):
+    period = sampling_period(document.variables)
+    for step in (document.experiment("stepSize"), period.number if period else None):
         if step is not None and 0 < step < float("inf"):
             yield step
 
@@ -212,7 +212,7 @@ def _plan(package: Package, folder: Path) -> dict[str, Any]:
     """Return the facts about the FMU that a child process needs."""
     document = package.document
     outputs = document.of_causality("output")
-    sampled = bool(outputs) and all(v.variability == "discrete" for v in outputs)
+    sampled = (bool(outputs) and only_discrete(outputs)) or sampling_period(document.variables) is not None
     return {
         "library": str(folder / (host_library(package) or "")),
         "guid": document.guid,
@@ -221,7 +221,7 @@ def _plan(package: Package, folder: Path) -> dict[str, Any]:
         "step": step_of(package),
         "step_proposed": next(_proposed_steps(package), None) is not None,
         "once": document.flag(ONLY_ONCE),
-        "sampled": sampled or any(v.name == SAMPLE_TIME for v in document.of_causality("parameter")),
+        "sampled": sampled,
         "exports_known": host_library(package) is not None and str(host_library(package)).endswith(".so"),
         "variables": [
             {

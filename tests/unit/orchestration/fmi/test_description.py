@@ -12,8 +12,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from orchestration import ArchiveError, simulate
+from orchestration import ArchiveError, Component, simulate
 from orchestration.analysis.energy import PowerBond, ledger
+from orchestration.check.dynamic import supervision
+from orchestration.check.static.archive_rules import open_package
 from orchestration.fmi.description import read_description
 from orchestration.fmi.units import Unit, UnitDefinition, conversion
 from tests.reference.problems import PROBLEMS
@@ -175,6 +177,35 @@ def test_what_cannot_be_stepped_safely_is_refused(
 ) -> None:
     with pytest.raises(ArchiveError, match=rf"Source\.fmu is not a valid FMU: .*{sentence}"):
         read_description(edited(small["Source"], tmp_path, edit))
+
+
+CONTINUOUS = swap(r'(name="u".*?) variability="discrete"', r'\1 variability="continuous"')
+
+
+def test_a_parameter_of_another_meaning_needs_no_start_value(small: dict[str, Path], tmp_path: Path) -> None:
+    """The outputs of a sampled component are all discrete."""
+    without = swap(r'(name="sample_time".*?<Real[^>]*?) start="[^"]*"', r"\1")
+    path = edited(small["Source"], tmp_path, lambda xml: CONTINUOUS(without(xml)))
+    description = read_description(path)
+    assert description.variables["sample_time"].start is None
+    assert Component("a", description).sample_time is None
+
+
+@pytest.mark.parametrize(
+    ("edit", "sampled"),
+    [(CONTINUOUS, False), (swap(r'(name="sample_time".*?<Real).*?/>', r'\1 unit="m" start="0.125"/>'), True)],
+    ids=["continuous output", "unit m"],
+)
+def test_a_parameter_of_another_meaning_is_no_step_of_a_check(
+    small: dict[str, Path], tmp_path: Path, edit: Callable[[str], str], sampled: bool
+) -> None:
+    """An FMU whose outputs are all discrete is sampled for rule 14, whether its period is known or not."""
+    paths = small["Source"], edited(small["Source"], tmp_path, edit)
+    plans = [supervision._plan(open_package(path), tmp_path) for path in paths]
+    assert [(plan["step"], plan["step_proposed"], plan["sampled"]) for plan in plans] == [
+        (0.125, True, True),
+        (supervision.USUAL_STEP, False, sampled),
+    ]
 
 
 def test_formalities_are_left_to_check(small: dict[str, Path], tmp_path: Path) -> None:

@@ -1,16 +1,18 @@
 """Compilation of the loop: it is over when a run's context is entered, and makes no step."""
 
 import signal
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import pytest
 from numba import typeof
 
 from orchestration import System, prepare
+from orchestration.cli.interrupts import Interrupts, signal_of
 from orchestration.master.compilation import compile_loop
 from orchestration.master.kernel import fixed_step, step_control
 from orchestration.master.kernel.compiled import compilations
+from orchestration.sandbox.interrupts import SIGNALS
 
 LOOPS = {"gauss-seidel": fixed_step, "jacobi": fixed_step, "newton": step_control, "adaptive": step_control}
 
@@ -53,7 +55,7 @@ def test_an_interrupt_waits_for_the_end() -> None:
 
 
 @pytest.mark.usefixtures("heeded")
-def test_a_second_interrupt_waits_no_longer() -> None:
+def test_further_interrupts_wait_too() -> None:
     done = []
 
     def interrupted() -> None:
@@ -63,5 +65,29 @@ def test_a_second_interrupt_waits_no_longer() -> None:
 
     with pytest.raises(KeyboardInterrupt):
         compile_loop(interrupted)
-    assert done == []
+    assert done == ["compiled"]
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+
+
+@pytest.fixture(params=SIGNALS, ids=lambda number: number.name)
+def handled(request: pytest.FixtureRequest) -> Iterator[signal.Signals]:
+    """A signal that the command line handles as it does in the foreground."""
+    number = request.param
+    usual = signal.default_int_handler if number == signal.SIGINT else signal.SIG_DFL
+    before = signal.signal(number, usual)
+    yield number
+    signal.signal(number, before)
+
+
+def test_signals_of_the_command_line_wait_for_the_end(handled: signal.Signals) -> None:
+    """They have handlers of their own there."""
+    done = []
+
+    def interrupted() -> None:
+        signal.raise_signal(handled)
+        done.append("compiled")
+
+    with Interrupts(), pytest.raises(KeyboardInterrupt) as ended:
+        compile_loop(interrupted)
+    assert done == ["compiled"]
+    assert signal_of(ended.value) == handled

@@ -66,6 +66,20 @@ def test_whole_numbers_stay_floats_in_csv_with_a_mark_of_byte_order(tmp_path: Pa
     assert_same_values(Result.read(tmp_path / "y.csv"), result)
 
 
+def test_numbers_that_another_tool_quotes_stay_numbers(tmp_path: Path) -> None:
+    """As pandas writes a table with csv.QUOTE_ALL."""
+    result = sample(20)
+    with (tmp_path / "x.csv").open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file, quoting=csv.QUOTE_ALL)
+        writer.writerow(["time", *NAMES])
+        writer.writerows(
+            [repr(float(t)), *map(repr, row.tolist())] for t, row in zip(result.time, result.rows, strict=True)
+        )
+    back = Result.read(tmp_path / "x.csv")
+    assert back.texts == {}
+    assert_same_values(back, result)
+
+
 def test_parquet_keeps_what_describes_the_values(tmp_path: Path) -> None:
     result = described(sample())
     result.write_parquet(str(tmp_path / "x.parquet"))

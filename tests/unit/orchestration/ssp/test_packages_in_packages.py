@@ -8,6 +8,7 @@ import pytest
 
 from orchestration import ArchiveError, System, SystemDescriptionError
 from orchestration.ssp import read as reading
+from orchestration.ssp import schema
 from tests.unit.orchestration.foreign import (
     _HEAD,
     binding,
@@ -151,3 +152,34 @@ def test_a_table_that_changes_nothing_may_stand_at_a_connection(tmp_path: Path, 
     found = System.read(foreign(tmp_path / "map.ssp", xml, small))
     plain = small_system(small, {"source": "Source", "switch": "Switch"})
     assert found.connections == replace(plain, connections=()).connect("source.even -> switch.flag").connections
+
+
+def test_refused_packages_within_packages_take_no_place_in_the_cache(
+    tmp_path: Path, strange: dict[str, Path], own_cache: Path
+) -> None:
+    inner = foreign(tmp_path / "drive.ssp", INNER, strange).read_bytes()
+    bad = nested("drive", "resources/drive.ssp") + component("c", "None")
+    package = with_files(foreign(tmp_path / "top.ssp", outer(bad), strange), {"resources/drive.ssp": inner})
+    with pytest.raises(ArchiveError, match=r"'resources/None\.fmu' is not in the package"):
+        System.read(package)
+    assert not [path for path in own_cache.rglob("*") if path.is_file()]
+
+
+@pytest.mark.parametrize("kind", ["package", "definition"])
+def test_the_xml_files_of_all_packages_are_bounded_together(
+    tmp_path: Path, strange: dict[str, Path], monkeypatch: pytest.MonkeyPatch, kind: str
+) -> None:
+    """Each of two parts has more than half of what all may have."""
+    padding = f"<!--{'x' * 6000}-->"
+    text = f"{_HEAD}{system_xml('x', component('c', 'Decay'))}{padding}</ssd:SystemStructureDescription>"
+    package = foreign(tmp_path / "inner.ssp", system_xml("x", component("c", "Decay")) + padding, strange)
+    source, content = {
+        "package": ("resources/inner.ssp", package.read_bytes()),
+        "definition": ("inner.ssd", text.encode()),
+    }[kind]
+    xml = system_xml("top", nested("a", source, kind) + nested("b", source, kind))
+    whole = with_files(foreign(tmp_path / "top.ssp", xml, strange), {source: content})
+    assert list(System.read(whole)) == ["a__c", "b__c"]
+    monkeypatch.setattr(schema, "MAX_PARSED", 10_000)
+    with pytest.raises(ArchiveError, match="its XML files have more than 10000 bytes"):
+        System.read(whole)
