@@ -14,6 +14,7 @@ import typer
 from orchestration.cli import completion
 from orchestration.cli.codes import ExitCode, exit_code_of
 from orchestration.cli.doctor_command import EPILOG, doctor
+from orchestration.cli.isolation import IsolatingCommand
 from orchestration.cli.options import (
     ALGORITHM,
     CARE,
@@ -327,7 +328,7 @@ def check(
     raise typer.Exit(run_check(fmu, role, json, tuple(map_ or ())))
 
 
-app.command(cls=Command, epilog=EPILOG)(with_messages(doctor))
+app.command(cls=IsolatingCommand, epilog=EPILOG)(with_messages(doctor))
 
 
 @app.command(cls=Command, epilog=closing("adaptimp paper", "adaptimp paper -o figures --format svg"))

@@ -17,6 +17,7 @@ from orchestration.analysis.doctor.finding import Finding
 from orchestration.analysis.doctor.study import Kind
 from orchestration.cli.algorithms import AlgorithmRequest
 from orchestration.cli.codes import ExitCode, exit_code_of
+from orchestration.cli.isolation import EVERY, ISOLATE, isolation_of
 from orchestration.cli.output import output, watched, width
 from orchestration.cli.systems import SystemRequest
 from orchestration.cli.tables import table
@@ -39,6 +40,7 @@ class DoctorRequest:
     step: float | None = None
     stop: float | None = None
     budget: float = BUDGET
+    isolate: Sequence[str] = ()
     json: bool = False
 
 
@@ -58,6 +60,7 @@ def run_doctor(request: DoctorRequest) -> int:
                 request.algorithm.algorithm(),
                 order=request.order,
                 budget=request.budget,
+                isolate=isolation_of(request.isolate),
                 spell=_Shell(request, system).command,
             )
     except (OrchestrationError, OSError) as error:
@@ -150,6 +153,8 @@ class _Shell:
             words += ["--step", f"{case.step:.12g}"]
         if case.stop_time != self.system.stop_time:
             words += ["--stop", f"{case.stop_time:.12g}"]
+        for names in self.request.isolate:
+            words += [ISOLATE] if names == EVERY else [ISOLATE, names]
         return shlex.join(words)
 
     def _algorithm(self, algorithm: Algorithm) -> list[str]:

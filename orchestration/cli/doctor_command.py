@@ -11,6 +11,7 @@ from orchestration.cli.options import (
     Controller,
     Exchange,
     InputOrder,
+    Isolate,
     Json,
     Mapping,
     Order,
@@ -49,6 +50,7 @@ def doctor(
     budget: Annotated[
         float, typer.Option(metavar="SECONDS", help="Time for the runs with halved steps, s.", rich_help_panel=CARE)
     ] = 10.0,
+    isolate: Isolate = None,
     json: Json = False,
 ) -> None:
     """Examine whether a co-simulation is right: stability, accuracy, energy, delays, other tools."""
@@ -65,6 +67,7 @@ def doctor(
                 step=step,
                 stop=stop,
                 budget=budget,
+                isolate=tuple(isolate or ()),
                 json=json,
             )
         )

@@ -1,7 +1,9 @@
-"""The option ``--isolate`` of ``adaptimp run``: components whose FMUs live in processes of their own."""
+"""The option ``--isolate`` of commands: components whose FMUs live in processes of their own."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
+
+from orchestration.cli.program import Command
 
 if TYPE_CHECKING:
     from orchestration.fmi.isolation import Isolation
@@ -9,6 +11,14 @@ if TYPE_CHECKING:
 ISOLATE = "--isolate"
 EVERY = "*"
 """What stands for all components."""
+
+
+class IsolatingCommand(Command):
+    """A command whose option ``--isolate`` takes one word or none."""
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        """Parse the words of the command line, after ``--isolate`` got its word."""
+        return super().parse_args(ctx, completed(args))
 
 
 def completed(words: Sequence[str]) -> list[str]:

@@ -5,20 +5,19 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from orchestration.cli.isolation import completed
-from orchestration.cli.program import Command
+from orchestration.cli.isolation import IsolatingCommand
 from orchestration.errors import SystemDescriptionError
 
 AT = "--at"
 HELD, LINEAR = "held", "linear"
 
 
-class RunCommand(Command):
-    """A command whose option ``--at`` takes two words, a time and what changes then, and ``--isolate`` one or none."""
+class RunCommand(IsolatingCommand):
+    """A command whose option ``--at`` takes two words, a time and what changes then."""
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         """Parse the words of the command line, after each option got the one word that it takes."""
-        return super().parse_args(ctx, completed(joined(args)))
+        return super().parse_args(ctx, joined(args))
 
 
 def joined(words: Sequence[str]) -> list[str]:

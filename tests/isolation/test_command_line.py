@@ -37,6 +37,13 @@ def test_the_verdict_is_isolated_too(adaptimp: Command, unruly_file: Callable[[s
     assert "fmi2Instantiate ended its process with exit code 0" in done.sentence
 
 
+def test_the_doctor_survives_an_fmu_that_is_isolated(adaptimp: Command, unruly_file: Callable[[str], Path]) -> None:
+    done = adaptimp("doctor", unruly_file("step exit"), "--isolate", *STEPS)
+    assert done.code == 1
+    assert "ERROR run: step_exit" in done.out
+    assert "The run fails: step_exit: fmi2DoStep ended its process with exit code 0" in " ".join(done.out.split())
+
+
 def test_an_exit_without_isolation_has_its_own_code(unruly_file: Callable[[str], Path], tmp_path: Path) -> None:
     command = "from orchestration.cli import main; main()"
     arguments = ("run", str(unruly_file("step exit")), *STEPS, "-o", str(tmp_path / "rows.csv"))

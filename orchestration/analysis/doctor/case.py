@@ -4,6 +4,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import MISSING, dataclass, field, fields, is_dataclass, replace
 from typing import Any
 
+from orchestration.fmi.isolation import Isolation
 from orchestration.master.algorithm import ALGORITHMS, Algorithm
 from orchestration.system.system import System
 
@@ -26,6 +27,8 @@ class Case:
         Sampling period of all components that was proposed, s; None for those that the system has.
     values
         Start values that were proposed, by ``component.variable``.
+    isolation
+        Components whose FMUs live in processes of their own; none if it is None.
     """
 
     system: System
@@ -35,6 +38,7 @@ class Case:
     order: tuple[str, ...] | None = None
     sample_time: float | None = None
     values: Mapping[str, float] = field(default_factory=dict)
+    isolation: Isolation | None = None
 
     def but(self, **changes: Any) -> "Case":
         """The case with some attributes changed."""
@@ -74,6 +78,8 @@ def in_python(case: Case) -> str:
         words.append(f"algorithm={_algorithm(case.algorithm)}")
     if case.order is not None:
         words.append(f"order={list(case.order)!r}")
+    if case.isolation is not None:
+        words.append(f"isolate={True if case.isolation == Isolation() else _call(case.isolation)}")
     return f"simulate({', '.join(words)})"
 
 

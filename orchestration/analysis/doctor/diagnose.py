@@ -10,7 +10,7 @@ A run that makes no error message may still be wrong. The examination asks, in t
 """
 
 import warnings
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -27,6 +27,7 @@ from orchestration.analysis.doctor.wiring import DELAYS, delay_findings, loop_fi
 from orchestration.analysis.stability.verdict import Verdict, stability
 from orchestration.errors import InitializationError, OrchestrationError
 from orchestration.fmi.given import positive, require_type
+from orchestration.fmi.isolation import Isolation
 from orchestration.master.algorithm import Algorithm, find_algorithm
 from orchestration.master.stiffness import SUB_STEP, stiff_components
 from orchestration.stages import stage
@@ -44,6 +45,7 @@ def diagnose(
     *,
     order: Sequence[str] | None = None,
     budget: float = BUDGET,
+    isolate: bool | str | Collection[str] | Isolation | None = None,
     spell: Spelling = in_python,
 ) -> Diagnosis:
     """Examine a co-simulation: stability, accuracy, energy, delays, and what other tools would lose.
@@ -60,6 +62,8 @@ def diagnose(
         Component names in the order of stepping. Default: the order of the system.
     budget
         Time for the runs with halved steps, s. What does not fit is left out, and that is said.
+    isolate
+        Components whose FMUs live in processes of their own, as of `orchestration.simulate`. Default: none.
     spell
         Function that says how a user runs a changed case. Default: a call of `orchestration.simulate`.
 
@@ -92,7 +96,8 @@ def diagnose(
     if order is not None:
         system = system.ordered(order)
     step, chosen = positive("The step", system.run_step(step)), find_algorithm(algorithm)
-    asked = Case(system, step, positive("The stop time", system.run_stop_time(stop_time)), chosen)
+    stop = positive("The stop time", system.run_stop_time(stop_time))
+    asked = Case(system, step, stop, chosen, isolation=Isolation.of(isolate))
     findings = list(_examined(asked, spell))
     fitting = fitting_step(system, step, asked.duration)
     unfit = list(fit_findings(asked, fitting, spell))
@@ -141,7 +146,7 @@ def _judged(case: Case) -> Verdict | Finding:
     """The predicted stability, or a note on why there is none."""
     try:
         with stage("judging the stability of the algorithm", "judged the stability of the algorithm"):
-            return stability(case.system, case.step, case.algorithm)
+            return stability(case.system, case.step, case.algorithm, isolation=case.isolation)
     except InitializationError:
         raise
     except OrchestrationError as error:

@@ -159,7 +159,8 @@ class _Attempt:
     def run(self, until: float) -> Result | None:
         """Run until a time, s, or the end of the time that the run has; None after a failure."""
         case = self.case
-        run = prepare(case.changed_system, case.stop_time, case.step, case.algorithm, options=Options(every=self.every))
+        options = Options(every=self.every, isolate=case.isolation)
+        run = prepare(case.changed_system, case.stop_time, case.step, case.algorithm, options=options)
         doing = f"running {case.system.name} with a step of {case.step:.3g} s"
         try:
             with stage(doing, doing.replace("running", "ran")), run:

@@ -24,6 +24,7 @@ from orchestration.analysis.doctor.sampling import fitting_step
 from orchestration.analysis.doctor.stability import contradicted
 from orchestration.analysis.doctor.study import Kind, Study, signal_error, study
 from orchestration.analysis.doctor.wiring import algebraic_loops, delays
+from orchestration.fmi.isolation import Isolation
 from orchestration.master.algorithm import ALGORITHMS, NEWTON, PARALLEL
 from tests.reference.problems import PROBLEMS, wall
 from tests.unit.orchestration.small_models import H, chain, mixed, system
@@ -218,6 +219,15 @@ def test_calls_in_python_make_the_same_case() -> None:
     assert caught == {"stop_time": 1.0, "step": 1e-2, "algorithm": case.algorithm}
     plain = in_python(case.but(algorithm=ALGORITHMS["jacobi"], order=("mass", "wall")))
     assert plain == "simulate(system, stop_time=1, step=0.01, algorithm='jacobi', order=['mass', 'wall'])"
+
+
+@pytest.mark.parametrize(
+    ("isolate", "said"),
+    [(True, "isolate=True"), ("wall", "isolate=Isolation(components=('wall',))")],
+)
+def test_the_call_says_what_is_isolated(isolate: bool | str, said: str) -> None:
+    case = Case(wall.system(1e-2, 1.0), 1e-2, 1.0, ALGORITHMS["jacobi"], isolation=Isolation.of(isolate))
+    assert in_python(case) == f"simulate(system, stop_time=1, step=0.01, algorithm='jacobi', {said})"
 
 
 def test_a_diagnosis_shows_itself() -> None:
