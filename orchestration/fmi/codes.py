@@ -37,6 +37,11 @@ UNDEFINED = 2**31 - 1
 """What calls by address return in place of a status that FMI does not define, such as -1: loops see a failure."""
 
 
+def known_status(status: int) -> int:
+    """Return a status of FMI, or `UNDEFINED` in place of any other number."""
+    return status if Status.OK <= status <= Status.PENDING else UNDEFINED
+
+
 def accepted(status: int) -> bool:
     """Whether a call succeeded: its status is fmi2OK or fmi2Warning."""
     return Status.OK <= status <= WORST_ACCEPTED

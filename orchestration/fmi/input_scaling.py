@@ -22,6 +22,7 @@ from numba.core.ccallback import CFunc
 from numba.core.registry import CPUDispatcher
 
 from orchestration.fmi.codes import Status
+from orchestration.fmi.kept_code import keep_machine_code
 from orchestration.fmi.machine_code import code_folder
 from orchestration.fmi.native_calls import (
     SOURCES,
@@ -30,7 +31,6 @@ from orchestration.fmi.native_calls import (
     emit_rates,
     emit_state,
     emit_transfer,
-    keep_machine_code,
     load_integer,
     load_real,
     load_reference,

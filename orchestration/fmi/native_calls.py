@@ -7,20 +7,17 @@ a status that FMI does not define the calls return `UNDEFINED`.
 """
 
 import ctypes
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
-from io import BytesIO
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any, Concatenate, ParamSpec, cast
 
 import numpy as np
 from llvmlite import ir
 from numba import types
-from numba.core import caching, cgutils
+from numba.core import cgutils
 from numba.extending import intrinsic, overload
 
-from adaptimp_fmu.files.sealed_file import read_sealed, write_sealed
-from orchestration.fmi.codes import UNDEFINED, Status
+from orchestration.fmi.codes import UNDEFINED, Status, known_status
 
 SOURCES = (Path(__file__), Path(__file__).with_name("codes.py"))
 """Sources that are compiled into every function that calls by address."""
@@ -37,6 +34,7 @@ _DIRECTION = ctypes.CFUNCTYPE(
     *(ctypes.c_int32, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_size_t),
     *(ctypes.c_void_p, ctypes.c_size_t, ctypes.c_void_p, ctypes.c_void_p),
 )
+_ALL_BITS = 2**32 - 1
 _I8P, _I32, _I64, _F64 = ir.IntType(8).as_pointer(), ir.IntType(32), ir.IntType(64), ir.DoubleType()
 
 
@@ -49,7 +47,7 @@ def call_transfer(function: int, component: int, references: int, n: int, values
         The fmi2Status.
     """
     # ctypes takes no NumPy integers, which is what the table holds
-    return _known(_TRANSFER(int(function))(int(component), int(references), int(n), int(values)))
+    return known_status(_TRANSFER(int(function))(int(component), int(references), int(n), int(values)))
 
 
 def call_do_step(function: int, component: int, t: float, h: float) -> int:
@@ -57,7 +55,7 @@ def call_do_step(function: int, component: int, t: float, h: float) -> int:
 
     The argument noSetFMUStatePriorToCurrentPoint is true, because fixed-step algorithms never go back.
     """
-    return _known(_DO_STEP(int(function))(int(component), t, h, 1))
+    return known_status(_DO_STEP(int(function))(int(component), t, h, 1))
 
 
 def call_state(function: int, component: int, state: int) -> int:
@@ -68,12 +66,12 @@ def call_state(function: int, component: int, state: int) -> int:
     int
         The fmi2Status.
     """
-    return _known(_STATE(int(function))(int(component), int(state)))
+    return known_status(_STATE(int(function))(int(component), int(state)))
 
 
 def call_rates(function: int, component: int, references: int, n: int, orders: int, values: int) -> int:
     """Call fmi2SetRealInputDerivatives; all arguments but `n` are addresses; returns the fmi2Status."""
-    return _known(_RATES(int(function))(int(component), int(references), int(n), int(orders), int(values)))
+    return known_status(_RATES(int(function))(int(component), int(references), int(n), int(orders), int(values)))
 
 
 def call_direction(function: int, component: int, unknowns: int, n: int, known: int, seed: int, values: int) -> int:
@@ -93,13 +91,23 @@ def call_direction(function: int, component: int, unknowns: int, n: int, known: 
     int
         The fmi2Status.
     """
-    return _known(
+    return known_status(
         _DIRECTION(int(function))(int(component), int(unknowns), int(n), int(known), 1, int(seed), int(values))
     )
 
 
-def _known(status: int) -> int:
-    return status if Status.OK <= status <= Status.PENDING else UNDEFINED
+def raw_transfer(function: int, component: int, references: int, n: int, values: int) -> int:
+    """Call a get or set function like `call_transfer`, and return its status as the unsigned number that it is.
+
+    A loop that compares the number with the worst accepted status finds negative ones, too, and needs no further
+    instruction for that. `known_status` says afterwards which status it was.
+    """
+    return _TRANSFER(int(function))(int(component), int(references), int(n), int(values)) & _ALL_BITS
+
+
+def raw_do_step(function: int, component: int, t: float, h: float) -> int:
+    """Call fmi2DoStep like `call_do_step`, and return its status like `raw_transfer`."""
+    return _DO_STEP(int(function))(int(component), t, h, 1) & _ALL_BITS
 
 
 def copy_run(source: np.ndarray, first: int, rows: np.ndarray, row: int | np.uint64, column: int, n: int) -> None:
@@ -110,90 +118,6 @@ def copy_run(source: np.ndarray, first: int, rows: np.ndarray, row: int | np.uin
 def copy_bytes(source: int, target: int, n: int) -> None:
     """Copy n bytes from an address to another; the ranges do not overlap."""
     ctypes.memmove(int(target), int(source), int(n))
-
-
-def keep_machine_code(compiled: Any, function: Callable[..., Any], folder: Path | None) -> Any:
-    """Let numba keep the machine code of a function in a folder.
-
-    Parameters
-    ----------
-    compiled
-        numba's object for `function`: from ``njit``, or a ``CFunc`` that is not compiled yet.
-    folder
-        A folder from `orchestration.fmi.machine_code.code_folder`; nothing is kept if it is None.
-
-    Returns
-    -------
-    object
-        `compiled`.
-    """
-    if folder is not None and compiled is not function:  # it is with NUMBA_DISABLE_JIT=1
-        compiled._cache = _cache_in(folder, function)
-    return compiled
-
-
-class _SealedFiles(caching.IndexDataCacheFile):
-    """Files of machine code, of which numba sees only those that are as they were written."""
-
-    @contextmanager
-    def _open_for_write(self, filepath: str) -> Iterator[Any]:
-        written = BytesIO()
-        yield written
-        write_sealed(Path(filepath), written.getvalue())
-
-    def _load_index(self) -> Any:
-        return {} if read_sealed(Path(self._index_path)) is None else super()._load_index()
-
-    def _load_data(self, name: str) -> Any:
-        path = Path(self._data_path(name))
-        if read_sealed(path) is None:
-            raise FileNotFoundError(path)  # numba compiles the function again
-        return super()._load_data(name)  # pickle reads no further than the seal
-
-
-def _cache_in(folder: Path, function: Callable[..., Any]) -> caching.FunctionCache:
-    """Return numba's cache in a folder whose name stands for the sources."""
-
-    class Locator(caching._CacheLocator):
-        _py_file = function.__code__.co_filename  # numba's warnings name it
-
-        def get_cache_path(self) -> Any:
-            return str(folder)
-
-        def get_source_stamp(self) -> Any:
-            return folder.name
-
-        def get_disambiguator(self) -> Any:
-            return str(function.__code__.co_firstlineno)
-
-        @classmethod
-        def from_function(cls, py_func: Any, py_file: str) -> Any:  # noqa: ARG003 - numba gives both
-            return cls()
-
-    class Results(caching.CompileResultCacheImpl):
-        _locator_classes = (Locator,)
-
-    class Cache(caching.FunctionCache):
-        _impl_class = Results
-
-        def __init__(self, py_func: Any) -> None:
-            super().__init__(py_func)
-            self._cache_file = _SealedFiles(str(folder), self._impl.filename_base, folder.name)
-
-        def load_overload(self, sig: Any, target_context: Any) -> Any:
-            try:
-                return super().load_overload(sig, target_context)
-            except OSError:
-                self.disable()
-            return None
-
-        def save_overload(self, sig: Any, data: Any) -> None:
-            try:
-                super().save_overload(sig, data)
-            except OSError:
-                self.disable()  # a full or locked disk: the next process compiles again
-
-    return Cache(function)
 
 
 def emitted(emit: Callable[Concatenate[Any, Arguments], Any]) -> Callable[Arguments, Any]:
@@ -214,34 +138,50 @@ def call_for_status(builder: Any, callee: Any, arguments: Any) -> Any:
     return builder.select(is_defined, status, ir.Constant(_I32, UNDEFINED))
 
 
-@emitted
-def emit_transfer(typing: Any, function: Any, component: Any, references: Any, n: Any, values: Any) -> Any:
-    """What `call_transfer` compiles to."""
-    signature = types.int32(types.int64, types.int64, types.int64, types.int64, types.int64)
-    kind = ir.FunctionType(_I32, [_I8P, _I8P, _I64, _I8P])
+def _transfer(result: Any, finish: Callable[[Any, Any, Any], Any]) -> Any:
+    """An intrinsic that calls a get or set function, with the type of its result and what makes the result."""
 
-    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        address, component, references, n, values = arguments
-        callee = builder.inttoptr(address, kind.as_pointer())
-        pointers = [builder.inttoptr(a, _I8P) for a in (component, references, values)]
-        return call_for_status(builder, callee, [pointers[0], pointers[1], n, pointers[2]])
+    @emitted
+    def emit(typing: Any, function: Any, component: Any, references: Any, n: Any, values: Any) -> Any:
+        kind = ir.FunctionType(_I32, [_I8P, _I8P, _I64, _I8P])
 
-    return signature, generate
+        def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+            address, component, references, n, values = arguments
+            callee = builder.inttoptr(address, kind.as_pointer())
+            pointers = [builder.inttoptr(a, _I8P) for a in (component, references, values)]
+            return finish(builder, callee, [pointers[0], pointers[1], n, pointers[2]])
+
+        return result(*[types.int64] * 5), generate
+
+    return emit
 
 
-@emitted
-def emit_do_step(typing: Any, function: Any, component: Any, t: Any, h: Any) -> Any:
-    """What `call_do_step` compiles to."""
-    signature = types.int32(types.int64, types.int64, types.float64, types.float64)
-    kind = ir.FunctionType(_I32, [_I8P, _F64, _F64, _I32])
+def _do_step(result: Any, finish: Callable[[Any, Any, Any], Any]) -> Any:
+    """An intrinsic that calls fmi2DoStep, with the type of its result and what makes the result."""
 
-    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        address, component, t, h = arguments
-        callee = builder.inttoptr(address, kind.as_pointer())
-        pointer = builder.inttoptr(component, _I8P)
-        return call_for_status(builder, callee, [pointer, t, h, ir.Constant(_I32, 1)])
+    @emitted
+    def emit(typing: Any, function: Any, component: Any, t: Any, h: Any) -> Any:
+        kind = ir.FunctionType(_I32, [_I8P, _F64, _F64, _I32])
 
-    return signature, generate
+        def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+            address, component, t, h = arguments
+            callee = builder.inttoptr(address, kind.as_pointer())
+            pointer = builder.inttoptr(component, _I8P)
+            return finish(builder, callee, [pointer, t, h, ir.Constant(_I32, 1)])
+
+        return result(types.int64, types.int64, types.float64, types.float64), generate
+
+    return emit
+
+
+def _call(builder: Any, callee: Any, arguments: Any) -> Any:
+    return builder.call(callee, arguments)
+
+
+emit_transfer, emit_raw_transfer = _transfer(types.int32, call_for_status), _transfer(types.uint32, _call)
+"""What `call_transfer` and `raw_transfer` compile to."""
+emit_do_step, emit_raw_do_step = _do_step(types.int32, call_for_status), _do_step(types.uint32, _call)
+"""What `call_do_step` and `raw_do_step` compile to."""
 
 
 @emitted
@@ -361,6 +301,18 @@ def _compile_transfer(function, component, references, n, values):
 @overload(call_do_step)
 def _compile_do_step(function, component, t, h):
     return lambda function, component, t, h: emit_do_step(function, component, t, h)
+
+
+@overload(raw_transfer)
+def _compile_raw_transfer(function, component, references, n, values):
+    return lambda function, component, references, n, values: emit_raw_transfer(
+        function, component, references, n, values
+    )
+
+
+@overload(raw_do_step)
+def _compile_raw_do_step(function, component, t, h):
+    return lambda function, component, t, h: emit_raw_do_step(function, component, t, h)
 
 
 @overload(call_state)

@@ -17,6 +17,7 @@ from numba.core.ccallback import CFunc
 
 from adaptimp_fmu.files.sealed_file import read_sealed, write_sealed
 from orchestration.fmi.codes import Status
+from orchestration.fmi.kept_code import keep_machine_code
 from orchestration.fmi.machine_code import code_folder
 from orchestration.fmi.native_calls import (
     SOURCES,
@@ -24,7 +25,6 @@ from orchestration.fmi.native_calls import (
     emit_rates,
     emit_state,
     emit_transfer,
-    keep_machine_code,
     load_integer,
     load_real,
     store_integer,

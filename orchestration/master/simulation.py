@@ -19,6 +19,7 @@ from orchestration.errors import (
     RunInterrupted,
     SimulationError,
 )
+from orchestration.fmi.codes import known_status
 from orchestration.fmi.deferred import raise_kept
 from orchestration.fmi.given import a_number, require_type
 from orchestration.fmi.instance import Instance
@@ -342,7 +343,7 @@ class Simulation:
         state.time = self.grid.times[k]
         if k < end:
             failed = self._flat.operations[int(j)]
-            self._fail((int(failed.subject), int(failed.call), status))
+            self._fail((int(failed.subject), int(failed.call), known_status(int(status))))
 
     def _run_general(self, last: int) -> None:
         """Run a part of the steps in the loop for all algorithms."""

@@ -19,8 +19,9 @@ from typing import Any, TypeVar, cast
 from numba import njit
 from numba.extending import register_jitable
 
+from orchestration.fmi.kept_code import keep_machine_code
 from orchestration.fmi.machine_code import code_folder
-from orchestration.fmi.native_calls import SOURCES, keep_machine_code
+from orchestration.fmi.native_calls import SOURCES
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 

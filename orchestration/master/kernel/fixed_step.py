@@ -11,7 +11,7 @@ The loop neither allocates memory nor raises errors nor sees a Python object. `r
 import numpy as np
 
 from orchestration.fmi.codes import WORST_ACCEPTED
-from orchestration.fmi.native_calls import call_do_step, call_transfer
+from orchestration.fmi.native_calls import raw_do_step, raw_transfer
 from orchestration.master.kernel.codes import Kind
 from orchestration.master.kernel.compiled import compiled, compiled_for_callers
 from orchestration.master.kernel.flat_system import Plan, record
@@ -43,7 +43,8 @@ def run(
     Returns
     -------
     tuple
-        (step, operation, status) of the call that failed; step is span[1] if none did.
+        (step, operation, status) of the call that failed; step is span[1] if none did. The status is as unsigned as
+        that of `raw_transfer`.
     """
     times, steps = grid
     reals, discretes = plan.reals, plan.discretes
@@ -55,9 +56,9 @@ def run(
         for j in range(n):
             operation = operations[j]
             if operation.kind == Kind.STEP:
-                status = call_do_step(operation.function, operation.instance, t, h)
+                status = raw_do_step(operation.function, operation.instance, t, h)
             elif operation.kind == Kind.TRANSFER:
-                status = call_transfer(
+                status = raw_transfer(
                     operation.function,
                     operation.instance,
                     operation.first,

@@ -21,9 +21,9 @@ import numpy as np
 from numba import types
 from numba.core.ccallback import CFunc
 
+from orchestration.fmi.kept_code import keep_machine_code
 from orchestration.fmi.native_calls import (
     call_do_step,
-    keep_machine_code,
     load_integer,
     load_real,
     store_discrete,

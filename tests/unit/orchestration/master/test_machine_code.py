@@ -17,7 +17,8 @@ from numba import njit, types
 
 import orchestration
 from orchestration.fmi import machine_code
-from orchestration.fmi.native_calls import SOURCES, keep_machine_code
+from orchestration.fmi.kept_code import keep_machine_code
+from orchestration.fmi.native_calls import SOURCES
 from orchestration.master import kernel
 from tests.unit.orchestration.small_models import mixed
 
