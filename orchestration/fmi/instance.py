@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from adaptimp_fmu.files.temporary_folder import runs_nothing
-from orchestration.errors import ArchiveError, InitializationError, SystemDescriptionError
+from orchestration.errors import ArchiveError, InitializationError, SystemDescriptionError, warn_caller
 from orchestration.fmi.codes import (
     BOOLEAN,
     INTEGER,
@@ -28,6 +28,7 @@ from orchestration.fmi.library import Library, library_path, needed_functions
 from orchestration.fmi.logging import Messages, callbacks, listen
 from orchestration.fmi.signatures import CO_SIMULATION
 from orchestration.fmi.units import Linear
+from orchestration.sandbox.guard import ProcessChangedWarning
 from orchestration.sandbox.native_library import LibraryError
 
 if TYPE_CHECKING:
@@ -87,7 +88,7 @@ class Instance:
         self.scaled: ScaledInputs | None = None
         self.worst = int(Status.OK)
         self.failed_in = ""
-        self._announce, self._unloads = announce, False
+        self._announce, self._unloads, self._overwrites = announce, False, False
         self._callbacks = callbacks(self.messages)
         self._handle = self._instantiate(identity)
         if not self._handle:
@@ -201,9 +202,22 @@ class Instance:
         return f"{self.name}: {function} {how}{where}; {self.messages.last()}."
 
     def set(self, kind: str, references: Sequence[int], values: Sequence[Any]) -> int:
-        """Set variables of a type by value reference, texts as bytes; returns the fmi2Status."""
+        """Set variables of a type by value reference, texts as bytes; returns the fmi2Status.
+
+        A `ProcessChangedWarning` tells of an FMU that writes into the values. In a run the values that it is given are
+        those of other components.
+        """
         array = (C_TYPES[kind] * len(values))(*values)
-        return self.status(f"fmi2Set{kind}", c_references(references), len(references), array)
+        before = bytes(array)
+        status = self.status(f"fmi2Set{kind}", c_references(references), len(references), array)
+        if bytes(array) != before and not self._overwrites:
+            self._overwrites = True
+            msg = (
+                f"{self.name}: fmi2Set{kind} writes into the values that it is given to read. Without isolation these"
+                " are the outputs of other components, so results of this run may be wrong; isolate the component."
+            )
+            warn_caller(msg, ProcessChangedWarning)
+        return status
 
     def get(self, kind: str, references: Sequence[int]) -> tuple[int, list[Any]]:
         """Get variables of a type by value reference; returns the fmi2Status and the values."""

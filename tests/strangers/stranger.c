@@ -103,6 +103,7 @@ FMI2_Export fmi2Status fmi2GetReal(fmi2Component c, const fmi2ValueReference vr[
 FMI2_Export fmi2Status fmi2SetReal(fmi2Component c, const fmi2ValueReference vr[], size_t n, const fmi2Real value[]) {
     Model *m = c;
     for (size_t k = 0; k < n; k++) (is(m, "alone") ? shared : m->real)[vr[k]] = value[k];
+    if (is(m, "overwrites")) *(fmi2Real *)value = 99;
     return fmi2OK;
 }
 #define ACCESS(type, array)                                                                                           \

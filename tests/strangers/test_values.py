@@ -4,9 +4,9 @@ from pathlib import Path
 
 import pytest
 
-from orchestration import System, SystemDescriptionError, simulate
+from orchestration import ProcessChangedWarning, System, SystemDescriptionError, simulate
 from tests.strangers.conftest import Stranger
-from tests.strangers.fmus import Y
+from tests.strangers.fmus import P, U, Y
 
 pytestmark = pytest.mark.filterwarnings("ignore::orchestration.UnconnectedInputWarning")
 
@@ -87,3 +87,13 @@ def test_a_parameter_of_that_name_is_no_sampling_period(stranger: Stranger, decl
     system = System.of({"m": stranger("clock", variables, outputs=ALONE, before=seconds)})
     assert system.sample_times == {}
     assert len(simulate(system, 1.0, 0.1).time) == 11
+
+
+def test_an_fmu_that_writes_into_what_it_reads_is_named_and_does_no_harm_when_isolated(stranger: Stranger) -> None:
+    """Values go from an output to an input without a copy, so such an FMU changes the output of another."""
+    clock = stranger("alone", [Y, P], outputs=ALONE, name="clock")
+    writes = stranger("overwrites", [U, Y], outputs=ALONE, name="writes")
+    system = System.of({"clock": clock, "w": writes}).connect("clock.y -> w.u")
+    with pytest.warns(ProcessChangedWarning, match="^w: fmi2SetReal writes into the values that it is given to read"):
+        simulate(system, 1.0, 0.25)
+    assert simulate(system, 1.0, 0.25, isolate=["w"])["clock.y"].tolist() == [0.0, 0.25, 0.5, 0.75, 1.0]
