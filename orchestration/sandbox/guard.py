@@ -92,7 +92,7 @@ class Guard:
         return self._told(f"{name} ended the process in {function}")
 
     def _told(self, what: str) -> "_Told":
-        advice = f"The run has no result; {self._remedy} to keep the rows before."
+        advice = f"What was not written before is lost; {self._remedy} to keep it."
         return _Told(f"{what}, as if the program were at its end. {advice}")
 
     def _put_back(self, before: ProcessState, names: Sequence[str], when: str) -> None:

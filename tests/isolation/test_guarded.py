@@ -170,7 +170,7 @@ def test_the_exit_of_a_single_fmu_is_no_success(
     ended = subprocess.run([sys.executable, str(script)], capture_output=True, text=True, check=False)
     assert (ended.returncode, ended.stdout) == (EXIT_CODE, "")
     assert f" ended the process {when}, as if the program were at its end." in ended.stderr
-    assert "run it as a component of a System with isolate=True to keep the rows before." in ended.stderr
+    assert "run it as a component of a System with isolate=True to keep it." in ended.stderr
 
 
 def test_what_a_single_fmu_changes_is_put_back_and_said_once(unruly_file: Callable[[str], Path]) -> None:
