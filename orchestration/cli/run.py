@@ -25,6 +25,7 @@ from orchestration.errors import (
     SystemDescriptionError,
     printable,
 )
+from orchestration.fmi.codes import NEEDS_TOOL
 from orchestration.master.capabilities import check_tolerances
 from orchestration.master.options import Crossings
 from orchestration.master.progress import RUNNING, ProgressLine
@@ -99,8 +100,9 @@ def _prepared(request: RunRequest, report: RunReport, line: ProgressLine) -> Sim
         msg = "--step and --sample-time exclude each other: the latter sets the step too."
         raise SystemDescriptionError(msg)
     system, algorithm = request.asked.system(), request.algorithm.algorithm()
-    report.system, report.algorithm, report.notices = system.name, algorithm.name, list(system.notices)
-    for notice in system.notices:
+    report.system, report.algorithm = system.name, algorithm.name
+    report.notices = [*system.notices, *_tools_needed(system)]
+    for notice in report.notices:
         output.remark(f"Notice: {notice}")
     if request.assumptions:
         print_assumptions(system, json=request.json)
@@ -114,6 +116,13 @@ def _prepared(request: RunRequest, report: RunReport, line: ProgressLine) -> Sim
     simulation = prepare(system, request.stop, report.step, algorithm, options=_options(request, system, line))
     report.start_time, report.stop_time = (float(simulation.grid.times[i]) for i in (0, -1))
     return simulation
+
+
+def _tools_needed(system: System) -> list[str]:
+    """A notice on each component whose FMU says that it needs the tool that exported it."""
+    needing = [component for component in system.components if component.description.can(NEEDS_TOOL)]
+    said = "so it runs only where the tool that exported it is installed."
+    return [f"{c.description.path.name} of {c.name} declares {NEEDS_TOOL}, {said}" for c in needing]
 
 
 def _ordered(names: Sequence[str]) -> str:

@@ -180,3 +180,10 @@ def test_sixty_steps_a_second_do_not_drift(stranger: Stranger) -> None:
     result = simulate(System.of({"m": stranger("one step", [Y], outputs=ALONE)}), 100.0, 1 / 60)
     assert len(result.time) == 6001
     np.testing.assert_allclose(result["m.y"][1:], np.arange(1, 6001) / 60, rtol=4e-16)
+
+
+def test_a_tool_that_an_fmu_needs_is_a_notice(stranger: Stranger, adaptimp: Command) -> None:
+    path = stranger("clock", [Y], outputs=ALONE, flags='needsExecutionTool="true"')
+    outcome = adaptimp("run", path, "--step", 0.1, "--stop", STOP, "--no-verdict")
+    assert outcome.code == 0
+    assert "Notice: stranger.fmu of stranger declares needsExecutionTool, so it runs only where" in outcome.err
