@@ -33,7 +33,7 @@ class Finding:
     Attributes
     ----------
     rule
-        Number in the checklist, 1 to 16, or a word such as `ROLE` for a rule without a number.
+        Id of the rule: a number, or a word such as ``role``; docs/check-rules.md lists all.
     message
         A sentence that names what is wrong and where.
     """
