@@ -2,22 +2,28 @@
 
 import json
 import os
+import statistics
 import subprocess
 import sys
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
 
 from adaptimp_fmu.package import definition
 from tests.faults.shim.fmus import decay, healthy, misbehaving
-from tests.faults.shim.thousand import FIRST, RUNS_IN_ALL
+from tests.faults.shim.thousand import FIRST, PART, RUNS_IN_ALL
 from tests.strangers.fmus import packed
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="/proc says what a process holds")
 
 REPOSITORY = Path(__file__).parents[2]
 GROWTH = 10
-"""Accepted growth of the resident memory, kB for each run; a library that stays loaded takes 60 kB or more."""
+"""Accepted growth of the resident memory, kB for each run; a library that stays loaded takes 60 kB or more.
+
+A pool of the process takes 6 MB at once, at some time, and never again (3,000 runs). So the growth is that of the
+median part of the runs, in which a leak shows as in any other part.
+"""
 
 
 @pytest.fixture
@@ -45,4 +51,6 @@ def test_a_thousand_failures_leave_nothing(fmus: list[Path], tmp_path: Path) -> 
     assert list(scratch.iterdir()) == []
     # The allocator of Python maps new arenas now and then; a library that stays loaded has five mappings.
     assert after["mappings"] - before["mappings"] < 30
-    assert after["resident"] - before["resident"] < GROWTH * (RUNS_IN_ALL - FIRST)
+    growth = statistics.median(later - earlier for earlier, later in pairwise(told["resident"]))
+    assert len(told["resident"]) == (RUNS_IN_ALL - FIRST) // PART + 1
+    assert growth < GROWTH * PART

@@ -3,7 +3,7 @@
     python -m tests.faults.shim.thousand FAULTY HEALTHY TORN
 
 TORN is an FMU whose library cannot be loaded. Standard output gets one JSON object: what the process holds after the
-first runs, and after all of them.
+first runs, after each further part of them, and after all.
 """
 
 import gc
@@ -22,7 +22,7 @@ from tests.faults.shim.documented import RUNS
 from tests.faults.shim.fmus import AFTER, STEP, STOP, coupled
 from tests.faults.shim.offspring import print_line
 
-RUNS_IN_ALL, FIRST = 1000, 400
+RUNS_IN_ALL, FIRST, PART = 1000, 400, 100
 FAILURES = (
     ("fmi2Instantiate", Fault.ERROR, 0),
     ("fmi2EnterInitializationMode", Fault.ERROR, 0),
@@ -49,9 +49,10 @@ def main() -> int:
             way()
         except (OrchestrationError, RunInterrupted) as error:
             kinds[type(error).__name__] += 1
-        if number in (FIRST, RUNS_IN_ALL):
+        if number >= FIRST and number % PART == 0:
             held.append(_held())
-    print_line({"before": held[0], "after": held[1], "errors": dict(kinds)})
+    resident = [at["resident"] for at in held]
+    print_line({"before": held[0], "after": held[-1], "resident": resident, "errors": dict(kinds)})
     return 0
 
 
