@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import casadi as ca
 import jinja2
 
+from adaptimp_fmu.equations import equations_text
 from adaptimp_fmu.lowering import Lowered, lower
 from adaptimp_fmu.model import Model
 from adaptimp_fmu.sampled_model import SampledModel
@@ -96,7 +97,7 @@ def generate(model: Model) -> dict[str, str]:
         divisor=_divisor_reference(model),
         integer_outputs=any(v.type is Type.INTEGER for v in model.with_role(Role.OUTPUT)),
     )
-    return {MAIN_SOURCE: main, EQUATIONS_SOURCE: _equations(lowered.functions), **runtime_sources()}
+    return {MAIN_SOURCE: main, EQUATIONS_SOURCE: equations_text(lowered.functions), **runtime_sources()}
 
 
 def _environment() -> jinja2.Environment:
@@ -178,16 +179,9 @@ def _result(name: str) -> str:
     return {"c": "constants", "x": "states", "w": "drawn", "s": "shared"}.get(name, name)
 
 
-def _equations(functions: Sequence[ca.Function]) -> str:
-    generator = ca.CodeGenerator("equations.c", {"with_mem": False, "with_header": False})
-    for function in functions:
-        generator.add(function)
-    return generator.dump()
-
-
 def _c_number(value: float) -> str:
     if math.isinf(value):
-        return "INFINITY" if value > 0 else "-INFINITY"
+        return "REAL_INFINITY" if value > 0 else "-REAL_INFINITY"
     return repr(float(value))
 
 
