@@ -20,7 +20,6 @@ FLAGS = (
     # Numbers go from FMU to FMU one by one; the code fits the processor's caches (docs/decisions/009).
     *("-fno-slp-vectorize", "-fno-vectorize", "-falign-functions=64"),
     "-ffp-contract=off",
-    "-fno-math-errno",  # lets sin and cos of one angle become one call, with the same bits
     "-fvisibility=hidden",
     "-fno-sanitize=all",
     "-g0",
@@ -144,7 +143,7 @@ def compile_library(source: Path, output: Path, target: Platform) -> None:
         *FLAGS,
         *WARNINGS,
         *(flag.format(library=output.name) for flag in target.flags),
-        *("-I", str(fmi_headers()), source.name, "-o", str(output.resolve()), "-lm"),
+        *("-I", str(fmi_headers()), source.name, "-o", str(output.resolve())),
     ]
     environment = {**os.environ, **_compiler_cache()}
     run = subprocess.run(command, cwd=source.parent, env=environment, capture_output=True, text=True, check=False)

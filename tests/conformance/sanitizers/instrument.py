@@ -21,7 +21,7 @@ def compile_instrumented(source: Path, output: Path, _target: Platform) -> None:
     """As `adaptimp_fmu.toolchain.compile_library`, for this machine only."""
     command = [
         *("clang", *FLAGS, *COUNTERS, "-shared", "-fPIC", "-fvisibility=hidden", "-I", str(fmi_headers())),
-        *(source.name, "-o", str(output), "-lm"),
+        *(source.name, "-o", str(output)),
     ]
     run = subprocess.run(command, cwd=source.parent, capture_output=True, text=True, check=False)
     if run.returncode != 0:
