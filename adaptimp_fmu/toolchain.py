@@ -76,6 +76,9 @@ PLATFORMS = {
     )
 }
 
+WASM = Platform("wasm", "wasm32-freestanding", ".wasm", ("-flto",), form=("-nostdlib", "-Wl,--no-entry"))
+"""WebAssembly without imports: not a platform of FMUs, and without any library of C."""
+
 
 def host_platform() -> Platform:
     """Return the platform that this Python runs on.
@@ -158,7 +161,7 @@ def compile_library(sources: Path | Sequence[Path], output: Path, target: Platfo
         *WARNINGS,
         *(flag.format(library=output.name) for flag in target.flags),
         *("-I", str(fmi_headers()), *(str(unit.relative_to(folder)) for unit in units)),
-        *("-o", str(output.resolve()), "-lm"),
+        *("-o", str(output.resolve()), *(() if target is WASM else ("-lm",))),
     ]
     environment = {**os.environ, **_compiler_cache()}
     run = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, check=False)

@@ -151,11 +151,12 @@ def write_together(contents: Mapping[Path, bytes]) -> None:
     >>> Path("fig5.json").read_bytes()
     b'{}'
     """
+    for path in contents:
+        if path.is_dir():  # better now than when some files are there
+            raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(path))
     drafts: list[Draft] = []
     try:
         for path, content in contents.items():
-            if path.is_dir():  # better now than when some files are there
-                raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(path))
             drafts.append(Draft(path))
             drafts[-1].file.write(content)
             drafts[-1].file.flush()

@@ -42,7 +42,7 @@ def test_files_that_belong_together_are_written_together(tmp_path: Path) -> None
 def test_of_files_that_belong_together_none_is_written_if_one_cannot_be(tmp_path: Path, last: str) -> None:
     (tmp_path / "x").write_text("old")
     (tmp_path / "folder").mkdir()
-    with pytest.raises(OSError, match="directory|too long"):
+    with pytest.raises(OSError, match=r"directory|too long"):
         write_together({tmp_path / "x": b"new", tmp_path / last: b"new"})
     assert names(tmp_path) == ["folder", "x"]
     assert (tmp_path / "x").read_text() == "old"
