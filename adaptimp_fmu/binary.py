@@ -30,7 +30,8 @@ def binary(
     name
         File name of the binary, without its suffix.
     sources
-        Texts by file name; a name may have folders, as in ``units/Plant.c``.
+        Texts by file name; a name may have folders, as in ``fmus/Plant.c``. Bytes that are no UTF-8 are surrogates in
+        the texts, as ``surrogateescape`` makes them.
     units
         Names of the sources to compile, which are the translation units. The other sources are included by these.
     cache
@@ -43,7 +44,7 @@ def binary(
     """
     key = hashlib.sha256(f"{identity()} {platform} {' '.join(units)}".encode())
     for source, text in sorted(sources.items()):
-        key.update(f"\0{source}\0{text}".encode())
+        key.update(f"\0{source}\0".encode() + _bytes(text))
     file = f"{name}{platform.extension}"
     kept_at = cached(cache, ("binaries", key.hexdigest()[:32], platform.name), file) / file
     if (kept := read_sealed(kept_at)) is not None:
@@ -54,13 +55,17 @@ def binary(
     with temporary_folder() as folder:
         for source, text in sources.items():
             (folder / source).parent.mkdir(parents=True, exist_ok=True)
-            (folder / source).write_text(text, encoding="utf-8", newline="\n")
+            (folder / source).write_bytes(_bytes(text))
         output = folder / file
         compile_library([folder / unit for unit in units], output, platform)
         content = output.read_bytes()
     write_sealed(kept_at, content)
     _LOG.info("compiled %s for %s in %.3g s", name, platform.name, perf_counter() - started)
     return content
+
+
+def _bytes(text: str) -> bytes:
+    return text.encode("utf-8", "surrogateescape")
 
 
 def cached(cache: Path | None, parts: tuple[str, ...], file: str) -> Path:
