@@ -36,7 +36,11 @@ static inline double real_of_bits(uint64_t bits) {
 /* The upper 64 bits of a product, without 128-bit integers, so that any C11 compiler builds it. */
 static inline uint64_t upper_product(uint64_t a, uint64_t b) {
     const uint64_t a0 = (uint32_t)a, a1 = a >> 32, b0 = (uint32_t)b, b1 = b >> 32;
-    const uint64_t middle = a1 * b0 + ((a0 * b0) >> 32);
+    uint64_t middle = a1 * b0 + ((a0 * b0) >> 32);
+#if defined(__wasm__) && defined(__clang__)
+    /* Else clang sees a product of 128 bits here, which is a call of its library on WebAssembly. */
+    __asm__("" : "+r"(middle));
+#endif
     const uint64_t carry = a0 * b1 + (uint32_t)middle;
     return a1 * b1 + (middle >> 32) + (carry >> 32);
 }
