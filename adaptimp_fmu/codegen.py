@@ -2,6 +2,7 @@
 
 import importlib.resources
 import math
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -38,6 +39,8 @@ _SEAM = {
     "output_sensitivity": (("t", "x", "u", "p", "m", "v"), ("dy",)),
     "initial_sensitivity": (("t", "u", "p", "r", "v", "q"), ("dy",)),
 }
+_HELPER = re.compile(r"^(?:void|int|(?:const )?casadi_(?:real|int)\*?) casadi_\w+\(", re.MULTILINE)
+"""Beginning of a function that CasADi adds for its own use, and leaves visible to other C files."""
 
 
 @dataclass(frozen=True)
@@ -182,7 +185,7 @@ def _equations(functions: Sequence[ca.Function]) -> str:
     generator = ca.CodeGenerator("equations.c", {"with_mem": False, "with_header": False})
     for function in functions:
         generator.add(function)
-    return generator.dump()
+    return _HELPER.sub(r"static \g<0>", generator.dump())
 
 
 def _c_number(value: float) -> str:

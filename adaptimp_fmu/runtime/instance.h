@@ -4,7 +4,7 @@
 
 #include <stdint.h>
 
-#include "fmi2Functions.h"
+#include "functions.h"
 #include "model.h"
 
 /* States of FMI 2.0.5, figure 11 (co-simulation); bits, so that a set of them is a mask. */
