@@ -18,6 +18,7 @@ from adaptimp_fmu.codegen import (
     GUID_PLACEHOLDER,
     MAIN_SOURCE,
     RUNTIME_LICENSE,
+    SIZES_SOURCE,
     generate,
     runtime_license,
 )
@@ -119,8 +120,8 @@ def definition(model: Model) -> tuple[dict[str, str], bytes]:
 def _license_notice() -> str:
     """License of the runtime, and the files that it does not cover."""
     scope = (
-        f"This license covers the runtime, which is every file in this folder but {MAIN_SOURCE} and\n"
-        f"{EQUATIONS_SOURCE}. Those two files are generated from the model and belong to the model's owner.\n\n"
+        f"This license covers the runtime, which is every file in this folder but {MAIN_SOURCE}, {SIZES_SOURCE} and\n"
+        f"{EQUATIONS_SOURCE}. Those files are generated from the model and belong to the model's owner.\n\n"
     )
     return scope + runtime_license()
 

@@ -10,10 +10,10 @@
 #include "fmi2Functions.h"
 
 #ifdef FMI2_FUNCTION_PREFIX
-#define PREFIXED(prefix, name) prefix##name
-#define PREFIXED_WITH(prefix, name) PREFIXED(prefix, name)
+#define JOINED_NAME(prefix, name) prefix##name
+#define WITH_PREFIX(prefix, name) JOINED_NAME(prefix, name)
 #undef fmi2FullName
-#define fmi2FullName(name) PREFIXED_WITH(FMI2_FUNCTION_PREFIX, name)
+#define fmi2FullName(name) WITH_PREFIX(FMI2_FUNCTION_PREFIX, name)
 #endif
 
 #endif
