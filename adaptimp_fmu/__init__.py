@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from adaptimp_fmu.model import ANY, NOT_NEGATIVE, POSITIVE, Limits, Model
     from adaptimp_fmu.package import build, default_cache
     from adaptimp_fmu.sampled_model import SampledModel
+    from adaptimp_fmu.terminals import Terminal, terminals_and_icons
     from adaptimp_fmu.toolchain import PLATFORMS, Platform, host_platform
     from adaptimp_fmu.variables import Role, Type, Variable
 
@@ -35,6 +36,7 @@ _HOME = {
     "Role": "variables",
     "SampledModel": "sampled_model",
     "Stroke": "icon",
+    "Terminal": "terminals",
     "ToolchainError": "errors",
     "Type": "variables",
     "Variable": "variables",
@@ -43,6 +45,7 @@ _HOME = {
     "host_platform": "toolchain",
     "present": "documentation",
     "runtime_license": "codegen",
+    "terminals_and_icons": "terminals",
 }
 
 __all__ = [
@@ -61,6 +64,7 @@ __all__ = [
     "Role",
     "SampledModel",
     "Stroke",
+    "Terminal",
     "ToolchainError",
     "Type",
     "Variable",
@@ -69,6 +73,7 @@ __all__ = [
     "host_platform",
     "present",
     "runtime_license",
+    "terminals_and_icons",
 ]
 
 
