@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from adaptimp_fmu.metadata import Experiment, Ownership
     from adaptimp_fmu.model import ANY, NOT_NEGATIVE, POSITIVE, Limits, Model
     from adaptimp_fmu.package import build, default_cache
+    from adaptimp_fmu.references import ParameterSet, ReferenceRun
     from adaptimp_fmu.sampled_model import SampledModel
     from adaptimp_fmu.terminals import Terminal, terminals_and_icons
     from adaptimp_fmu.toolchain import PLATFORMS, Platform, host_platform
@@ -32,7 +33,9 @@ _HOME = {
     "Limits": "model",
     "Model": "model",
     "Ownership": "metadata",
+    "ParameterSet": "references",
     "Platform": "toolchain",
+    "ReferenceRun": "references",
     "Role": "variables",
     "SampledModel": "sampled_model",
     "Stroke": "icon",
@@ -60,7 +63,9 @@ __all__ = [
     "Limits",
     "Model",
     "Ownership",
+    "ParameterSet",
     "Platform",
+    "ReferenceRun",
     "Role",
     "SampledModel",
     "Stroke",

@@ -16,6 +16,7 @@ from typing import Any, Literal
 from lxml import etree
 
 from adaptimp_fmu.errors import DefinitionError
+from adaptimp_fmu.model import Model
 from adaptimp_fmu.names import suggestion
 
 TERMINALS_FILE = "terminalsAndIcons/terminalsAndIcons.xml"
@@ -86,7 +87,7 @@ def terminals_and_icons(fmu: str, terminals: Sequence[Terminal], variables: Coll
     """
     root = etree.Element("fmiTerminalsAndIcons", fmiVersion=FMI_VERSION)
     listing = etree.SubElement(root, "Terminals")
-    known = frozenset(variables)
+    known = dict.fromkeys(variables)
     taken: set[str] = set()
     for terminal in terminals:
         if terminal.name in taken:
@@ -99,6 +100,23 @@ def terminals_and_icons(fmu: str, terminals: Sequence[Terminal], variables: Coll
         msg = f"{fmu}: {TERMINALS_FILE} is invalid: {schema.error_log.last_error}"
         raise DefinitionError(msg)
     return etree.tostring(root, xml_declaration=True, encoding="UTF-8", pretty_print=True)
+
+
+def terminals_entry(model: Model) -> Mapping[str, bytes]:
+    """Return the file of a model's terminals by its name in the archive; nothing if the model has none."""
+    if not model.terminals:
+        return {}
+    names = [variable.name for variable in model.ordered_variables()]
+    terminals = []
+    for terminal, groups in model.terminals.items():
+        members = [element for group in groups for element in _elements(group, names)]
+        terminals.append(Terminal(terminal, dict(zip(members, members, strict=True))))
+    return {TERMINALS_FILE: terminals_and_icons(model.name, terminals, names)}
+
+
+def _elements(group: str, names: Sequence[str]) -> list[str]:
+    """Names of an array's elements; the name itself of anything else, so that a wrong name is reported."""
+    return [name for name in names if name.startswith(f"{group}[")] or [group]
 
 
 def _terminal(listing: Any, terminal: Terminal, where: str, known: Collection[str]) -> None:
