@@ -1,7 +1,8 @@
 """Builds an .fmu file from a model: generates and compiles C code, and zips it. Old binaries come from a cache.
 
 Same definition, same bytes: entries of the archive have a fixed order and date, and the GUID is a
-hash of the definition and the runtime.
+hash of the definition and the runtime. Reference runs and parameter sets lie beside the definition, in ``extra/``:
+the GUID and the binaries do not depend on them.
 """
 
 import hashlib
@@ -30,6 +31,8 @@ from adaptimp_fmu.files.temporary_folder import temporary_folder
 from adaptimp_fmu.files.whole_file import write_whole
 from adaptimp_fmu.icon import png
 from adaptimp_fmu.model import Model
+from adaptimp_fmu.related_files import archive_entries, related_files
+from adaptimp_fmu.terminals import terminals_entry
 from adaptimp_fmu.toolchain import Platform, compile_library, host_platform, identity
 
 _LOG = logging.getLogger(__name__)
@@ -95,7 +98,10 @@ def build(
     for name, text in sources.items():
         entries[f"sources/{name}"] = text.encode()
     entries[f"sources/{RUNTIME_LICENSE}"] = _license_notice().encode()
-    entries |= {f"documentation/{name}": content for name, content in documentation(model).items()}
+    related = related_files(model)
+    entries |= {f"documentation/{name}": content for name, content in documentation(model, related).items()}
+    entries |= terminals_entry(model)
+    entries |= archive_entries(related)
     content = _archive(entries)
     if folder is None:
         folder = _cached(cache, ("fmus", hashlib.sha256(content).hexdigest()[:32]), f"{model.name}.fmu")
