@@ -9,7 +9,7 @@ import hashlib
 import io
 import uuid
 import zipfile
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 from adaptimp_fmu.binary import binary, cached
@@ -97,7 +97,7 @@ def build(
     entries |= {f"documentation/{name}": content for name, content in documentation(model, related).items()}
     entries |= terminals_entry(model)
     entries |= archive_entries(related)
-    content = _archive(entries)
+    content = archive(entries)
     if folder is None:
         folder = cached(cache, ("fmus", hashlib.sha256(content).hexdigest()[:32]), f"{model.name}.fmu")
     path = folder / f"{model.name}.fmu"
@@ -127,14 +127,14 @@ def _license_notice() -> str:
     return scope + runtime_license()
 
 
-def _archive(entries: dict[str, bytes]) -> bytes:
-    """A zip file whose bytes depend on its entries alone."""
+def archive(entries: Mapping[str, bytes]) -> bytes:
+    """Return a zip file whose bytes depend on its entries alone."""
     buffer = io.BytesIO()
-    with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as archive:
+    with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as file:
         for name, content in entries.items():
             info = zipfile.ZipInfo(name, _EPOCH)
             info.compress_type = zipfile.ZIP_DEFLATED
             info.external_attr = _REGULAR_FILE
             info.create_system = 3  # Unix, whatever the machine
-            archive.writestr(info, content)
+            file.writestr(info, content)
     return buffer.getvalue()
