@@ -1,7 +1,6 @@
 /* The system inside of a container, as the functions of FMI see it. step.c knows the components; here are
  * initialization, the communication step of several inner steps, and the messages of components. */
 #include <float.h>
-#include <math.h>
 #include <string.h>
 
 #include "instance.h"
@@ -86,7 +85,7 @@ static void note_change(State *s, int parameter_changed) {
 static int inputs_valid(const Instance *instance) {
     for (uint32_t i = MODEL_FIRST_INPUT; i < MODEL_FIRST_OUTPUT; ++i) {
         const double value = SLOT(&instance->state, i);
-        if (isfinite(value)) continue;
+        if (real_is_finite(value)) continue;
         fail(instance, "Input %s is %s; it must be finite.", model_variables[i].name, not_finite(value));
         return 0;
     }
@@ -116,9 +115,9 @@ static int initialized(Instance *instance) {
 
 /* Whether a step is a whole number of inner steps; how many is left to `advance`. */
 static RARE int is_multiple(const Instance *instance, double t, double h) {
-    const double ratio = h / CONTAINER(step_size), nearest = floor(ratio + 0.5);
-    const double rounding = 1e-9 + 4 * DBL_EPSILON * fabs(t + h) / CONTAINER(step_size);
-    if (!(ratio <= MAX_INNER_STEPS) || (nearest >= 1 && fabs(ratio - nearest) <= rounding)) return 1;
+    const double ratio = h / CONTAINER(step_size), nearest = real_floor(ratio + 0.5);
+    const double rounding = 1e-9 + 4 * DBL_EPSILON * real_fabs(t + h) / CONTAINER(step_size);
+    if (!(ratio <= MAX_INNER_STEPS) || (nearest >= 1 && real_fabs(ratio - nearest) <= rounding)) return 1;
     fail(instance, "fmi2DoStep: the step of h = %.17g s is not a whole multiple of the inner step, %.17g s.", h,
          CONTAINER(step_size));
     return 0;
