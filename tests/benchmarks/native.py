@@ -22,7 +22,6 @@ from orchestration.master.kernel.flat_system import Plan
 
 HERE = Path(__file__).parent
 COMPONENTS = ("trajectory", "sensor", "controller", "actuator", "plant")  # the order in bare.c
-_MODEL_FILES = ("model.c", "model.h", "equations.h", "philox.h")
 _UNIT = """#define NAME(x) {name}_##x
 #define CASADI_CODEGEN_PREFIX
 #define CODEGEN_PREFIX {name}_
@@ -65,8 +64,9 @@ class BareUnits:
             member = folder / name
             member.mkdir()
             with ZipFile(fmus[name]) as archive:
-                for file in _MODEL_FILES:
-                    (member / file).write_bytes(archive.read(f"sources/{file}"))
+                for file in archive.namelist():
+                    if file == "sources/model.c" or (file.startswith("sources/") and file.endswith(".h")):
+                        (member / Path(file).name).write_bytes(archive.read(file))
             (member / "runtime.c").write_bytes((HERE / "bare_unit.c").read_bytes())
             (folder / f"{name}.c").write_text(_UNIT.format(name=name), encoding="utf-8")
         sources = [HERE / "bare.c", *(folder / f"{name}.c" for name in COMPONENTS)]
@@ -163,7 +163,7 @@ def _compile(sources: Sequence[Path], output: Path, *flags: str) -> ctypes.CDLL:
     library = output.with_suffix(target.extension)
     command = [
         *(sys.executable, "-m", "ziglang", "cc", "-shared", "-target", target.target),
-        *(*FLAGS, *target.flags, *flags, *map(str, sources), "-o", str(library), "-lm"),
+        *(*FLAGS, *target.flags, *flags, *map(str, sources), "-o", str(library)),
     ]
     run = subprocess.run(command, capture_output=True, text=True, check=False)
     if run.returncode != 0:
