@@ -2,13 +2,13 @@
 
 import importlib.resources
 import math
-import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import casadi as ca
 import jinja2
 
+from adaptimp_fmu.equations import equations_text
 from adaptimp_fmu.lowering import Lowered, lower
 from adaptimp_fmu.model import Model
 from adaptimp_fmu.sampled_model import SampledModel
@@ -40,7 +40,6 @@ _SEAM = {
     "output_sensitivity": (("t", "x", "u", "p", "m", "v"), ("dy",)),
     "initial_sensitivity": (("t", "u", "p", "r", "v", "q"), ("dy",)),
 }
-_HELPER = re.compile(r"^(?:void|int|(?:const )?casadi_(?:real|int)\*?) casadi_\w+\(", re.MULTILINE)
 """Beginning of a function that CasADi adds for its own use, and leaves visible to other C files."""
 
 _UNNEEDED_CONTAINED = ("output_rate", "output_sensitivity", "initial_sensitivity")
@@ -107,7 +106,7 @@ def generate(model: Model) -> dict[str, str]:
         unneeded=_UNNEEDED_CONTAINED,
         seed=_seed_reference(model),
     )
-    equations = _equations(lowered.functions)
+    equations = equations_text(lowered.functions)
     return {MAIN_SOURCE: main, SIZES_SOURCE: sizes, EQUATIONS_SOURCE: equations, **runtime_sources()}
 
 
@@ -190,16 +189,9 @@ def _result(name: str) -> str:
     return {"c": "constants", "x": "states", "w": "drawn", "s": "shared"}.get(name, name)
 
 
-def _equations(functions: Sequence[ca.Function]) -> str:
-    generator = ca.CodeGenerator("equations.c", {"with_mem": False, "with_header": False})
-    for function in functions:
-        generator.add(function)
-    return _HELPER.sub(r"static \g<0>", generator.dump())
-
-
 def _c_number(value: float) -> str:
     if math.isinf(value):
-        return "INFINITY" if value > 0 else "-INFINITY"
+        return "REAL_INFINITY" if value > 0 else "-REAL_INFINITY"
     return repr(float(value))
 
 

@@ -8,6 +8,7 @@
 
 #include <stdint.h>
 
+#include "mathematics.h"
 #include "model.h"
 #ifdef CONTAINED
 /* Two functions of the compiler, which calls them itself: the library's header need not exist. */

@@ -35,14 +35,10 @@ def c_sources(plan: Plan) -> dict[str, str]:
         "system": plan.system.name,
         "folder": FOLDER,
         "plain": all(fmu.plain for fmu in plan.fmus),
-        "saves": plan.foreign and all(member.fmu.saves for member in plan.foreign),
+        "saves": bool(plan.foreign) and all(member.fmu.saves for member in plan.foreign),
         "foreign": plan.foreign,
         "output_starts": list(_output_starts(plan)),
-        "counts": {
-            "parameters": len(plan.with_role(FIXED, TUNABLE)),
-            "inputs": len(plan.with_role(INPUT)),
-            "outputs": len(plan.with_role(OUTPUT)),
-        },
+        "counts": counts(plan),
         "owners": [variable.member for variable in plan.with_role(FIXED, TUNABLE, INPUT)],
         "passes": list(_passes(plan)),
         "sampled": any(member.period for member in plan.members),
@@ -57,6 +53,15 @@ def c_sources(plan: Plan) -> dict[str, str]:
         found |= {f"{FOLDER}/{name}": text for name, text in fmu.wrappers.items()}
         found |= {f"{FOLDER}/{fmu.name}/{name}": text for name, text in fmu.sources.items()}
     return found
+
+
+def counts(plan: Plan) -> dict[str, int]:
+    """Return the numbers of variables by their role."""
+    return {
+        "parameters": len(plan.with_role(FIXED, TUNABLE)),
+        "inputs": len(plan.with_role(INPUT)),
+        "outputs": len(plan.with_role(OUTPUT)),
+    }
 
 
 def compiled_files(plan: Plan) -> list[str]:
