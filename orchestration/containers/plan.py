@@ -13,8 +13,8 @@ from dataclasses import dataclass
 
 from adaptimp_fmu.variables import range_in_words
 from orchestration.containers.c_text import identifier
-from orchestration.containers.contained_fmu import ContainedFmu, brings_runtime, document_of, own_fmu
-from orchestration.containers.foreign_fmu import foreign_fmu
+from orchestration.containers.contained_fmu import ContainedFmu, document_of
+from orchestration.containers.containment import contained_fmu
 from orchestration.containers.initial_order import Pass, initial_dependencies, initial_order
 from orchestration.errors import ContainerError
 from orchestration.fmi.codes import BOOLEAN, INTEGER, ONE_INSTANCE, STRING
@@ -226,8 +226,7 @@ def _fmus(system: System, name: str) -> dict[str, ContainedFmu]:
         alone = component.name if component.description.can(ONE_INSTANCE) else ""
         key = (file_hash(component.path), alone)
         if key not in by_content:
-            contained = own_fmu if brings_runtime(component) else foreign_fmu
-            by_content[key] = contained(component, {name, *(fmu.name for fmu in by_content.values())})
+            by_content[key] = contained_fmu(component, {name, *(fmu.name for fmu in by_content.values())})
         found[component.name] = by_content[key]
     return found
 
