@@ -11,7 +11,9 @@ from tests.strangers.contained.program import QUICKEST
 from tests.strangers.fmus import HEAD
 
 SOURCES = Path(__file__).with_name("sources")
-_UNITS = '<UnitDefinitions><Unit name="m"><BaseUnit m="1"/></Unit><Unit name="mm"><BaseUnit m="1" factor="0.001"/></Unit>'
+_UNITS = (
+    '<UnitDefinitions><Unit name="m"><BaseUnit m="1"/></Unit><Unit name="mm"><BaseUnit m="1" factor="0.001"/></Unit>'
+)
 _UNITS += '<Unit name="degC"><BaseUnit K="1" offset="273.15"/></Unit><Unit name="K"><BaseUnit K="1"/></Unit>'
 _UNITS += "</UnitDefinitions>"
 _MODES = '<TypeDefinitions><SimpleType name="Mode"><Enumeration><Item name="slow" value="1"/>'
@@ -119,7 +121,9 @@ def small_description(
         exact = f' initial="{initial}"' if initial else ""
         if exact_output and variable == "x":
             causality = "output"
-        head = f'name="{variable}" valueReference="{reference}" causality="{causality}" variability="{variability}"{exact}'
+        head = (
+            f'name="{variable}" valueReference="{reference}" causality="{causality}" variability="{variability}"{exact}'
+        )
         rows.append(f"<ScalarVariable {head}><{type_}{inner}/></ScalarVariable>")
     listed = "".join(f'<File name="{file}"/>' for file in files)
     sources = f"<SourceFiles>{listed}</SourceFiles>" if files else ""
