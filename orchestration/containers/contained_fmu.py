@@ -68,34 +68,30 @@ class ContainedFmu:
     saves: bool = False
 
 
-def contained_fmu(component: Component, taken: Iterable[str]) -> ContainedFmu:
-    """Return the FMU of a component as a part of a program.
+def brings_runtime(component: Component) -> bool:
+    """Whether the FMU of a component is of this project, with sources that a program contains without FMI."""
+    return set(_source_names(component)).issuperset(SOURCES + mark for mark in MARKS)
+
+
+def _source_names(component: Component) -> list[str]:
+    return [name for name in entry_names(component.path) if name.startswith(SOURCES) and not name.endswith("/")]
+
+
+def own_fmu(component: Component, taken: Iterable[str]) -> ContainedFmu:
+    """Return the FMU of a component as a part of a program, whose runtime has a form without FMI.
 
     Parameters
     ----------
     component
-        Component whose FMU is contained; messages name it.
+        Component with an FMU of this project, see `brings_runtime`.
     taken
         Identifiers that others have.
 
     Raises
     ------
-    ContainerError
-        If the FMU does not bring the sources that a program needs.
     ArchiveError
         If the archive is unsafe.
     """
-    path = component.path
-    names = [name for name in entry_names(path) if name.startswith(SOURCES) and not name.endswith("/")]
-    if {name.removeprefix(SOURCES) for name in names}.issuperset(MARKS):
-        return _own(component, names, taken)
-    from orchestration.containers.foreign_fmu import foreign_fmu
-
-    return foreign_fmu(component, taken)
-
-
-def _own(component: Component, names: list[str], taken: Iterable[str]) -> ContainedFmu:
-    """An FMU of this project, whose runtime has a form without FMI."""
     path, description = component.path, component.description
     name = identifier(description.identifier, taken, "Fmu")
     declared = declared_variables(path)
@@ -111,7 +107,7 @@ def _own(component: Component, names: list[str], taken: Iterable[str]) -> Contai
         source=templates.get_template("fmu.c.j2").render(name=name, model=description.model_name),
         sources={
             entry.removeprefix(SOURCES): content.decode("utf-8", "surrogateescape")
-            for entry, content in read_entries(path, names, MOST_BYTES)
+            for entry, content in read_entries(path, _source_names(component), MOST_BYTES)
         },
     )
 

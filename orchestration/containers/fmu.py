@@ -25,7 +25,7 @@ from adaptimp_fmu.toolchain import PLATFORMS, Platform, host_platform
 from orchestration.containers.c_program import c_sources, compiled_files
 from orchestration.containers.c_text import environment
 from orchestration.containers.contained_fmu import document_of
-from orchestration.containers.fmu_description import container_description, saves_state
+from orchestration.containers.fmu_description import container_description
 from orchestration.containers.fmu_documentation import container_documentation
 from orchestration.containers.fmu_icon import container_icon
 from orchestration.containers.plan import FIXED, GAUSS_SEIDEL, INPUT, OUTPUT, TUNABLE, Plan, ProgramVariable, plan_of
@@ -151,7 +151,6 @@ def _layer(plan: Plan) -> dict[str, str]:
         "guid": GUID_PLACEHOLDER,
         "sizes": {name: len(plan.with_role(*roles)) for name, roles in numbers.items()},
         "runs": _runs(plan),
-        "saves": saves_state(plan),
     }
     generated = {
         f"{LAYER}/{name}": templates.get_template(template).render(values)

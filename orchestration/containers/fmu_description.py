@@ -73,11 +73,6 @@ def container_description(plan: Plan, documents: Mapping[str, Document], sources
     return etree.tostring(root, xml_declaration=True, encoding="UTF-8", pretty_print=True)
 
 
-def saves_state(plan: Plan) -> bool:
-    """Return whether the state of the container can be saved and restored; of plain data it can be serialized, too."""
-    return all(member.fmu.saves for member in plan.foreign)
-
-
 def summary(plan: Plan) -> str:
     """Return one sentence on what a container holds."""
     members = ", ".join(f"{member.name} ({member.component.description.model_name})" for member in plan.members)
@@ -85,7 +80,6 @@ def summary(plan: Plan) -> str:
 
 
 def _co_simulation(root: Any, plan: Plan, sources: Iterable[str]) -> None:
-    saves = saves_state(plan)
     alone = any(fmu.description.can(ONE_INSTANCE) for fmu in plan.fmus)
     element = etree.SubElement(
         root,
@@ -96,8 +90,8 @@ def _co_simulation(root: Any, plan: Plan, sources: Iterable[str]) -> None:
         maxOutputDerivativeOrder="0",
         canBeInstantiatedOnlyOncePerProcess=_boolean(alone),
         canNotUseMemoryManagementFunctions="true",
-        canGetAndSetFMUstate=_boolean(saves),
-        canSerializeFMUstate=_boolean(saves and not plan.foreign),
+        canGetAndSetFMUstate=_boolean(plan.saves),
+        canSerializeFMUstate=_boolean(plan.serializes),
         providesDirectionalDerivative="false",
     )
     files = etree.SubElement(element, "SourceFiles")

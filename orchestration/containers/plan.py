@@ -13,7 +13,8 @@ from dataclasses import dataclass
 
 from adaptimp_fmu.variables import range_in_words
 from orchestration.containers.c_text import identifier
-from orchestration.containers.contained_fmu import ContainedFmu, contained_fmu, document_of
+from orchestration.containers.contained_fmu import ContainedFmu, brings_runtime, document_of, own_fmu
+from orchestration.containers.foreign_fmu import foreign_fmu
 from orchestration.containers.initial_order import Pass, initial_dependencies, initial_order
 from orchestration.errors import ContainerError
 from orchestration.fmi.codes import BOOLEAN, INTEGER, ONE_INSTANCE, STRING
@@ -146,6 +147,16 @@ class Plan:
         """Components whose FMUs are of other tools, so that their states are not plain data."""
         return [member for member in self.members if not member.fmu.plain]
 
+    @property
+    def saves(self) -> bool:
+        """Whether the states of all components can be saved and restored."""
+        return all(member.fmu.plain or member.fmu.saves for member in self.members)
+
+    @property
+    def serializes(self) -> bool:
+        """Whether the states of all components are plain data, which mean the same in another process."""
+        return not self.foreign
+
     def with_role(self, *roles: str) -> list[ProgramVariable]:
         """Variables of the given roles, in their order."""
         return [variable for variable in self.variables if variable.role in roles]
@@ -215,7 +226,8 @@ def _fmus(system: System, name: str) -> dict[str, ContainedFmu]:
         alone = component.name if component.description.can(ONE_INSTANCE) else ""
         key = (file_hash(component.path), alone)
         if key not in by_content:
-            by_content[key] = contained_fmu(component, {name, *(fmu.name for fmu in by_content.values())})
+            contained = own_fmu if brings_runtime(component) else foreign_fmu
+            by_content[key] = contained(component, {name, *(fmu.name for fmu in by_content.values())})
         found[component.name] = by_content[key]
     return found
 
