@@ -1,13 +1,11 @@
 /* Tests of inputs, parameters, states and outputs; each failure is a sentence that names the variable. */
 #include <float.h>
-#include <limits.h>
-#include <math.h>
 
 #include "instance.h"
 
 static size_t first_not_finite(const double *values, size_t n) {
     size_t i = 0;
-    while (i < n && isfinite(values[i])) ++i;
+    while (i < n && real_is_finite(values[i])) ++i;
     return i;
 }
 
@@ -22,12 +20,7 @@ static int all_finite(const double *values, size_t n) {
         for (size_t j = 0; j < 4; ++j) sums[j] += values[i + j];
     for (; i < n; ++i) sums[i % 4] += values[i];
     const double sum = (sums[0] + sums[1]) + (sums[2] + sums[3]);
-    return fabs(sum) <= DBL_MAX ? 1 : each_finite(values, n);
-}
-
-/* How a number that is not finite reads, on every platform. */
-static const char *not_finite(double value) {
-    return isnan(value) ? "nan" : value > 0 ? "inf" : "-inf";
+    return real_fabs(sum) <= DBL_MAX ? 1 : each_finite(values, n);
 }
 
 static RARE int input_invalid(const Instance *instance, const double *u) {
@@ -38,7 +31,7 @@ static RARE int input_invalid(const Instance *instance, const double *u) {
 }
 
 static int inputs_valid(const Instance *instance) {
-    const double *u = instance->state.values + MODEL_FIRST_INPUT;
+    const double *u = STATE_OF(instance)->values + MODEL_FIRST_INPUT;
     return all_finite(u, MODEL_N_INPUTS) ? 1 : input_invalid(instance, u);
 }
 
@@ -60,11 +53,6 @@ static RARE int output_invalid(const Instance *instance, const double *y, double
                    "compute (divergence or a singular configuration).",
          model_variables[MODEL_FIRST_OUTPUT + i].name, not_finite(y[i]), t);
     return 0;
-}
-
-/* 1 if the value is a whole number that fmi2Integer holds. */
-static int is_integer(double value) {
-    return value >= INT_MIN && value <= INT_MAX && value == (double)(fmi2Integer)value;
 }
 
 #ifdef MODEL_INTEGER_OUTPUTS
@@ -102,7 +90,7 @@ static int states_valid(const Instance *instance, const double *x, double t) {
 }
 
 static RARE int recalibrated(Instance *instance) {
-    State *s = &instance->state;
+    State *s = STATE_OF(instance);
     double checks[AT_LEAST_ONE(MODEL_N_STATIC_CHECKS)];
     model_calibrate(parameters(s), s->constants, checks, &s->noise_active);
     if (!checks_pass(instance, checks, MODEL_N_STATIC_CHECKS, model_static_checks)) return 0;
@@ -113,5 +101,5 @@ static RARE int recalibrated(Instance *instance) {
 
 /* Derives the constants if a parameter has changed. Returns 0 if the parameters contradict. */
 static int calibrated(Instance *instance) {
-    return instance->state.constants_stale ? recalibrated(instance) : 1;
+    return STATE_OF(instance)->constants_stale ? recalibrated(instance) : 1;
 }
