@@ -1,6 +1,5 @@
 /* The life of an instance from fmi2Instantiate to fmi2FreeInstance, and which FMI function may be
  * called in which state. */
-#include <float.h>
 #include <stdlib.h>
 #include <string.h>
 
