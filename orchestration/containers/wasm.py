@@ -27,7 +27,7 @@ _UNDEFINED = re.compile(r"([^/\\\s]+)\.o(?:bj)?: undefined symbol: (\S+)")
 """What the linker says: the stem of the source that calls a function, and the function."""
 
 
-def write_wasm(system: System, path: str | Path, *, algorithm: str | Algorithm = GAUSS_SEIDEL) -> Path:
+def write_wasm(system: System, path: str | Path, algorithm: str | Algorithm = GAUSS_SEIDEL) -> Path:
     """Write a system as a module of WebAssembly.
 
     Beside the module ``NAME.wasm`` stand ``NAME.json``, which describes its variables, and ``NAME.mjs``, with which
@@ -50,8 +50,8 @@ def write_wasm(system: System, path: str | Path, *, algorithm: str | Algorithm =
     Raises
     ------
     ContainerError
-        If the suffix is another one, an FMU brings no sources or needs a library that the module lacks, or the
-        algorithm is another one.
+        If the suffix is another one, the system cannot be one program, an FMU calls a function of a C library, which
+        the module lacks, or a file cannot be written.
     SystemDescriptionError
         If the system has no step, or a sampling period is not a multiple of it.
 
@@ -75,7 +75,11 @@ def write_wasm(system: System, path: str | Path, *, algorithm: str | Algorithm =
         target.with_suffix(".json"): description(plan, identity, target.name, module),
         target.with_suffix(".mjs"): host(),
     }
-    write_together(files)
+    try:
+        write_together(files)
+    except OSError as error:
+        msg = f"{target}: the module cannot be written: {error.strerror}; choose another place."
+        raise ContainerError(msg) from error
     return target
 
 

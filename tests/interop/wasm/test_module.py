@@ -13,6 +13,7 @@ from orchestration.containers.c_program import c_sources
 from orchestration.containers.plan import Plan
 from orchestration.containers.wasm import write_wasm
 from orchestration.errors import ContainerError, SystemDescriptionError
+from tests.faults.cli import runner
 from tests.interop.wasm.node import module_of, needs_node, node
 
 LARGEST = 150_000
@@ -128,9 +129,20 @@ def test_a_system_without_a_step_is_refused(tmp_path: Path) -> None:
     assert not list(tmp_path.iterdir())
 
 
+def test_the_command_line_writes_the_same_files(
+    fig5: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    said = runner(monkeypatch, capsys)("export", "fig5", "--as", "wasm", "-o", tmp_path / "system.wasm")
+    assert said.code == 0
+    assert "system.wasm: 5 components" in said.out + said.err
+    assert [path.read_bytes() for path in sorted(tmp_path.iterdir())] == [
+        path.read_bytes() for path in sorted(fig5.glob("system.*"))
+    ]
+
+
 def test_no_file_is_written_if_one_cannot_be(tmp_path: Path) -> None:
     (tmp_path / "fig5.mjs").mkdir()
-    with pytest.raises(OSError, match="directory"):
+    with pytest.raises(ContainerError, match="Is a directory"):
         write_wasm(scenario("fig5"), tmp_path / "fig5.wasm")
     assert [path.name for path in tmp_path.iterdir()] == ["fig5.mjs"]
 
