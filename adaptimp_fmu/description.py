@@ -85,7 +85,7 @@ def number(value: float, type: Type) -> str:
     """Return a value as a text of XML Schema."""
     if type is Type.BOOLEAN:
         return "true" if value else "false"
-    if type is Type.INTEGER or value.is_integer():
+    if type is Type.INTEGER or float(value).is_integer():
         return str(int(value)) if abs(value) < 1e15 else repr(value)
     return repr(value)
 
@@ -177,7 +177,7 @@ def _variability(variable: Variable, *, sampled: bool) -> str:
         return "fixed"
     if variable.role is Role.TUNABLE_PARAMETER:
         return "tunable"
-    if variable.type is not Type.REAL or (sampled and variable.role is Role.OUTPUT):
+    if variable.type is not Type.REAL or variable.whole or (sampled and variable.role is Role.OUTPUT):
         return "discrete"
     return "continuous"
 

@@ -75,6 +75,8 @@ class Variable:
         Closed range in `unit`, infinite where there is no bound.
     display_unit
         Unit in which tools show the value, such as ``deg`` for rad; empty if it is `unit`.
+    whole
+        Whether only whole numbers are values of a Real, which stands for a Boolean or an Integer.
 
     Raises
     ------
@@ -99,6 +101,7 @@ class Variable:
     minimum: float = -math.inf
     maximum: float = math.inf
     display_unit: str = ""
+    whole: bool = False
 
     def __post_init__(self) -> None:
         """Refuse what FMI 2.0 or a reader could not use."""
@@ -122,7 +125,9 @@ class Variable:
 
     @property
     def range(self) -> str:
-        """What the value must be, such as ``at least 0 N/m``; empty if there is no bound."""
+        """What the value must be, such as ``at least 0 N/m``; empty if it can be any."""
+        if self.whole:
+            return self._whole_range
         unit = f" {self.unit}" if self.unit else ""
         least, most = _short(self.minimum), _short(self.maximum)
         if math.isfinite(self.minimum) and math.isfinite(self.maximum):
@@ -130,6 +135,13 @@ class Variable:
         if math.isfinite(self.minimum):
             return f"at least {least}{unit}"
         return f"at most {most}{unit}" if math.isfinite(self.maximum) else ""
+
+    @property
+    def _whole_range(self) -> str:
+        if (self.minimum, self.maximum) == (0, 1):
+            return "0 or 1"
+        least, most = max(self.minimum, -INTEGER_LIMIT - 1), min(self.maximum, INTEGER_LIMIT)
+        return f"a whole number from {least:.0f} to {most:.0f}"
 
     def _require_units(self) -> None:
         """Refuse a unit that is not coherent with the SI, and a display unit that does not fit it."""

@@ -2,7 +2,7 @@
  *
  * A generated file defines, before anything else is included, the sizes MODEL_N_*, the index
  * MODEL_PERIOD and MODEL_SAMPLED (and the index MODEL_DIVISOR, if there are slow states, and
- * MODEL_INTEGER_OUTPUTS, if there are any); after this header it defines the tables and functions declared here. The model never sees FMI, the runtime never sees physics.
+ * MODEL_INTEGER_OUTPUTS and MODEL_WHOLE_REALS, if there are any); after this header it defines the tables and functions declared here. The model never sees FMI, the runtime never sees physics.
  *
  * A variable's value reference is its index in model_variables; parameters come first, then
  * inputs, then outputs, so each group is one run of doubles. Booleans and Integers are stored as
@@ -47,6 +47,11 @@ typedef struct {
 
 static const ModelRun model_runs[MODEL_N_VARIABLES];
 static const uint32_t model_references[MODEL_N_VARIABLES]; /* 0, 1, 2, ... */
+
+#ifdef MODEL_WHOLE_REALS
+/* 1 for the Reals that stand for Booleans and Integers: they hold whole numbers only. */
+static const unsigned char model_whole[MODEL_N_VARIABLES];
+#endif
 
 /* One sentence per check; a check fails when its value is not > 0. */
 static const char *const model_static_checks[AT_LEAST_ONE(MODEL_N_STATIC_CHECKS)];

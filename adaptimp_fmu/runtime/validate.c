@@ -37,9 +37,49 @@ static RARE int input_invalid(const Instance *instance, const double *u) {
     return 0;
 }
 
+/* 1 if the value is a whole number that fmi2Integer holds. */
+static int is_integer(double value) {
+    return value >= INT_MIN && value <= INT_MAX && value == (double)(fmi2Integer)value;
+}
+
+/* 1 for a Real that stands for a Boolean or an Integer. */
+static int is_whole_real(size_t reference) {
+#ifdef MODEL_WHOLE_REALS
+    return model_whole[reference];
+#else
+    (void)reference;
+    return 0;
+#endif
+}
+
+/* 0 if a Real stands for a Boolean or an Integer, and the value is none. */
+static int may_be(const ModelVariable *variable, double value) {
+    return !is_whole_real((size_t)(variable - model_variables)) ||
+           (is_integer(value) && value >= variable->min && value <= variable->max);
+}
+
+#ifdef MODEL_WHOLE_REALS
+/* 1 if each of n neighbours from a reference on may have its value; else says which may not. */
+static int wholes_valid(const Instance *instance, size_t first, size_t n, const double *values,
+                        const char *kind) {
+    for (size_t i = 0; i < n; ++i)
+        if (!may_be(&model_variables[first + i], values[i])) {
+            fail(instance, "%s %s is %.17g; it must be %s.", kind, model_variables[first + i].name,
+                 values[i], model_variables[first + i].range);
+            return 0;
+        }
+    return 1;
+}
+#endif
+
 static int inputs_valid(const Instance *instance) {
     const double *u = instance->state.values + MODEL_FIRST_INPUT;
-    return all_finite(u, MODEL_N_INPUTS) ? 1 : input_invalid(instance, u);
+    if (!all_finite(u, MODEL_N_INPUTS)) return input_invalid(instance, u);
+#ifdef MODEL_WHOLE_REALS
+    return wholes_valid(instance, MODEL_FIRST_INPUT, MODEL_N_INPUTS, u, "Input");
+#else
+    return 1;
+#endif
 }
 
 static RARE int check_fails(const Instance *instance, double check, const char *sentence) {
@@ -62,11 +102,6 @@ static RARE int output_invalid(const Instance *instance, const double *y, double
     return 0;
 }
 
-/* 1 if the value is a whole number that fmi2Integer holds. */
-static int is_integer(double value) {
-    return value >= INT_MIN && value <= INT_MAX && value == (double)(fmi2Integer)value;
-}
-
 #ifdef MODEL_INTEGER_OUTPUTS
 static int integers_valid(const Instance *instance, const double *y, double t) {
     for (size_t i = 0; i < MODEL_N_OUTPUTS; ++i) {
@@ -84,7 +119,9 @@ static int integers_valid(const Instance *instance, const double *y, double t) {
 
 static int outputs_valid(const Instance *instance, const double *y, double t) {
     if (!all_finite(y, MODEL_N_OUTPUTS)) return output_invalid(instance, y, t);
-#ifdef MODEL_INTEGER_OUTPUTS
+#if defined(MODEL_WHOLE_REALS)
+    return wholes_valid(instance, MODEL_FIRST_OUTPUT, MODEL_N_OUTPUTS, y, "Output");
+#elif defined(MODEL_INTEGER_OUTPUTS)
     return integers_valid(instance, y, t);
 #else
     return 1;
