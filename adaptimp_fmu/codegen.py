@@ -94,7 +94,7 @@ def generate(model: Model) -> dict[str, str]:
         functions=[_adapter(function) for function in lowered.functions],
         seed=_seed_reference(model),
         divisor=_divisor_reference(model),
-        whole=[v.whole for v in model.ordered_variables()],
+        whole=[v.stands_for is not None for v in model.ordered_variables()],
         integer_outputs=any(v.type is Type.INTEGER for v in model.with_role(Role.OUTPUT)),
     )
     return {MAIN_SOURCE: main, EQUATIONS_SOURCE: _equations(lowered.functions), **runtime_sources()}

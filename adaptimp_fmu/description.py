@@ -29,6 +29,11 @@ _EXPERIMENT = {
     "step_size": "stepSize",
     "tolerance": "tolerance",
 }
+STANDS_FOR = {
+    Type.BOOLEAN: ("BooleanAsReal", "0 for false, 1 for true"),
+    Type.INTEGER: ("IntegerAsReal", "A whole number"),
+}
+"""Declared type, with its description, of the Reals that stand for Booleans or Integers."""
 _CAUSALITY = {
     Role.FIXED_PARAMETER: "parameter",
     Role.TUNABLE_PARAMETER: "parameter",
@@ -132,6 +137,10 @@ def _types(root: Any, variables: Iterable[Variable]) -> None:
     for unit in sorted({variable.unit for variable in variables} & QUANTITIES.keys()):
         simple = etree.SubElement(definitions, "SimpleType", name=QUANTITIES[unit])
         etree.SubElement(simple, "Real", quantity=QUANTITIES[unit], unit=unit)
+    for type in sorted({variable.stands_for for variable in variables} & STANDS_FOR.keys(), key=lambda type: type.value):
+        name, text = STANDS_FOR[type]
+        simple = etree.SubElement(definitions, "SimpleType", name=name, description=text)
+        etree.SubElement(simple, "Real")
     if len(definitions):  # the schema has no empty list
         root.append(definitions)
 
@@ -160,6 +169,8 @@ def _variable(listing: Any, variable: Variable, reference: int, *, sampled: bool
     typed = etree.SubElement(element, variable.type.value)
     if variable.unit in QUANTITIES:
         typed.set("declaredType", QUANTITIES[variable.unit])
+    if variable.stands_for is not None:
+        typed.set("declaredType", STANDS_FOR[variable.stands_for][0])
     if variable.unit:
         typed.set("unit", variable.unit)
     if variable.display_unit:
@@ -177,7 +188,7 @@ def _variability(variable: Variable, *, sampled: bool) -> str:
         return "fixed"
     if variable.role is Role.TUNABLE_PARAMETER:
         return "tunable"
-    if variable.type is not Type.REAL or variable.whole or (sampled and variable.role is Role.OUTPUT):
+    if variable.type is not Type.REAL or variable.stands_for or (sampled and variable.role is Role.OUTPUT):
         return "discrete"
     return "continuous"
 

@@ -1,7 +1,8 @@
 """Declares a model a second time with Reals in the place of its Booleans and Integers, for tools that know Reals only.
 
 A Boolean becomes a Real that is 0 or 1, an Integer a Real that is a whole number. Names, start values, ranges,
-dependencies and equations stay. The runtime refuses any other value, see `Variable.whole`.
+dependencies and equations stay. The runtime refuses any other value. The declared type of such a variable says what
+the variable stands for.
 """
 
 from collections.abc import Sequence
@@ -46,8 +47,8 @@ def _as_real(variable: Variable) -> Variable:
     if variable.type is Type.REAL:
         return variable
     if variable.type is Type.BOOLEAN:
-        return replace(variable, type=Type.REAL, whole=True, minimum=0.0, maximum=1.0)
-    return replace(variable, type=Type.REAL, whole=True)
+        return replace(variable, type=Type.REAL, stands_for=Type.BOOLEAN, minimum=0.0, maximum=1.0)
+    return replace(variable, type=Type.REAL, stands_for=Type.INTEGER)
 
 
 def _as_shown(values: Sequence[ca.SX], types: Sequence[Type]) -> list[ca.SX]:

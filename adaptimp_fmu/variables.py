@@ -75,8 +75,8 @@ class Variable:
         Closed range in `unit`, infinite where there is no bound.
     display_unit
         Unit in which tools show the value, such as ``deg`` for rad; empty if it is `unit`.
-    whole
-        Whether only whole numbers are values of a Real, which stands for a Boolean or an Integer.
+    stands_for
+        Type of the values that a Real may have: Booleans, which are 0 and 1, or Integers. None for all numbers.
 
     Raises
     ------
@@ -101,7 +101,7 @@ class Variable:
     minimum: float = -math.inf
     maximum: float = math.inf
     display_unit: str = ""
-    whole: bool = False
+    stands_for: Type | None = None
 
     def __post_init__(self) -> None:
         """Refuse what FMI 2.0 or a reader could not use."""
@@ -126,7 +126,7 @@ class Variable:
     @property
     def range(self) -> str:
         """What the value must be, such as ``at least 0 N/m``; empty if it can be any."""
-        if self.whole:
+        if self.stands_for is not None:
             return self._whole_range
         unit = f" {self.unit}" if self.unit else ""
         least, most = _short(self.minimum), _short(self.maximum)
