@@ -5,7 +5,7 @@ dependencies and equations stay. The runtime refuses any other value. The declar
 the variable stands for.
 """
 
-from collections.abc import Sequence
+import sys
 from copy import copy
 from dataclasses import replace
 
@@ -17,7 +17,7 @@ from adaptimp_fmu.variables import Role, Type, Variable
 
 REMARK = "Booleans are Reals of 0 and 1, Integers are Reals of whole numbers"
 """What the description of such an FMU says besides that of the model."""
-_LARGEST = 1.7976931348623157e308
+_LARGEST = sys.float_info.max
 
 
 def as_reals(model: Model) -> Model:
@@ -37,8 +37,7 @@ def as_reals(model: Model) -> Model:
     changed = copy(model)
     changed.description = f"{model.description.rstrip('.')}. {REMARK}"
     changed.variables = [_as_real(variable) for variable in model.variables]
-    types = [variable.type for variable in model.with_role(Role.OUTPUT)]
-    changed.output_values = _as_shown(model.output_values, types)
+    changed.output_values = _as_shown(model)
     return changed
 
 
@@ -47,18 +46,18 @@ def _as_real(variable: Variable) -> Variable:
     if variable.type is Type.REAL:
         return variable
     if variable.type is Type.BOOLEAN:
-        return replace(variable, type=Type.REAL, stands_for=Type.BOOLEAN, minimum=0.0, maximum=1.0)
+        least, most = max(variable.minimum, 0.0), min(variable.maximum, 1.0)
+        return replace(variable, type=Type.REAL, stands_for=Type.BOOLEAN, minimum=least, maximum=most)
     return replace(variable, type=Type.REAL, stands_for=Type.INTEGER)
 
 
-def _as_shown(values: Sequence[ca.SX], types: Sequence[Type]) -> list[ca.SX]:
-    """Values of outputs, where each Boolean is 0 or 1 if it is a number: other Booleans than 0 mean true."""
-    shown, first = [], 0
-    for value in values:
-        elements = ca.vertsplit(value)
-        kinds = types[first : first + len(elements)]
-        first += len(elements)
-        shown.append(ca.vertcat(*(_truth(e) if kind is Type.BOOLEAN else e for e, kind in zip(elements, kinds, strict=True))))
+def _as_shown(model: Model) -> list[ca.SX]:
+    """Values of the outputs, where each Boolean is 0 or 1: in the runtime other numbers than 0 mean true."""
+    variables = iter(model.with_role(Role.OUTPUT))
+    shown = []
+    for value in model.output_values:
+        types = {next(variables).type for _ in range(value.numel())}
+        shown.append(_truth(value) if Type.BOOLEAN in types else value)
     return shown
 
 

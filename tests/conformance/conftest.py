@@ -6,33 +6,33 @@ from typing import Any
 
 import pytest
 
-from fmus.catalog import MODELS
 from tests.conformance.binary import Binary, Instance
+from tests.conformance.units import UNITS, file_of
 
 
 @pytest.fixture(scope="session")
-def load(fmu_folder: Path, tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Binary]:
+def load(fmu_folder: Path, reals_folder: Path, tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Binary]:
     """Loads an FMU's binary, once."""
     loaded: dict[str, Binary] = {}
 
     def load_once(name: str) -> Binary:
         if name not in loaded:
-            loaded[name] = Binary(fmu_folder / f"{name}.fmu", tmp_path_factory.mktemp(name))
+            loaded[name] = Binary(file_of(name, fmu_folder, reals_folder), tmp_path_factory.mktemp(Path(name).name))
         return loaded[name]
 
     return load_once
 
 
-@pytest.fixture(params=list(MODELS))
+@pytest.fixture(params=UNITS)
 def identifier(request: pytest.FixtureRequest) -> str:
     """Name of each FMU in turn."""
     return request.param
 
 
 @pytest.fixture
-def fmu(fmu_folder: Path, identifier: str) -> Path:
+def fmu(fmu_folder: Path, reals_folder: Path, identifier: str) -> Path:
     """File of each FMU in turn."""
-    return fmu_folder / f"{identifier}.fmu"
+    return file_of(identifier, fmu_folder, reals_folder)
 
 
 @pytest.fixture
