@@ -137,10 +137,9 @@ def _types(root: Any, variables: Iterable[Variable]) -> None:
     for unit in sorted({variable.unit for variable in variables} & QUANTITIES.keys()):
         simple = etree.SubElement(definitions, "SimpleType", name=QUANTITIES[unit])
         etree.SubElement(simple, "Real", quantity=QUANTITIES[unit], unit=unit)
-    for type in sorted(
-        {variable.stands_for for variable in variables} & STANDS_FOR.keys(), key=lambda type: type.value
-    ):
-        name, text = STANDS_FOR[type]
+    for type, (name, text) in STANDS_FOR.items():
+        if all(variable.stands_for is not type for variable in variables):
+            continue
         simple = etree.SubElement(definitions, "SimpleType", name=name, description=text)
         etree.SubElement(simple, "Real")
     if len(definitions):  # the schema has no empty list

@@ -300,8 +300,8 @@ class Instance:
 
 def kind(variable: Any) -> str:
     """Type of a variable, or the type that a Real stands for."""
-    declared = variable.declaredType.name if variable.declaredType is not None else ""
-    return {"BooleanAsReal": "Boolean", "IntegerAsReal": "Integer"}.get(declared, variable.type)
+    declared = str(variable.declaredType.name) if variable.declaredType is not None else ""
+    return {"BooleanAsReal": "Boolean", "IntegerAsReal": "Integer"}.get(declared, str(variable.type))
 
 
 def array(c_type: Any, values: Iterable[Any]) -> Any:
