@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import casadi as ca
 import jinja2
 
+from adaptimp_fmu.equations import equations_text
 from adaptimp_fmu.lowering import Lowered, lower
 from adaptimp_fmu.model import Model
 from adaptimp_fmu.sampled_model import SampledModel
@@ -16,6 +17,7 @@ from adaptimp_fmu.variables import Role, Type, Variable, element_names
 GUID_PLACEHOLDER = "{guid}"
 MAIN_SOURCE = "model.c"
 EQUATIONS_SOURCE = "equations.h"
+SIZES_SOURCE = "sizes.h"
 RUNTIME_LICENSE = "runtime_license.txt"
 """File in ``sources/`` with the license of the runtime, which is part of every FMU whoever owns the model."""
 
@@ -38,6 +40,10 @@ _SEAM = {
     "output_sensitivity": (("t", "x", "u", "p", "m", "v"), ("dy",)),
     "initial_sensitivity": (("t", "u", "p", "r", "v", "q"), ("dy",)),
 }
+"""Beginning of a function that CasADi adds for its own use, and leaves visible to other C files."""
+
+_UNNEEDED_CONTAINED = ("output_rate", "output_sensitivity", "initial_sensitivity")
+"""Functions of the seam that serve derivatives of FMI, which a model contained in a program does not have."""
 
 
 @dataclass(frozen=True)
@@ -80,24 +86,30 @@ def generate(model: Model) -> dict[str, str]:
         GUID belongs, because the GUID is a hash of these sources.
     """
     lowered = lower(model)
-    template = _environment().get_template("model.c.j2")
-    main = template.render(
+    templates = _environment()
+    sizes = templates.get_template("sizes.h.j2").render(
         model=model,
         sampled=isinstance(model, SampledModel),
         n=_sizes(model, lowered),
         period=model.reference(model.period_name),
+        divisor=_divisor_reference(model),
+        integer_outputs=any(v.type is Type.INTEGER for v in model.with_role(Role.OUTPUT)),
+        whole_reals=any(v.stands_for is not None for v in model.variables),
+    )
+    main = templates.get_template("model.c.j2").render(
+        model=model,
         guid=GUID_PLACEHOLDER,
         variables=[(v, 0.0 if v.start is None else v.start) for v in model.ordered_variables()],
         runs=_runs(model.ordered_variables()),
         sentences=_sentences(model),
         equations=EQUATIONS_SOURCE,
         functions=[_adapter(function) for function in lowered.functions],
+        unneeded=_UNNEEDED_CONTAINED,
         seed=_seed_reference(model),
-        divisor=_divisor_reference(model),
         whole=[v.stands_for is not None for v in model.ordered_variables()],
-        integer_outputs=any(v.type is Type.INTEGER for v in model.with_role(Role.OUTPUT)),
     )
-    return {MAIN_SOURCE: main, EQUATIONS_SOURCE: _equations(lowered.functions), **runtime_sources()}
+    equations = equations_text(lowered.functions)
+    return {MAIN_SOURCE: main, SIZES_SOURCE: sizes, EQUATIONS_SOURCE: equations, **runtime_sources()}
 
 
 def _environment() -> jinja2.Environment:
@@ -179,16 +191,9 @@ def _result(name: str) -> str:
     return {"c": "constants", "x": "states", "w": "drawn", "s": "shared"}.get(name, name)
 
 
-def _equations(functions: Sequence[ca.Function]) -> str:
-    generator = ca.CodeGenerator("equations.c", {"with_mem": False, "with_header": False})
-    for function in functions:
-        generator.add(function)
-    return generator.dump()
-
-
 def _c_number(value: float) -> str:
     if math.isinf(value):
-        return "INFINITY" if value > 0 else "-INFINITY"
+        return "REAL_INFINITY" if value > 0 else "-REAL_INFINITY"
     return repr(float(value))
 
 

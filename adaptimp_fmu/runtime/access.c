@@ -1,5 +1,4 @@
 /* The FMI functions that get and set variables. A call that is refused changes nothing. */
-#include <math.h>
 #include <string.h>
 
 #include "instance.h"
@@ -31,7 +30,7 @@ static int is_settable(const Instance *instance, const ModelVariable *variable, 
              function, variable->name);
         return 0;
     }
-    if (!isfinite(value)) {
+    if (!real_is_finite(value)) {
         fail(instance, "%s: %s = %s is not finite.", function, variable->name, not_finite(value));
         return 0;
     }
@@ -57,12 +56,6 @@ static int is_gettable(const Instance *instance, fmi2ValueReference reference, c
     if (variable->type != TYPE_INTEGER || is_integer(value)) return 1;
     fail(instance, "%s: %s = %.17g is not an Integer.", function, variable->name, value);
     return 0;
-}
-
-/* Bookkeeping after values have been stored. */
-static void note_change(State *s, int parameter_changed) {
-    s->constants_stale |= parameter_changed;
-    s->outputs_stale = 1;
 }
 
 static int arrays_present(const Instance *instance, size_t n, const void *references,
@@ -158,7 +151,7 @@ static int are_of_kind(const fmi2ValueReference vr[], size_t n, VariableType typ
         if (!instance || !arrays_present(instance, nvr, vr, value, #FUNCTION)) return fmi2Error;   \
         for (size_t i = 0; i < nvr; ++i)                                                           \
             if (!is_variable(instance, vr[i], TYPE, #FUNCTION)) return fmi2Error;                  \
-        if (instance->state.phase == INITIALIZATION) refresh_outputs(instance);                    \
+        if (instance->state.phase == INITIALIZATION) refresh_outputs(&instance->state);                    \
         for (size_t i = 0; i < nvr; ++i)                                                           \
             if (!is_gettable(instance, vr[i], #FUNCTION)) return fmi2Error;                        \
         for (size_t i = 0; i < nvr; ++i) value[i] = CONVERT(instance->state.values[vr[i]]);        \

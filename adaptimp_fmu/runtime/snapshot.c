@@ -4,7 +4,6 @@
  * holds numbers only: it works in another instance or process of the same FMU. All platforms are
  * little-endian.
  */
-#include <math.h>
 #include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
@@ -44,7 +43,7 @@ static int parameter_valid(const ModelVariable *variable, double value) {
     if (variable == &model_variables[MODEL_DIVISOR] && !(value >= 1)) return 0;
 #endif
     if (variable->type == TYPE_INTEGER && !is_integer(value)) return 0;
-    return value >= variable->min && value <= variable->max && isfinite(value) && may_be(variable, value);
+    return value >= variable->min && value <= variable->max && real_is_finite(value) && may_be(variable, value);
 }
 
 /* What no run leaves behind. The checksum finds corruption; bytes that somebody has made up pass it, and
@@ -57,7 +56,7 @@ static const char *state_fault(const State *s) {
         return "its phase is none of FMI";
     if (s->tick < 0 || s->tick > MOST_TICKS) return "its number of ticks is impossible";
     if (!(s->tick_fraction >= 0 && s->tick_fraction < 1)) return "its position between ticks is impossible";
-    if (!isfinite(s->start_time) || !isfinite(s->stop_time) || !isfinite(s->time))
+    if (!real_is_finite(s->start_time) || !real_is_finite(s->stop_time) || !real_is_finite(s->time))
         return "a time is not finite";
     return NULL;
 }

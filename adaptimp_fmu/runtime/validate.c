@@ -1,13 +1,12 @@
 /* Tests of inputs, parameters, states and outputs; each failure is a sentence that names the variable. */
 #include <float.h>
 #include <limits.h>
-#include <math.h>
 
 #include "instance.h"
 
 static size_t first_not_finite(const double *values, size_t n) {
     size_t i = 0;
-    while (i < n && isfinite(values[i])) ++i;
+    while (i < n && real_is_finite(values[i])) ++i;
     return i;
 }
 
@@ -22,12 +21,12 @@ static int all_finite(const double *values, size_t n) {
         for (size_t j = 0; j < 4; ++j) sums[j] += values[i + j];
     for (; i < n; ++i) sums[i % 4] += values[i];
     const double sum = (sums[0] + sums[1]) + (sums[2] + sums[3]);
-    return fabs(sum) <= DBL_MAX ? 1 : each_finite(values, n);
+    return real_fabs(sum) <= DBL_MAX ? 1 : each_finite(values, n);
 }
 
 /* How a number that is not finite reads, on every platform. */
 static const char *not_finite(double value) {
-    return isnan(value) ? "nan" : value > 0 ? "inf" : "-inf";
+    return real_is_nan(value) ? "nan" : value > 0 ? "inf" : "-inf";
 }
 
 static RARE int input_invalid(const Instance *instance, const double *u) {
@@ -37,11 +36,14 @@ static RARE int input_invalid(const Instance *instance, const double *u) {
     return 0;
 }
 
-/* 1 if the value is a whole number that fmi2Integer holds. */
+#if defined(MODEL_INTEGER_OUTPUTS) || defined(MODEL_WHOLE_REALS) || !defined(CONTAINED)
+/* 1 if the value is a whole number that an Integer holds. */
 static int is_integer(double value) {
-    return value >= INT_MIN && value <= INT_MAX && value == (double)(fmi2Integer)value;
+    return value >= INT_MIN && value <= INT_MAX && value == (double)(int)value;
 }
+#endif
 
+#if defined(MODEL_WHOLE_REALS) || !defined(CONTAINED)
 /* 1 for a Real that stands for a Boolean or an Integer. */
 static int is_whole_real(size_t reference) {
 #ifdef MODEL_WHOLE_REALS
@@ -57,6 +59,7 @@ static int may_be(const ModelVariable *variable, double value) {
     return !is_whole_real((size_t)(variable - model_variables)) ||
            (is_integer(value) && value >= variable->min && value <= variable->max);
 }
+#endif
 
 #ifdef MODEL_WHOLE_REALS
 /* 1 if each of n neighbours from a reference on may have its value; else says which may not. */
@@ -73,7 +76,7 @@ static int wholes_valid(const Instance *instance, size_t first, size_t n, const 
 #endif
 
 static int inputs_valid(const Instance *instance) {
-    const double *u = instance->state.values + MODEL_FIRST_INPUT;
+    const double *u = STATE_OF(instance)->values + MODEL_FIRST_INPUT;
     if (!all_finite(u, MODEL_N_INPUTS)) return input_invalid(instance, u);
 #ifdef MODEL_WHOLE_REALS
     return wholes_valid(instance, MODEL_FIRST_INPUT, MODEL_N_INPUTS, u, "Input");
@@ -139,7 +142,7 @@ static int states_valid(const Instance *instance, const double *x, double t) {
 }
 
 static RARE int recalibrated(Instance *instance) {
-    State *s = &instance->state;
+    State *s = STATE_OF(instance);
     double checks[AT_LEAST_ONE(MODEL_N_STATIC_CHECKS)];
     model_calibrate(parameters(s), s->constants, checks, &s->noise_active);
     if (!checks_pass(instance, checks, MODEL_N_STATIC_CHECKS, model_static_checks)) return 0;
@@ -150,5 +153,5 @@ static RARE int recalibrated(Instance *instance) {
 
 /* Derives the constants if a parameter has changed. Returns 0 if the parameters contradict. */
 static int calibrated(Instance *instance) {
-    return instance->state.constants_stale ? recalibrated(instance) : 1;
+    return STATE_OF(instance)->constants_stale ? recalibrated(instance) : 1;
 }

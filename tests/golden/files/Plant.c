@@ -1,26 +1,14 @@
-/* Plant: sizes, tables and equations. Generated; do not edit. */
-#define MODEL_SAMPLED 0
-#define MODEL_N_PARAMETERS 22
-#define MODEL_N_INPUTS 2
-#define MODEL_N_OUTPUTS 14
-#define MODEL_N_STATES 4
-#define MODEL_N_CONSTANTS 10
-#define MODEL_N_SHARED 17
-#define MODEL_N_EVENTS 2
-#define MODEL_N_NOISE 0
-#define MODEL_N_STATIC_CHECKS 1
-#define MODEL_N_CHECKS 0
-#define MODEL_PERIOD 0 /* value reference of dt_max */
-
-#include <math.h>
+/* Plant: tables and equations. Generated; do not edit. */
 
 #include "model.h"
+#include "casadi_names.h"
 
 /* CasADi's functions come with companions and arguments that nobody uses. */
 #if defined(__GNUC__)
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wunused-function"
 #pragma GCC diagnostic ignored "-Wunused-parameter"
+#pragma GCC diagnostic ignored "-Wconversion"
 #endif
 #define CASADI_SYMBOL_EXPORT static
 #include "equations.h"
@@ -28,86 +16,87 @@
 #pragma GCC diagnostic pop
 #endif
 
-static const char *const model_guid = "{guid}";
-
 static const ModelVariable model_variables[MODEL_N_VARIABLES] = {
     {"dt_max", TYPE_REAL, ROLE_FIXED_PARAMETER,
-     0.0001, 1e-12, INFINITY, "at least 1e-12 s" },
+     0.0001, 1e-12, REAL_INFINITY, "at least 1e-12 s" },
     {"q_start[1]", TYPE_REAL, ROLE_FIXED_PARAMETER,
-     -0.7227342478, -INFINITY, INFINITY, "" },
+     -0.7227342478, -REAL_INFINITY, REAL_INFINITY, "" },
     {"q_start[2]", TYPE_REAL, ROLE_FIXED_PARAMETER,
-     1.4454684956, -INFINITY, INFINITY, "" },
+     1.4454684956, -REAL_INFINITY, REAL_INFINITY, "" },
     {"dq_start[1]", TYPE_REAL, ROLE_FIXED_PARAMETER,
-     2.0943951024, -INFINITY, INFINITY, "" },
+     2.0943951024, -REAL_INFINITY, REAL_INFINITY, "" },
     {"dq_start[2]", TYPE_REAL, ROLE_FIXED_PARAMETER,
-     0.0, -INFINITY, INFINITY, "" },
+     0.0, -REAL_INFINITY, REAL_INFINITY, "" },
     {"m[1]", TYPE_REAL, ROLE_FIXED_PARAMETER,
-     2.0, 1e-12, INFINITY, "at least 1e-12 kg" },
+     2.0, 1e-12, REAL_INFINITY, "at least 1e-12 kg" },
     {"m[2]", TYPE_REAL, ROLE_FIXED_PARAMETER,
-     1.0, 1e-12, INFINITY, "at least 1e-12 kg" },
+     1.0, 1e-12, REAL_INFINITY, "at least 1e-12 kg" },
     {"l[1]", TYPE_REAL, ROLE_FIXED_PARAMETER,
-     1.0, 1e-12, INFINITY, "at least 1e-12 m" },
+     1.0, 1e-12, REAL_INFINITY, "at least 1e-12 m" },
     {"l[2]", TYPE_REAL, ROLE_FIXED_PARAMETER,
-     1.0, 1e-12, INFINITY, "at least 1e-12 m" },
+     1.0, 1e-12, REAL_INFINITY, "at least 1e-12 m" },
     {"viscous[1]", TYPE_REAL, ROLE_FIXED_PARAMETER,
-     0.0, 0.0, INFINITY, "at least 0 N.m.s/rad" },
+     0.0, 0.0, REAL_INFINITY, "at least 0 N.m.s/rad" },
     {"viscous[2]", TYPE_REAL, ROLE_FIXED_PARAMETER,
-     0.0, 0.0, INFINITY, "at least 0 N.m.s/rad" },
+     0.0, 0.0, REAL_INFINITY, "at least 0 N.m.s/rad" },
     {"coulomb[1]", TYPE_REAL, ROLE_FIXED_PARAMETER,
-     0.0, 0.0, INFINITY, "at least 0 N.m" },
+     0.0, 0.0, REAL_INFINITY, "at least 0 N.m" },
     {"coulomb[2]", TYPE_REAL, ROLE_FIXED_PARAMETER,
-     0.0, 0.0, INFINITY, "at least 0 N.m" },
+     0.0, 0.0, REAL_INFINITY, "at least 0 N.m" },
     {"coulomb_velocity", TYPE_REAL, ROLE_FIXED_PARAMETER,
-     0.01, 1e-12, INFINITY, "at least 1e-12 rad/s" },
+     0.01, 1e-12, REAL_INFINITY, "at least 1e-12 rad/s" },
     {"gravity", TYPE_REAL, ROLE_FIXED_PARAMETER,
-     0.0, -INFINITY, INFINITY, "" },
+     0.0, -REAL_INFINITY, REAL_INFINITY, "" },
     {"wall_normal[1]", TYPE_REAL, ROLE_FIXED_PARAMETER,
-     -1.0, -INFINITY, INFINITY, "" },
+     -1.0, -REAL_INFINITY, REAL_INFINITY, "" },
     {"wall_normal[2]", TYPE_REAL, ROLE_FIXED_PARAMETER,
-     0.0, -INFINITY, INFINITY, "" },
+     0.0, -REAL_INFINITY, REAL_INFINITY, "" },
     {"wall_offset", TYPE_REAL, ROLE_FIXED_PARAMETER,
-     1.45, -INFINITY, INFINITY, "" },
+     1.45, -REAL_INFINITY, REAL_INFINITY, "" },
     {"K_f", TYPE_REAL, ROLE_FIXED_PARAMETER,
-     100000.0, 0.0, INFINITY, "at least 0 N/m" },
+     100000.0, 0.0, REAL_INFINITY, "at least 0 N/m" },
     {"D_f", TYPE_REAL, ROLE_FIXED_PARAMETER,
-     0.0, 0.0, INFINITY, "at least 0 s/m" },
+     0.0, 0.0, REAL_INFINITY, "at least 0 s/m" },
     {"mu", TYPE_REAL, ROLE_FIXED_PARAMETER,
-     0.0, 0.0, INFINITY, "at least 0" },
+     0.0, 0.0, REAL_INFINITY, "at least 0" },
     {"friction_velocity", TYPE_REAL, ROLE_FIXED_PARAMETER,
-     0.01, 1e-12, INFINITY, "at least 1e-12 m/s" },
+     0.01, 1e-12, REAL_INFINITY, "at least 1e-12 m/s" },
     {"tau[1]", TYPE_REAL, ROLE_INPUT,
-     0.0, -INFINITY, INFINITY, "" },
+     0.0, -REAL_INFINITY, REAL_INFINITY, "" },
     {"tau[2]", TYPE_REAL, ROLE_INPUT,
-     0.0, -INFINITY, INFINITY, "" },
+     0.0, -REAL_INFINITY, REAL_INFINITY, "" },
     {"q[1]", TYPE_REAL, ROLE_OUTPUT,
-     0.0, -INFINITY, INFINITY, "" },
+     0.0, -REAL_INFINITY, REAL_INFINITY, "" },
     {"q[2]", TYPE_REAL, ROLE_OUTPUT,
-     0.0, -INFINITY, INFINITY, "" },
+     0.0, -REAL_INFINITY, REAL_INFINITY, "" },
     {"dq[1]", TYPE_REAL, ROLE_OUTPUT,
-     0.0, -INFINITY, INFINITY, "" },
+     0.0, -REAL_INFINITY, REAL_INFINITY, "" },
     {"dq[2]", TYPE_REAL, ROLE_OUTPUT,
-     0.0, -INFINITY, INFINITY, "" },
+     0.0, -REAL_INFINITY, REAL_INFINITY, "" },
     {"ddq[1]", TYPE_REAL, ROLE_OUTPUT,
-     0.0, -INFINITY, INFINITY, "" },
+     0.0, -REAL_INFINITY, REAL_INFINITY, "" },
     {"ddq[2]", TYPE_REAL, ROLE_OUTPUT,
-     0.0, -INFINITY, INFINITY, "" },
+     0.0, -REAL_INFINITY, REAL_INFINITY, "" },
     {"x[1]", TYPE_REAL, ROLE_OUTPUT,
-     0.0, -INFINITY, INFINITY, "" },
+     0.0, -REAL_INFINITY, REAL_INFINITY, "" },
     {"x[2]", TYPE_REAL, ROLE_OUTPUT,
-     0.0, -INFINITY, INFINITY, "" },
+     0.0, -REAL_INFINITY, REAL_INFINITY, "" },
     {"dx[1]", TYPE_REAL, ROLE_OUTPUT,
-     0.0, -INFINITY, INFINITY, "" },
+     0.0, -REAL_INFINITY, REAL_INFINITY, "" },
     {"dx[2]", TYPE_REAL, ROLE_OUTPUT,
-     0.0, -INFINITY, INFINITY, "" },
+     0.0, -REAL_INFINITY, REAL_INFINITY, "" },
     {"F_ext[1]", TYPE_REAL, ROLE_OUTPUT,
-     0.0, -INFINITY, INFINITY, "" },
+     0.0, -REAL_INFINITY, REAL_INFINITY, "" },
     {"F_ext[2]", TYPE_REAL, ROLE_OUTPUT,
-     0.0, -INFINITY, INFINITY, "" },
+     0.0, -REAL_INFINITY, REAL_INFINITY, "" },
     {"gap", TYPE_REAL, ROLE_OUTPUT,
-     0.0, -INFINITY, INFINITY, "" },
+     0.0, -REAL_INFINITY, REAL_INFINITY, "" },
     {"penetration", TYPE_REAL, ROLE_OUTPUT,
-     0.0, -INFINITY, INFINITY, "" },
+     0.0, -REAL_INFINITY, REAL_INFINITY, "" },
 };
+
+#ifndef CONTAINED
+static const char *const model_guid = "{guid}";
 
 static const uint32_t model_references[MODEL_N_VARIABLES] = {
     0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15,
@@ -155,6 +144,7 @@ static const ModelRun model_runs[MODEL_N_VARIABLES] = {
     {2, TYPE_REAL, ROLE_OUTPUT},
     {1, TYPE_REAL, ROLE_OUTPUT},
 };
+#endif
 
 static const char *const model_static_checks[] = {
     "wall_normal must have length 1",
@@ -207,22 +197,28 @@ static void model_event_indicators(double t, const double *x, const double *p, c
     event_indicators(arguments, results, 0, 0, 0);
 }
 
+#ifndef CONTAINED
 static void model_initial_sensitivity(double t, const double *u, const double *p, const double *r, const double *v, const double *q, double *restrict dy) {
     const double *arguments[] = {&t, u, p, r, v, q};
     double *results[] = {dy};
     initial_sensitivity(arguments, results, 0, 0, 0);
 }
+#endif
 
+#ifndef CONTAINED
 static void model_output_rate(double t, const double *x, const double *u, const double *p, const double *m, const double *v, double *restrict dy) {
     const double *arguments[] = {&t, x, u, p, m, v};
     double *results[] = {dy};
     output_rate(arguments, results, 0, 0, 0);
 }
+#endif
 
+#ifndef CONTAINED
 static void model_output_sensitivity(double t, const double *x, const double *u, const double *p, const double *m, const double *v, double *restrict dy) {
     const double *arguments[] = {&t, x, u, p, m, v};
     double *results[] = {dy};
     output_sensitivity(arguments, results, 0, 0, 0);
 }
+#endif
 
 #include "runtime.c"
