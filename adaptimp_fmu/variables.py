@@ -127,15 +127,8 @@ class Variable:
     def range(self) -> str:
         """What the value must be, such as ``at least 0 N/m``; empty if it can be any."""
         if self.stands_for is not None:
-            return self._whole_range
+            return whole_range_in_words(self.minimum, self.maximum)
         return range_in_words(self.minimum, self.maximum, self.unit)
-
-    @property
-    def _whole_range(self) -> str:
-        if (self.minimum, self.maximum) == (0, 1):
-            return "0 or 1"
-        least, most = max(self.minimum, -INTEGER_LIMIT - 1), min(self.maximum, INTEGER_LIMIT)
-        return f"a whole number from {least:.0f} to {most:.0f}"
 
     def _require_units(self) -> None:
         """Refuse a unit that is not coherent with the SI, and a display unit that does not fit it."""
@@ -176,6 +169,14 @@ def range_in_words(minimum: float, maximum: float, unit: str) -> str:
     if math.isfinite(minimum):
         return f"at least {least}{with_unit}"
     return f"at most {most}{with_unit}" if math.isfinite(maximum) else ""
+
+
+def whole_range_in_words(minimum: float, maximum: float) -> str:
+    """Return what a Real that stands for a Boolean or an Integer must be, such as ``0 or 1``."""
+    if (minimum, maximum) == (0, 1):
+        return "0 or 1"
+    least, most = max(minimum, -INTEGER_LIMIT - 1), min(maximum, INTEGER_LIMIT)
+    return f"a whole number from {least:.0f} to {most:.0f}"
 
 
 def _short(value: float) -> str:
