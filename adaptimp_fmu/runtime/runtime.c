@@ -2,12 +2,14 @@
  * the compiler sees model and runtime as one file and exports nothing but FMI's functions, or those of
  * contained.h. */
 #include "instance.h"
+#include "mathematics.h"
 
 #ifdef CONTAINED
 #include "record.c"
 #else
 #include "log.c"
 #endif
+#include "numbers.c"
 #include "validate.c"
 #if MODEL_SAMPLED
 #include "sampled.c"

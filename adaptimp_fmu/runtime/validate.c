@@ -1,6 +1,5 @@
 /* Tests of inputs, parameters, states and outputs; each failure is a sentence that names the variable. */
 #include <float.h>
-#include <limits.h>
 
 #include "instance.h"
 
@@ -24,42 +23,12 @@ static int all_finite(const double *values, size_t n) {
     return real_fabs(sum) <= DBL_MAX ? 1 : each_finite(values, n);
 }
 
-/* How a number that is not finite reads, on every platform. */
-static const char *not_finite(double value) {
-    return real_is_nan(value) ? "nan" : value > 0 ? "inf" : "-inf";
-}
-
 static RARE int input_invalid(const Instance *instance, const double *u) {
     size_t i = first_not_finite(u, MODEL_N_INPUTS);
     fail(instance, "Input %s is %s; it must be finite.", model_variables[MODEL_FIRST_INPUT + i].name,
          not_finite(u[i]));
     return 0;
 }
-
-#if defined(MODEL_INTEGER_OUTPUTS) || defined(MODEL_WHOLE_REALS) || !defined(CONTAINED)
-/* 1 if the value is a whole number that an Integer holds. */
-static int is_integer(double value) {
-    return value >= INT_MIN && value <= INT_MAX && value == (double)(int)value;
-}
-#endif
-
-#if defined(MODEL_WHOLE_REALS) || !defined(CONTAINED)
-/* 1 for a Real that stands for a Boolean or an Integer. */
-static int is_whole_real(size_t reference) {
-#ifdef MODEL_WHOLE_REALS
-    return model_whole[reference];
-#else
-    (void)reference;
-    return 0;
-#endif
-}
-
-/* 0 if a Real stands for a Boolean or an Integer, and the value is none. */
-static int may_be(const ModelVariable *variable, double value) {
-    return !is_whole_real((size_t)(variable - model_variables)) ||
-           (is_integer(value) && value >= variable->min && value <= variable->max);
-}
-#endif
 
 #ifdef MODEL_WHOLE_REALS
 /* 1 if each of n neighbours from a reference on may have its value; else says which may not. */

@@ -18,6 +18,6 @@ def declared(unit: str) -> Model:
     return as_reals(model) if unit.startswith(REALS) else model
 
 
-def file_of(unit: str, fmu_folder: Path, reals_folder: Path) -> Path:
+def file_of_unit(unit: str, fmu_folder: Path, reals_folder: Path) -> Path:
     """The FMU file of a unit."""
     return (reals_folder if unit.startswith(REALS) else fmu_folder) / f"{unit.removeprefix(REALS)}.fmu"
