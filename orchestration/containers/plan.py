@@ -141,6 +141,11 @@ class Plan:
     links: tuple[Link, ...]
     initialization: tuple[Pass, ...]
 
+    @property
+    def foreign(self) -> list[Member]:
+        """Components whose FMUs are of other tools, so that their states are not plain data."""
+        return [member for member in self.members if not member.fmu.plain]
+
     def with_role(self, *roles: str) -> list[ProgramVariable]:
         """Variables of the given roles, in their order."""
         return [variable for variable in self.variables if variable.role in roles]
@@ -285,6 +290,10 @@ def _variable(number: int, member: Member, variable: Variable, role: str) -> Pro
 
 def _links(system: System, members: Sequence[Member]) -> tuple[Link, ...]:
     number = {member.name: i for i, member in enumerate(members)}
+    for c in system.connections:
+        if system.component(c.source).variable(c.output).type == STRING:
+            msg = f"Connection {c}: a program has no Strings; remove the connection, or run the system as it is."
+            raise ContainerError(msg)
     links = [
         Link(
             number[c.source],
