@@ -11,7 +11,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from adaptimp_fmu.variables import range_in_words
+from adaptimp_fmu.variables import range_in_words, whole_range_in_words
 from orchestration.containers.c_text import identifier
 from orchestration.containers.contained_fmu import ContainedFmu, contained_fmu, document_of
 from orchestration.containers.initial_order import Pass, initial_dependencies, initial_order
@@ -141,6 +141,11 @@ class Plan:
     links: tuple[Link, ...]
     initialization: tuple[Pass, ...]
 
+    @property
+    def foreign(self) -> list[Member]:
+        """Components whose FMUs are of other tools, so that their states are not plain data."""
+        return [member for member in self.members if not member.fmu.plain]
+
     def with_role(self, *roles: str) -> list[ProgramVariable]:
         """Variables of the given roles, in their order."""
         return [variable for variable in self.variables if variable.role in roles]
@@ -150,9 +155,20 @@ class Plan:
         return [link for link in self.links if link.target == member]
 
     def takes_tested_values(self, fmu: ContainedFmu) -> bool:
-        """Whether every linked input of an FMU's components is an output, unscaled, that was found to be finite."""
+        """Whether every linked input of an FMU's components is an output, unscaled, that was found to be finite.
+
+        A linked input that stands for a Boolean or an Integer must be an output that stands for the same.
+        """
         links = [link for link in self.links if self.members[link.target].fmu is fmu]
-        return all(link.scale.trivial and self.members[link.source].fmu.tests_outputs for link in links)
+        return all(
+            link.scale.trivial and self.members[link.source].fmu.tests_outputs and self._stands_for_the_same(link)
+            for link in links
+        )
+
+    def _stands_for_the_same(self, link: Link) -> bool:
+        source, target = self.members[link.source].component, self.members[link.target].component
+        ends = source.variable(link.connection.output), target.variable(link.connection.input)
+        return ends[1].stands_for in ("", ends[0].stands_for)
 
 
 def plan_of(system: System, algorithm: str | Algorithm = GAUSS_SEIDEL) -> Plan:
@@ -266,12 +282,18 @@ def _variable(number: int, member: Member, variable: Variable, role: str) -> Pro
         start,
         minimum,
         maximum,
-        range_in_words(minimum, maximum, variable.unit),
+        whole_range_in_words(minimum, maximum)
+        if variable.stands_for
+        else range_in_words(minimum, maximum, variable.unit),
     )
 
 
 def _links(system: System, members: Sequence[Member]) -> tuple[Link, ...]:
     number = {member.name: i for i, member in enumerate(members)}
+    for c in system.connections:
+        if system.component(c.source).variable(c.output).type == STRING:
+            msg = f"Connection {c}: a program has no Strings; remove the connection, or run the system as it is."
+            raise ContainerError(msg)
     links = [
         Link(
             number[c.source],
