@@ -5,8 +5,10 @@
 
 #include "instance.h"
 
+#ifndef CONTAINER_FOREIGN
 /* Defined with the variables: what no run leaves behind, in words. */
 static const char *position_fault(const State *s);
+#endif
 
 /* 1e7 inner steps take seconds; more than that in one doStep is a mistake, not a step. */
 #define MAX_INNER_STEPS 1e7
@@ -50,7 +52,17 @@ static RARE int fail_in_component(const Instance *instance, const Failure *failu
     return 0;
 }
 
+/* What FMUs of other tools hold is given back; all else is plain data. */
+static void give_back(State *s) {
+#ifdef CONTAINER_FOREIGN
+    CONTAINER(free)(&s->system);
+#else
+    (void)s;
+#endif
+}
+
 static void start_afresh(State *s) {
+    give_back(s);
     memset(s, 0, sizeof *s);
     CONTAINER(reset)(&s->system);
     s->phase = INSTANTIATED;
@@ -100,13 +112,33 @@ static int calibrated(const Instance *instance) {
 
 static void refresh_outputs(State *s) { CONTAINER(show)(&s->system); }
 
-/* The end of initialization mode, of all components or of none; returns 0 after saying what is wrong. */
+#ifdef CONTAINER_FOREIGN
+/* All but the states of the components. */
+static void restore_position(State *s, const State *from) {
+    s->start_time = from->start_time;
+    s->stop_time = from->stop_time;
+    s->time = from->time;
+    s->latest_end = from->latest_end;
+    s->phase = from->phase;
+    s->stop_time_defined = from->stop_time_defined;
+    s->experiment_defined = from->experiment_defined;
+}
+#endif
+
+/* The end of initialization mode, of all components or of none; returns 0 after saying what is wrong. An FMU of
+ * another tool does not go back to initialization mode, so only a reset leads back then. */
 static int initialized(Instance *instance) {
-    const State before = instance->state;
     Failure failure;
+#ifndef CONTAINER_FOREIGN
+    const State before = instance->state;
+#endif
     if (!inputs_valid(instance)) return 0;
     if (!CONTAINER(finish)(&instance->state.system, &failure)) {
+#ifdef CONTAINER_FOREIGN
+        instance->state.phase = FAILED;
+#else
         instance->state = before;
+#endif
         return fail_in_component(instance, &failure);
     }
     instance->state.phase = STEP_COMPLETE;

@@ -78,6 +78,9 @@ fmi2Component fmi2Instantiate(fmi2String instanceName, fmi2Type fmuType, fmi2Str
 void fmi2FreeInstance(fmi2Component c) {
     Instance *instance = (Instance *)c;
     if (!instance) return;
+#ifdef MODEL_CONTAINER
+    give_back(&instance->state);
+#endif
     free(instance->name);
     free(instance);
 }

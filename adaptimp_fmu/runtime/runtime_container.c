@@ -9,4 +9,8 @@
 #include "access.c"
 #include "step.c"
 #include "no_derivatives.c"
+#ifdef CONTAINER_FOREIGN
+#include "foreign_states.c"
+#else
 #include "snapshot.c"
+#endif

@@ -12,6 +12,7 @@ Same system, same bytes: the GUID is a hash of the description and the sources.
 import hashlib
 import uuid
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from pathlib import Path
 
 from adaptimp_fmu.binary import binary
@@ -39,18 +40,18 @@ LAYER = "fmi"
 MAIN = f"{LAYER}/model.c"
 ALL_PLATFORMS = "all"
 _RUNTIME = (
+    *("access.c", "container.c", "container.h", "foreign_states.c", "functions.h", "instance.h", "lifecycle.c"),
     *(
-        "access.c",
-        "container.c",
-        "container.h",
-        "functions.h",
-        "instance.h",
-        "lifecycle.c",
         "log.c",
         "model.h",
         "no_derivatives.c",
+        "numbers.c",
+        "real_numbers.h",
+        "runtime_container.c",
+        "snapshot.c",
+        "state.h",
+        "step.c",
     ),
-    *("numbers.c", "real_numbers.h", "runtime_container.c", "snapshot.c", "state.h", "step.c"),
 )
 """Files of the runtime that a container needs."""
 
@@ -122,7 +123,9 @@ def _platforms(names: Iterable[str] | None) -> list[Platform]:
 
 def _compiled(plan: Plan, sources: Mapping[str, str], platform: Platform, units: list[str]) -> bytes:
     try:
-        return binary(plan.identifier, sources, platform, units=units)
+        library = ("-lm",) if any(fmu.needed for fmu in plan.fmus) else ()
+        linked = replace(platform, flags=(*platform.flags, *library))
+        return binary(plan.identifier, sources, linked, units=units)
     except (ToolchainError, OSError) as error:
         msg = f"System {plan.system.name} cannot be compiled: {error}"
         raise ContainerError(msg) from error

@@ -12,16 +12,19 @@ from lxml import etree
 
 from adaptimp_fmu.description import LOG_CATEGORIES, number
 from adaptimp_fmu.variables import Type
-from orchestration.containers.plan import OUTPUT, Plan, ProgramVariable
+from orchestration.containers.plan import FIXED, INPUT, OUTPUT, TUNABLE, Plan, ProgramVariable
 from orchestration.containers.structure import structure
 from orchestration.containers.unit_definitions import UnitDefinitions
-from orchestration.fmi.codes import BOOLEAN, INTEGER, REAL
+from orchestration.fmi.codes import BOOLEAN, INTEGER, ONE_INSTANCE, REAL
 from orchestration.fmi.document import Declared, Document, require_valid
 
 GENERATION_TOOL = "adaptimp"
 _TYPES = {REAL: Type.REAL, INTEGER: Type.INTEGER, BOOLEAN: Type.BOOLEAN}
 _KEPT = ("quantity", "relativeQuantity", "min", "max", "nominal", "unbounded")
 """Attributes of a variable or of its declared type that a container hands on as they are."""
+_CAUSALITIES = {FIXED: "parameter", TUNABLE: "parameter", INPUT: "input", OUTPUT: "output"}
+_VARIABILITIES = {FIXED: "fixed", TUNABLE: "tunable"}
+"""Start values of states that a system gives are parameters of the container, so the role decides."""
 _STRUCTURED = re.compile(r"[A-Za-z_]\w*(\[[1-9]\d*\])?(\.[A-Za-z_]\w*(\[[1-9]\d*(,[1-9]\d*)*\])?)+", re.ASCII)
 
 
@@ -71,11 +74,6 @@ def container_description(plan: Plan, documents: Mapping[str, Document], sources
     return etree.tostring(root, xml_declaration=True, encoding="UTF-8", pretty_print=True)
 
 
-def saves_state(plan: Plan) -> bool:
-    """Return whether the state of the container can be saved, restored and serialized."""
-    return all(fmu.plain for fmu in plan.fmus)
-
-
 def summary(plan: Plan) -> str:
     """Return one sentence on what a container holds."""
     members = ", ".join(f"{member.name} ({member.component.description.model_name})" for member in plan.members)
@@ -83,7 +81,7 @@ def summary(plan: Plan) -> str:
 
 
 def _co_simulation(root: Any, plan: Plan, sources: Iterable[str]) -> None:
-    saves = "true" if saves_state(plan) else "false"
+    alone = any(fmu.description.can(ONE_INSTANCE) for fmu in plan.fmus)
     element = etree.SubElement(
         root,
         "CoSimulation",
@@ -91,15 +89,19 @@ def _co_simulation(root: Any, plan: Plan, sources: Iterable[str]) -> None:
         canHandleVariableCommunicationStepSize="true",
         canInterpolateInputs="false",
         maxOutputDerivativeOrder="0",
-        canBeInstantiatedOnlyOncePerProcess="false",
+        canBeInstantiatedOnlyOncePerProcess=_flag(alone),
         canNotUseMemoryManagementFunctions="true",
-        canGetAndSetFMUstate=saves,
-        canSerializeFMUstate=saves,
+        canGetAndSetFMUstate=_flag(plan.saves),
+        canSerializeFMUstate=_flag(plan.serializes),
         providesDirectionalDerivative="false",
     )
     files = etree.SubElement(element, "SourceFiles")
     for name in sources:
         etree.SubElement(files, "File", name=name)
+
+
+def _flag(value: bool) -> str:
+    return "true" if value else "false"
 
 
 def _experiment(root: Any, plan: Plan) -> None:
@@ -118,12 +120,12 @@ def _variable(
         name=variable.path,
         valueReference=str(reference),
         description=declared.description,
-        causality=declared.causality,
-        variability=_variability(declared),
+        causality=_CAUSALITIES[variable.role],
+        variability=_VARIABILITIES.get(variable.role) or _variability(declared),
     )
-    if declared.causality == "output":
+    if variable.role == OUTPUT:
         element.set("initial", "calculated")
-    elif declared.causality == "parameter":
+    elif variable.role != INPUT:
         element.set("initial", "exact")
     typed = etree.SubElement(element, declared.type)
     attributes = document.attributes(declared)
@@ -134,7 +136,7 @@ def _variable(
         shown = units.display_unit(document, declared.unit, declared.display_unit)
         if shown:
             typed.set("displayUnit", shown)
-    if declared.causality != "output":
+    if variable.role != OUTPUT:
         typed.set("start", number(variable.start, _TYPES[declared.type]))
 
 
