@@ -175,6 +175,6 @@ def test_an_fmu_that_calls_a_library_is_named(tmp_path: Path, monkeypatch: pytes
     with pytest.raises(ContainerError) as caught:
         write_wasm(scenario("fig2"), tmp_path / "fig2.wasm")
     assert str(caught.value) == (
-        "plant: Plant.fmu calls erf; a module of WebAssembly has no library of C. Export the system as an FMU or as C."
+        "plant: Plant.fmu calls erf, which a module of WebAssembly lacks; export the system as an FMU or as C."
     )
     assert not list(tmp_path.iterdir())
