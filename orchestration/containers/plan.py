@@ -13,7 +13,8 @@ from dataclasses import dataclass
 
 from adaptimp_fmu.variables import range_in_words
 from orchestration.containers.c_text import identifier
-from orchestration.containers.contained_fmu import ContainedFmu, contained_fmu, document_of
+from orchestration.containers.contained_fmu import ContainedFmu, document_of
+from orchestration.containers.containment import contained_fmu
 from orchestration.containers.initial_order import Pass, initial_dependencies, initial_order
 from orchestration.errors import ContainerError
 from orchestration.fmi.codes import BOOLEAN, INTEGER, ONE_INSTANCE, STRING
@@ -277,6 +278,10 @@ def _variable(number: int, member: Member, variable: Variable, role: str) -> Pro
 
 def _links(system: System, members: Sequence[Member]) -> tuple[Link, ...]:
     number = {member.name: i for i, member in enumerate(members)}
+    for c in system.connections:
+        if system.component(c.source).variable(c.output).type == STRING:
+            msg = f"Connection {c}: a program has no Strings; remove the connection, or run the system as it is."
+            raise ContainerError(msg)
     links = [
         Link(
             number[c.source],
