@@ -49,8 +49,9 @@ def test_the_module_is_small(fig5: Path) -> None:
 
 
 def test_the_same_system_gives_the_same_bytes(fig5: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    system = scenario("fig5")
     monkeypatch.setenv("ADAPTIMP_CACHE", str(tmp_path / "cache"))  # empty, so that it is compiled anew
-    again = module_of("fig5", tmp_path)
+    again = module_of(system, tmp_path)
     assert [path.read_bytes() for path in sorted(again.glob("system.*"))] == [
         path.read_bytes() for path in sorted(fig5.glob("system.*"))
     ]
