@@ -5,7 +5,7 @@
 
 #include "instance.h"
 
-#ifndef CONTAINER_FOREIGN
+#if CONTAINER_IS_PLAIN
 /* Defined with the variables: what no run leaves behind, in words. */
 static const char *position_fault(const State *s);
 #endif
@@ -52,19 +52,14 @@ static RARE int fail_in_component(const Instance *instance, const Failure *failu
     return 0;
 }
 
-/* What FMUs of other tools hold is given back; all else is plain data. */
-static void give_back(State *s) {
-#ifdef CONTAINER_FOREIGN
-    CONTAINER(free)(&s->system);
-#else
-    (void)s;
-#endif
-}
-
+/* The memory of a new instance is zero; FMUs of other tools keep what they hold. */
 static void start_afresh(State *s) {
-    give_back(s);
+#if CONTAINER_IS_PLAIN
     memset(s, 0, sizeof *s);
+#endif
     CONTAINER(reset)(&s->system);
+    s->start_time = s->stop_time = s->time = s->latest_end = 0;
+    s->stop_time_defined = s->experiment_defined = 0;
     s->phase = INSTANTIATED;
 }
 
@@ -80,6 +75,15 @@ static void begin_at(State *s, double start_time) {
 static void enter_initialization(State *s) {
     CONTAINER(begin)(&s->system, s->start_time);
     s->phase = INITIALIZATION;
+}
+
+/* Gives back what the system holds besides its memory. */
+static void release(State *s) {
+#if CONTAINER_IS_PLAIN
+    (void)s;
+#else
+    CONTAINER(free)(&s->system);
+#endif
 }
 
 /* Stores a value that is_settable has found right. Its component learns of it. */
@@ -112,32 +116,19 @@ static int calibrated(const Instance *instance) {
 
 static void refresh_outputs(State *s) { CONTAINER(show)(&s->system); }
 
-#ifdef CONTAINER_FOREIGN
-/* All but the states of the components. */
-static void restore_position(State *s, const State *from) {
-    s->start_time = from->start_time;
-    s->stop_time = from->stop_time;
-    s->time = from->time;
-    s->latest_end = from->latest_end;
-    s->phase = from->phase;
-    s->stop_time_defined = from->stop_time_defined;
-    s->experiment_defined = from->experiment_defined;
-}
-#endif
-
-/* The end of initialization mode, of all components or of none; returns 0 after saying what is wrong. An FMU of
- * another tool does not go back to initialization mode, so only a reset leads back then. */
+/* The end of initialization mode, of all components or of none; returns 0 after saying what is wrong. FMUs of other
+ * tools cannot go back into initialization mode, so that the instance fails with them. */
 static int initialized(Instance *instance) {
-    Failure failure;
-#ifndef CONTAINER_FOREIGN
+#if CONTAINER_IS_PLAIN
     const State before = instance->state;
 #endif
+    Failure failure;
     if (!inputs_valid(instance)) return 0;
     if (!CONTAINER(finish)(&instance->state.system, &failure)) {
-#ifdef CONTAINER_FOREIGN
-        instance->state.phase = FAILED;
-#else
+#if CONTAINER_IS_PLAIN
         instance->state = before;
+#else
+        instance->state.phase = FAILED;
 #endif
         return fail_in_component(instance, &failure);
     }

@@ -9,8 +9,8 @@
 #include "access.c"
 #include "step.c"
 #include "no_derivatives.c"
-#ifdef CONTAINER_FOREIGN
-#include "foreign_states.c"
-#else
+#if CONTAINER_IS_PLAIN
 #include "snapshot.c"
+#else
+#include "snapshot_of_parts.c"
 #endif

@@ -16,15 +16,14 @@ from orchestration.containers.plan import FIXED, INPUT, OUTPUT, TUNABLE, Plan, P
 from orchestration.containers.structure import structure
 from orchestration.containers.unit_definitions import UnitDefinitions
 from orchestration.fmi.codes import BOOLEAN, INTEGER, ONE_INSTANCE, REAL
-from orchestration.fmi.document import Declared, Document, require_valid
+from orchestration.fmi.document import Document, require_valid
 
 GENERATION_TOOL = "adaptimp"
 _TYPES = {REAL: Type.REAL, INTEGER: Type.INTEGER, BOOLEAN: Type.BOOLEAN}
+_CAUSALITIES = {FIXED: "parameter", TUNABLE: "parameter", INPUT: "input", OUTPUT: "output"}
+_PARAMETERS = {FIXED: "fixed", TUNABLE: "tunable"}
 _KEPT = ("quantity", "relativeQuantity", "min", "max", "nominal", "unbounded")
 """Attributes of a variable or of its declared type that a container hands on as they are."""
-_CAUSALITIES = {FIXED: "parameter", TUNABLE: "parameter", INPUT: "input", OUTPUT: "output"}
-_VARIABILITIES = {FIXED: "fixed", TUNABLE: "tunable"}
-"""Start values of states that a system gives are parameters of the container, so the role decides."""
 _STRUCTURED = re.compile(r"[A-Za-z_]\w*(\[[1-9]\d*\])?(\.[A-Za-z_]\w*(\[[1-9]\d*(,[1-9]\d*)*\])?)+", re.ASCII)
 
 
@@ -89,10 +88,10 @@ def _co_simulation(root: Any, plan: Plan, sources: Iterable[str]) -> None:
         canHandleVariableCommunicationStepSize="true",
         canInterpolateInputs="false",
         maxOutputDerivativeOrder="0",
-        canBeInstantiatedOnlyOncePerProcess=_flag(alone),
+        canBeInstantiatedOnlyOncePerProcess=_boolean(alone),
         canNotUseMemoryManagementFunctions="true",
-        canGetAndSetFMUstate=_flag(plan.saves),
-        canSerializeFMUstate=_flag(plan.serializes),
+        canGetAndSetFMUstate=_boolean(plan.saves),
+        canSerializeFMUstate=_boolean(plan.serializes),
         providesDirectionalDerivative="false",
     )
     files = etree.SubElement(element, "SourceFiles")
@@ -100,7 +99,7 @@ def _co_simulation(root: Any, plan: Plan, sources: Iterable[str]) -> None:
         etree.SubElement(files, "File", name=name)
 
 
-def _flag(value: bool) -> str:
+def _boolean(value: bool) -> str:
     return "true" if value else "false"
 
 
@@ -121,12 +120,10 @@ def _variable(
         valueReference=str(reference),
         description=declared.description,
         causality=_CAUSALITIES[variable.role],
-        variability=_VARIABILITIES.get(variable.role) or _variability(declared),
+        variability=_variability(variable),
     )
-    if variable.role == OUTPUT:
-        element.set("initial", "calculated")
-    elif variable.role != INPUT:
-        element.set("initial", "exact")
+    if variable.role != INPUT:
+        element.set("initial", "calculated" if variable.role == OUTPUT else "exact")
     typed = etree.SubElement(element, declared.type)
     attributes = document.attributes(declared)
     for name in (name for name in _KEPT if name in attributes):
@@ -140,8 +137,11 @@ def _variable(
         typed.set("start", number(variable.start, _TYPES[declared.type]))
 
 
-def _variability(declared: Declared) -> str:
+def _variability(variable: ProgramVariable) -> str:
     """Variability in the container; only a Real is continuous, and an output that never changes is still calculated."""
+    declared = variable.declared
+    if variable.role in _PARAMETERS:
+        return _PARAMETERS[variable.role]
     if declared.variability == "constant" or (declared.type != REAL and declared.variability == "continuous"):
         return "discrete"
     return declared.variability

@@ -73,7 +73,7 @@ def container_documentation(plan: Plan, documents: Mapping[str, Document], sourc
         plan=plan,
         summary=summary(plan),
         saves_state=plan.saves,
-        library=any(fmu.needed for fmu in plan.fmus),
+        libraries=["m"] if any(fmu.needed for fmu in plan.fmus) else [],
         parts=parts,
         given=_given(plan.system),
         tables={title: _rows(plan, roles) for title, roles in _KINDS.items()},
