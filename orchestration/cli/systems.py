@@ -74,9 +74,7 @@ def named_system(name: str, variant: str | None = None, *, reals: bool = False) 
     """The system of a file or folder, or a scenario by name."""
     path = Path(name)
     if reals and (is_package(name) or path.suffix):
-        msg = (
-            f"--reals: only a scenario such as fig5 can take other FMUs of ours, and {name} has its own; leave it out."
-        )
+        msg = f"--reals: {name} has FMUs of its own; only a scenario such as fig5 can take ours. Leave the option out."
         raise SystemDescriptionError(msg)
     if is_package(name):
         return System.read(path, variant)

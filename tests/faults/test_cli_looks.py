@@ -170,6 +170,18 @@ def test_export_takes_what_run_takes(adaptimp: Command, fig2: System, tmp_path: 
     assert "--map says what --controller" in adaptimp("export", "fig2", "--map", "a=b", "-o", "x.ssp").sentence
 
 
+def test_export_of_a_scenario_with_reals_only(adaptimp: Command, tmp_path: Path) -> None:
+    swapped = ("--controller", "SlotineLiAdaptiveImpedance")
+    assert adaptimp("export", "fig5", "--reals", *swapped, "-o", "x.ssp").code == 0
+    read = System.read(tmp_path / "x.ssp")
+    assert read["controller"].description.model_name == "SlotineLiAdaptiveImpedance"
+    assert {v.type for c in read.components for v in c.description.variables.values()} == {"Real"}
+    for name in ("x.ssp", "plant.fmu"):
+        outcome = adaptimp("export", name, "--reals", "-o", "y.ssp")
+        assert outcome.code == 2
+        assert outcome.sentence.startswith(f"--reals: {name} has FMUs of its own; only a scenario such as fig5")
+
+
 def test_replacing_a_file_is_said(adaptimp: Command, tmp_path: Path) -> None:
     for said in ("wrote", "replaced"):
         for file in ("x.csv", "x.parquet"):

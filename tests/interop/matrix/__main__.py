@@ -34,7 +34,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if not given.render:
         with TemporaryDirectory() as folder:
             jobs = given.job or (*UNITS, *SYSTEMS)
-            found = measure(given.only or KEYS, jobs, built(), Path(folder), n_steps=given.steps, tell=tell)
+            files = built(Path(folder))
+            found = measure(given.only or KEYS, jobs, files, Path(folder), n_steps=given.steps, tell=tell)
         kept = kept.updated(found)
     if given.write:
         kept.write()

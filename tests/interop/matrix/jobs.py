@@ -24,15 +24,28 @@ from tests.interop.matrix.protocol import FMU, LOOP_AT_ONCE, NANOSECONDS, SYSTEM
 REALS = "-reals"
 """Ends the name of a job whose FMUs are those of ``adaptimp build --reals``."""
 _CHANGED = ("ForceSensor", CRAIG, SLOTINE_LI, SPONG_ORTEGA, "Actuator", "Actuator3R")
-UNITS = (*MODELS, *(f"{name}{REALS}" for name in _CHANGED))
+CONTAINER = "fig5-as-fmu"
+"""Name of the job of one FMU that is the whole system of fig5."""
+AT_ONCE = (
+    1000  # steps of fig5 in a communication step of that FMU: 100 communication steps of 0.02 s are the whole figure
+)
+UNITS = (*MODELS, *(f"{name}{REALS}" for name in _CHANGED), CONTAINER, f"{CONTAINER}{REALS}")
 FIGURES = tuple(name for name in SCENARIOS if name.startswith("fig"))
 SYSTEMS = (*FIGURES, *(f"{name}{REALS}" for name in FIGURES))
 ALONE = "unit"  # the component of an FMU's job
 
 
-def built() -> dict[str, Path]:
-    """The files of all FMUs by model identifier, and by the same with `REALS` those with Reals only."""
-    return {**fmus(MODELS), **{f"{name}{REALS}": path for name, path in fmus(MODELS, reals=True).items()}}
+def built(folder: Path) -> dict[str, Path]:
+    """The files of all FMUs by model identifier or `CONTAINER`, and by the same with `REALS` those with Reals only.
+
+    The containers are written into the folder.
+    """
+    found = {}
+    for ending in ("", REALS):
+        files = fmus(MODELS, reals=bool(ending))
+        container = figure_system("fig5", files).to_fmu(folder / f"{CONTAINER}{ending}.fmu")
+        found |= {f"{name}{ending}": path for name, path in {**files, CONTAINER: container}.items()}
+    return found
 
 
 def chosen(name: str, files: Mapping[str, Path]) -> tuple[str, Mapping[str, Path]]:
@@ -43,7 +56,9 @@ def chosen(name: str, files: Mapping[str, Path]) -> tuple[str, Mapping[str, Path
 
 
 def fmu_job(identifier: str, files: Mapping[str, Path], folder: Path) -> Job:
-    """An FMU alone, driven by ``fmus/reference/FMU/UNIT_in.csv``."""
+    """An FMU alone, driven by ``fmus/reference/FMU/UNIT_in.csv``, or the container, which has no inputs."""
+    if identifier == CONTAINER:
+        return _container_job(files, folder)
     inputs, step = table(identifier, "in"), options(identifier)["StepSize"]
     driven = [name for name in inputs.dtype.names or () if name != "time"]
     description = read_description(files[identifier])
@@ -51,6 +66,14 @@ def fmu_job(identifier: str, files: Mapping[str, Path], folder: Path) -> Job:
     system = System(identifier, (Component(ALONE, description, start),), step=step, stop_time=(len(inputs) - 1) * step)
     job = _job(system, FMU, len(inputs) - 1, folder)
     return replace(job, stimulus={f"{ALONE}.{name}": [float(x) for x in inputs[name]] for name in driven})
+
+
+def _container_job(files: Mapping[str, Path], folder: Path) -> Job:
+    scenario = SCENARIOS["fig5"]
+    component = Component(ALONE, read_description(files[CONTAINER]))
+    step = AT_ONCE * scenario.step
+    system = System(CONTAINER, (component,), step=step, stop_time=scenario.stop_time)
+    return _job(system, FMU, round(scenario.stop_time / step), folder)
 
 
 def figure_job(figure: str, files: Mapping[str, Path], folder: Path, n_steps: int | None = None) -> Job:
@@ -67,6 +90,9 @@ def figure_system(figure: str, files: Mapping[str, Path]) -> System:
 
 def our_rows(job: Job, tool: Tool, files: Mapping[str, Path]) -> np.ndarray:
     """What ours shows at all steps of a job, as the tool's algorithm and clock ask; shape (n_steps + 1, columns)."""
+    if job.name == CONTAINER:
+        result = simulate(figure_system("fig5", files))
+        return np.column_stack([result[job.split(name)[1]][::AT_ONCE] for name in job.columns])
     times = np.arange(job.n_steps + 1) * job.step
     if tool.clock == NANOSECONDS:
         times = np.arange(job.n_steps + 1) * round(job.step * 1e9) / 1e9
