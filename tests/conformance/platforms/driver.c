@@ -5,15 +5,17 @@
  * Both files hold float64 numbers only. PLAN (tests/conformance/platforms/plan.py writes it): the counts of
  * units, steps, given signals, signals and initialization passes; for each unit the counts of its start
  * values, inputs and outputs, then these as (type, value reference, value or number of the signal); for each
- * step the time, its length and the given signals, which are the first ones. RESULT: all signals after
- * initialization and after each step. In the middle all units save their state; at the end they go back to
- * it, repeat the second half, and must show the same bits. */
+ * step the time, its length and the given signals, which are the first ones. RESULT, or standard output if
+ * that is "-": all signals after initialization and after each step. In the middle all units save their
+ * state; at the end they go back to it, repeat the second half, and must show the same bits. */
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #ifdef _WIN32
+#include <fcntl.h>
+#include <io.h>
 #include <windows.h>
 #else
 #include <dlfcn.h>
@@ -175,6 +177,36 @@ static void *allocate(size_t count, size_t size) {
     return memory;
 }
 
+/* Where the rows go: a file, or standard output, on which Windows must not turn bytes into line ends. */
+static FILE *open_result(const char *path) {
+    FILE *file = stdout;
+    if (strcmp(path, "-") != 0) file = fopen(path, "wb");
+#ifdef _WIN32
+    else _setmode(_fileno(stdout), _O_BINARY);
+#endif
+    if (file == NULL) stop("cannot be written", path);
+    return file;
+}
+
+static void write_row(FILE *file, const double *row, size_t width) {
+    if (fwrite(row, sizeof *row, width, file) != width) stop("cannot be written", "a row");
+}
+
+/* Goes back to the saved states and makes the steps from `first` on again, which must show the same rows. */
+static void repeat(const Unit *units, size_t n, fmi2FMUstate *states, const double *steps, size_t n_given,
+                   const double *rows, size_t width, size_t first, size_t last) {
+    double *again = allocate(width, sizeof *again);
+    for (size_t i = 0; i < n; ++i) {
+        require(units[i].fmi2SetFMUstate(units[i].instance, states[i]), "fmi2SetFMUstate");
+        require(units[i].fmi2FreeFMUstate(units[i].instance, &states[i]), "fmi2FreeFMUstate");
+    }
+    memcpy(again, rows + first * width, width * sizeof *again);
+    for (size_t k = first; k < last; ++k) {
+        step(units, n, steps + k * (2 + n_given), n_given, again);
+        if (memcmp(again, rows + (k + 1) * width, width * sizeof *again) != 0) stop("differs", "the repeated half");
+    }
+}
+
 int main(int argc, char *argv[]) {
     if (argc < 6) stop("usage", "driver PLAN RESULT NAME LIBRARY GUID [NAME LIBRARY GUID ...]");
     const double *cursor = read_plan(argv[1]);
@@ -193,9 +225,11 @@ int main(int argc, char *argv[]) {
         load(&units[i], argv + 3 + 3 * i);
     }
 
+    FILE *file = open_result(argv[2]);
     double *rows = allocate((steps + 1) * width, sizeof *rows);
     memcpy(rows, cursor + 2, n_given * sizeof *rows);
     initialize(units, n, passes, rows);
+    write_row(file, rows, width);
     for (size_t k = 0; k < steps; ++k) {
         double *row = rows + (k + 1) * width;
         if (k == middle)
@@ -203,25 +237,14 @@ int main(int argc, char *argv[]) {
                 require(units[i].fmi2GetFMUstate(units[i].instance, &states[i]), "fmi2GetFMUstate");
         memcpy(row, row - width, width * sizeof *row);
         step(units, n, cursor + k * (2 + n_given), n_given, row);
+        write_row(file, row, width);
     }
-
-    double *again = allocate(width, sizeof *again);
-    for (size_t i = 0; i < n; ++i) {
-        require(units[i].fmi2SetFMUstate(units[i].instance, states[i]), "fmi2SetFMUstate");
-        require(units[i].fmi2FreeFMUstate(units[i].instance, &states[i]), "fmi2FreeFMUstate");
-    }
-    memcpy(again, rows + middle * width, width * sizeof *again);
-    for (size_t k = middle; k < steps; ++k) {
-        step(units, n, cursor + k * (2 + n_given), n_given, again);
-        if (memcmp(again, rows + (k + 1) * width, width * sizeof *again) != 0) stop("differs", "the repeated half");
-    }
+    repeat(units, n, states, cursor, n_given, rows, width, middle, steps);
 
     for (size_t i = 0; i < n; ++i) {
         require(units[i].fmi2Terminate(units[i].instance), "fmi2Terminate");
         units[i].fmi2FreeInstance(units[i].instance);
     }
-    FILE *file = fopen(argv[2], "wb");
-    if (file == NULL || fwrite(rows, width * sizeof *rows, steps + 1, file) != steps + 1 || fclose(file) != 0)
-        stop("cannot be written", argv[2]);
+    if (fclose(file) != 0) stop("cannot be written", argv[2]);
     return 0;
 }

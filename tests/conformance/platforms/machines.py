@@ -10,6 +10,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import IO
 
 import numpy as np
 
@@ -19,6 +20,7 @@ from tests.conformance.platforms.plan import Plan
 from tests.untested import needs
 
 DRIVER = Path(__file__).with_name("driver.c")
+PART = 2**16  # bytes of rows that are read at once
 # Where Debian's packages put them: wine64 (not on the search path), libc6-arm64-cross.
 WINE_FOLDER = Path("/usr/lib/wine")
 ARM_LIBRARIES = Path("/usr/aarch64-linux-gnu")
@@ -54,6 +56,30 @@ class Machine:
         RuntimeError
             With what the driver said, if it fails.
         """
+        with self._started(plan, folder, "result"):
+            pass
+        return plan.outputs_in((folder / "result").read_bytes())
+
+    def rows(self, plan: Plan, folder: Path) -> Iterator[bytes]:
+        """Compile the driver, run the plan in an empty folder, and yield its rows as they are made.
+
+        Yields
+        ------
+        bytes
+            Parts of the RESULT file, cut anywhere.
+
+        Raises
+        ------
+        RuntimeError
+            With what the driver said, if it fails.
+        """
+        with self._started(plan, folder, "-") as output:
+            while part := output.read(PART):
+                yield part
+
+    @contextmanager
+    def _started(self, plan: Plan, folder: Path, result: str) -> Iterator[IO[bytes]]:
+        """Standard output of the driver, which runs the plan; waits for its end."""
         windows = self.platform.extension == ".dll"
         program = compile_driver(self.platform, folder)
         plan.numbers().tofile(folder / "plan")
@@ -64,18 +90,19 @@ class Machine:
             with zipfile.ZipFile(unit.path) as archive:
                 (folder / library).write_bytes(archive.read(f"binaries/{self.platform.name}/{library}"))
             arguments += [component.name, library if windows else f"./{library}", unit.guid]
-        name = program.name if windows else f"./{program.name}"
-        run = subprocess.run(
-            [*self.launcher, name, "plan", "result", *arguments],
-            cwd=folder,
-            env=os.environ | self.environment,
-            capture_output=True,
-            text=True,
-            check=False,
-        )
-        if run.returncode != 0 or run.stderr:
-            raise RuntimeError(f"{self.platform.name}: exit code {run.returncode}: {run.stderr[-2000:]}")
-        return plan.outputs_in((folder / "result").read_bytes())
+        command = [*self.launcher, program.name if windows else f"./{program.name}", "plan", result, *arguments]
+        log = folder / "log"
+        with (
+            log.open("wb") as errors,
+            subprocess.Popen(
+                command, cwd=folder, env=os.environ | self.environment, stdout=subprocess.PIPE, stderr=errors
+            ) as process,
+        ):
+            assert process.stdout is not None
+            yield process.stdout
+        said = log.read_text(encoding="utf-8", errors="replace")
+        if process.returncode != 0 or said:
+            raise RuntimeError(f"{self.platform.name}: exit code {process.returncode}: {said[-2000:]}")
 
 
 def compile_driver(platform: Platform, folder: Path) -> Path:
