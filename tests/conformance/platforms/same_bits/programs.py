@@ -1,0 +1,92 @@
+"""What can run a figure: the master, drivers of other platforms' FMUs, and the whole system as one program.
+
+Each program gives the rows of a run as bytes: little-endian float64, row by row, row 0 first, in every row
+all outputs in the order of the components and of their modelDescription.xml.
+"""
+
+import platform
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from adaptimp_fmu import host_platform
+from orchestration import System, simulate
+from tests.conformance.platforms.machines import Machine, MachineUnavailableError, machine
+from tests.conformance.platforms.plan import Plan
+
+Rows = Callable[[System, int, Path], Iterator[bytes]]
+"""Gives the rows of the first steps of a system; the folder is empty and for scratch."""
+
+PART = 4096  # rows that are turned into bytes at once
+OLD_PROCESSOR = {"GLIBC_TUNABLES": "glibc.cpu.hwcaps=-AVX2,-FMA,-FMA4,-AVX512F"}
+"""Lets glibc choose the functions that it has for processors without fused multiplication and addition."""
+
+
+@dataclass(frozen=True)
+class Program:
+    """Something that runs systems.
+
+    Attributes
+    ----------
+    name
+        As it is printed and as the page has it.
+    what
+        A description for the page.
+    opened
+        Sets the program up and gives its rows; raises `MachineUnavailableError` if something is missing here.
+    """
+
+    name: str
+    what: str
+    opened: Callable[[], AbstractContextManager[Rows]]
+
+
+def plan(system: System, steps: int) -> Plan:
+    """The first steps of a system for the C driver."""
+    return Plan(system, np.full(steps, system.run_step()), passes=len(system.components))
+
+
+@contextmanager
+def _master() -> Iterator[Rows]:
+    """The compiled master on this machine."""
+    yield _master_rows
+
+
+def _master_rows(system: System, steps: int, _folder: Path) -> Iterator[bytes]:
+    result = simulate(system, stop_time=steps * system.run_step())
+    columns = [result[name] for name in plan(system, steps).outputs]
+    for first in range(0, steps + 1, PART):
+        yield np.column_stack([column[first : first + PART] for column in columns]).astype("<f8").tobytes()
+
+
+@contextmanager
+def _driver(name: str) -> Iterator[Rows]:
+    """The C driver with the FMUs of a platform."""
+    with machine(name) as found:
+        yield _driven(found)
+
+
+@contextmanager
+def _old_processor() -> Iterator[Rows]:
+    """The C driver on this machine, with the functions of glibc for old processors."""
+    if not sys.platform.startswith("linux") or platform.machine() != "x86_64":
+        raise MachineUnavailableError("only glibc on x86-64 has functions for several processors")
+    yield _driven(Machine(host_platform(), environment=OLD_PROCESSOR))
+
+
+def _driven(found: Machine) -> Rows:
+    return lambda system, steps, folder: found.rows(plan(system, steps), folder)
+
+
+PROGRAMS = (
+    Program("master", "the master on this machine, `adaptimp run` and `simulate`", _master),
+    Program("linux64", "a C program that steps the FMUs", lambda: _driver("linux64")),
+    Program("linux64, old processor", "the same, glibc without its functions for FMA and AVX2", _old_processor),
+    Program("win64", "the same program and the FMUs for Windows, in Wine", lambda: _driver("win64")),
+    Program("aarch64-linux", "the same for Linux on ARM, in qemu", lambda: _driver("aarch64-linux")),
+)
+"""In the order in which they are shown; the first one is what the others are compared with."""

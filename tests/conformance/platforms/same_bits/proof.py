@@ -1,0 +1,83 @@
+"""Runs figures in every program that is at hand, and compares the hashes of their rows."""
+
+import hashlib
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from adaptimp_fmu import PLATFORMS, build, host_platform
+from fmus.catalog import MODELS
+from orchestration import System
+from orchestration.paper.scenarios import SCENARIOS
+from tests.conformance.platforms.machines import MachineUnavailableError
+from tests.conformance.platforms.same_bits.programs import Program, Rows, plan
+
+NEEDED = {host_platform().name, "linux64", "win64", "aarch64-linux"}
+"""Platforms that the FMUs of a proof have binaries for."""
+
+
+@dataclass(frozen=True)
+class Proof:
+    """Hashes of a figure's rows.
+
+    Attributes
+    ----------
+    rows, columns
+        Counts; row 0 is one of the rows.
+    hashes
+        SHA-256 of all rows by the name of the program.
+    """
+
+    figure: str
+    rows: int
+    columns: int
+    hashes: Mapping[str, str]
+
+    @property
+    def equal(self) -> bool:
+        """Whether all programs computed the same bits."""
+        return len(set(self.hashes.values())) == 1
+
+
+def systems(figures: Iterable[str], folder: Path) -> list[System]:
+    """The systems of figures, made of FMUs for all the platforms of a proof, which are built into a folder."""
+    found = [SCENARIOS[figure] for figure in figures]
+    names = dict.fromkeys(name for scenario in found for name in scenario.models.values())
+    platforms = [platform for name, platform in PLATFORMS.items() if name in NEEDED]
+    files = {name: build(MODELS[name](), folder, platforms) for name in names}
+    return [scenario.system(files) for scenario in found]
+
+
+def full_length(system: System) -> int:
+    """Number of steps of the whole run."""
+    return round(system.run_stop_time() / system.run_step())
+
+
+def digest(rows: Rows, system: System, steps: int) -> str:
+    """SHA-256 of the rows of the first steps of a system, which are never in memory all at once."""
+    found = hashlib.sha256()
+    with TemporaryDirectory(prefix="same-bits-") as folder:
+        for part in rows(system, steps, Path(folder)):
+            found.update(part)
+    return found.hexdigest()
+
+
+@contextmanager
+def at_hand(programs: Sequence[Program]) -> Iterator[tuple[dict[str, Rows], dict[str, str]]]:
+    """Set up programs: those that run here, and why the others do not, both by name."""
+    running, missing = {}, {}
+    with ExitStack() as stack:
+        for program in programs:
+            try:
+                running[program.name] = stack.enter_context(program.opened())
+            except MachineUnavailableError as error:
+                missing[program.name] = str(error)
+        yield running, missing
+
+
+def prove(system: System, steps: int, running: Mapping[str, Rows]) -> Proof:
+    """Run the first steps of a system in every program."""
+    hashes = {name: digest(rows, system, steps) for name, rows in running.items()}
+    return Proof(system.name, steps + 1, len(plan(system, 1).outputs), hashes)
