@@ -48,7 +48,8 @@ def _print(proof: Proof, console: Console) -> None:
     for name, found in proof.hashes.items():
         console.print(f"{proof.figure}  {name:<24} {found}", highlight=False)
     verdict = "equal" if proof.equal else "DIFFERENT"
-    count = f"{len(proof.hashes)} programs, {proof.rows} rows, {proof.columns} columns"
+    programs = "1 program" if len(proof.hashes) == 1 else f"{len(proof.hashes)} programs"
+    count = f"{programs}, {proof.rows} rows, {proof.columns} columns"
     console.print(f"{proof.figure}  {count}: {verdict}", highlight=False, style="bold")
 
 

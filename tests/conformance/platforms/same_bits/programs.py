@@ -33,15 +33,12 @@ class Program:
     Attributes
     ----------
     name
-        As it is printed and as the page has it.
-    what
-        A description for the page.
+        As it is printed; docs/same-bits.md says what it is.
     opened
         Sets the program up and gives its rows; raises `MachineUnavailableError` if something is missing here.
     """
 
     name: str
-    what: str
     opened: Callable[[], AbstractContextManager[Rows]]
 
 
@@ -67,7 +64,7 @@ def _master_rows(system: System, steps: int, _folder: Path) -> Iterator[bytes]:
 def _driver(name: str) -> Iterator[Rows]:
     """The C driver with the FMUs of a platform."""
     with machine(name) as found:
-        yield _driven(found)
+        yield driven(found)
 
 
 @contextmanager
@@ -75,18 +72,19 @@ def _old_processor() -> Iterator[Rows]:
     """The C driver on this machine, with the functions of glibc for old processors."""
     if not sys.platform.startswith("linux") or platform.machine() != "x86_64":
         raise MachineUnavailableError("only glibc on x86-64 has functions for several processors")
-    yield _driven(Machine(host_platform(), environment=OLD_PROCESSOR))
+    yield driven(Machine(host_platform(), environment=OLD_PROCESSOR))
 
 
-def _driven(found: Machine) -> Rows:
+def driven(found: Machine) -> Rows:
+    """What the C driver gives with the FMUs of a machine's platform."""
     return lambda system, steps, folder: found.rows(plan(system, steps), folder)
 
 
 PROGRAMS = (
-    Program("master", "the master on this machine, `adaptimp run` and `simulate`", _master),
-    Program("linux64", "a C program that steps the FMUs", lambda: _driver("linux64")),
-    Program("linux64, old processor", "the same, glibc without its functions for FMA and AVX2", _old_processor),
-    Program("win64", "the same program and the FMUs for Windows, in Wine", lambda: _driver("win64")),
-    Program("aarch64-linux", "the same for Linux on ARM, in qemu", lambda: _driver("aarch64-linux")),
+    Program("master", _master),
+    Program("linux64", lambda: _driver("linux64")),
+    Program("linux64, old processor", _old_processor),
+    Program("win64", lambda: _driver("win64")),
+    Program("aarch64-linux", lambda: _driver("aarch64-linux")),
 )
 """In the order in which they are shown; the first one is what the others are compared with."""

@@ -1,0 +1,154 @@
+"""Every program at hand computes the bits of a figure that the master computes, and those that the page shows."""
+
+import hashlib
+from collections.abc import Iterator
+from contextlib import AbstractContextManager, contextmanager
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from orchestration import System
+from orchestration.paper.scenarios import SCENARIOS
+from tests.conformance.platforms.machines import Machine, MachineUnavailableError
+from tests.conformance.platforms.same_bits import __main__ as command
+from tests.conformance.platforms.same_bits import page
+from tests.conformance.platforms.same_bits.programs import PROGRAMS, Program, Rows, driven
+from tests.conformance.platforms.same_bits.proof import Proof, digest, full_length
+
+SHORT = 500  # steps of a run in the suite
+CHATTERING = "fig5"  # the run that the last bit of a function changes most; it is made in full length
+HERE = {program.name: program for program in PROGRAMS[1:] if program.name not in ("win64", "aarch64-linux")}
+
+
+@pytest.fixture(scope="module")
+def systems(portable: Path) -> dict[str, System]:
+    """Each figure's system, of FMUs for all platforms."""
+    return {
+        name: scenario.system({identifier: portable / f"{identifier}.fmu" for identifier in scenario.models.values()})
+        for name, scenario in SCENARIOS.items()
+    }
+
+
+@pytest.fixture(scope="module")
+def master() -> Iterator[Rows]:
+    """The program that the others are compared with."""
+    with PROGRAMS[0].opened() as rows:
+        yield rows
+
+
+@pytest.fixture(scope="module")
+def expected(systems: dict[str, System], master: Rows) -> dict[str, str]:
+    """Hash of each figure's first rows."""
+    return {name: digest(master, system, SHORT) for name, system in systems.items()}
+
+
+@pytest.fixture(scope="module", params=HERE)
+def rows(request: pytest.FixtureRequest) -> Iterator[Rows]:
+    """Another program of this machine's own."""
+    with available(HERE[request.param]) as found:
+        yield found
+
+
+@contextmanager
+def available(program: Program) -> Iterator[Rows]:
+    """The rows of a program, or the reason why the test is skipped."""
+    try:
+        with program.opened() as found:
+            yield found
+    except MachineUnavailableError as error:
+        pytest.skip(f"{program.name}: {error}")
+
+
+def compare(rows: Rows, systems: dict[str, System], expected: dict[str, str]) -> None:
+    """Hold a program's rows against the master's and the page's."""
+    assert {name: digest(rows, system, SHORT) for name, system in systems.items()} == expected
+    system = systems[CHATTERING]
+    assert digest(rows, system, full_length(system)) == page.hashes()[CHATTERING]
+
+
+def test_other_platforms_have_the_masters_bits(
+    foreign: Machine, systems: dict[str, System], expected: dict[str, str]
+) -> None:
+    compare(driven(foreign), systems, expected)
+
+
+def test_other_programs_have_the_masters_bits(rows: Rows, systems: dict[str, System], expected: dict[str, str]) -> None:
+    compare(rows, systems, expected)
+
+
+@pytest.mark.parametrize("figure", SCENARIOS)
+def test_the_page_has_the_hash_of_the_whole_run(figure: str, systems: dict[str, System], master: Rows) -> None:
+    assert digest(master, systems[figure], full_length(systems[figure])) == page.hashes()[figure]
+
+
+def rows_of_zeros(flipped: int | None = None) -> Rows:
+    """A program that shows zeros, and one bit otherwise in a row."""
+
+    def rows(_system: System, steps: int, _folder: Path) -> Iterator[bytes]:
+        for k in range(steps + 1):
+            yield np.array([5e-324 if k == flipped else 0.0]).tobytes()
+
+    return rows
+
+
+def planted(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, *others: Program) -> Path:
+    """Replace the programs by one that shows zeros and by others, and the page by a copy; returns the copy."""
+    zeros = Program("zeros", lambda: opened(rows_of_zeros()))
+    copy = tmp_path / "page.md"
+    copy.write_text(page.PAGE.read_text(encoding="utf-8"), encoding="utf-8")
+    monkeypatch.setattr(command, "PROGRAMS", (zeros, *others))
+    monkeypatch.setattr(page, "PAGE", copy)
+    return copy
+
+
+@contextmanager
+def opened(rows: Rows) -> Iterator[Rows]:
+    """A program that needs nothing."""
+    yield rows
+
+
+def not_here() -> AbstractContextManager[Rows]:
+    """A program that cannot be had."""
+    raise MachineUnavailableError("no such processor is here")
+
+
+def test_a_last_bit_in_the_last_row_is_noticed(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    copy = planted(monkeypatch, tmp_path, Program("flipped", lambda: opened(rows_of_zeros(SHORT))))
+    assert command.main(["--figures", "fig2", "--steps", str(SHORT - 1)]) == 0
+    assert "2 programs, 500 rows, 40 columns: equal" in capsys.readouterr().out
+    assert command.main(["--figures", "fig2", "--steps", str(SHORT)]) == 1
+    assert "DIFFERENT" in capsys.readouterr().out
+    assert copy.read_bytes() == page.PAGE.read_bytes()
+
+
+def test_a_program_that_is_missing_is_named_and_keeps_the_page_from_being_written(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    copy = planted(monkeypatch, tmp_path, Program("other", not_here))
+    before = copy.read_bytes()
+    assert command.main(["--figures", "fig2", "--steps", "1"]) == 0
+    assert "other is not at hand: no such processor is here." in capsys.readouterr().out
+    assert command.main(["--write"]) == 1
+    assert "is not written, because programs are missing: other." in capsys.readouterr().out
+    assert copy.read_bytes() == before
+
+
+def test_the_page_is_written_for_all_figures_in_full_length(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    copy = planted(monkeypatch, tmp_path)
+    assert command.main(["--write"]) == 0
+    assert set(page.hashes()) == set(SCENARIOS)
+    assert page.hashes()["fig2"] == hashlib.sha256(bytes(8 * 20_001)).hexdigest()
+    assert "| fig2 | 20001 | 40 | `" in copy.read_text(encoding="utf-8")
+    with pytest.raises(SystemExit):
+        command.main(["--write", "--steps", "3"])
+    assert "--write needs all figures in full length." in capsys.readouterr().err
+
+
+def test_one_program_alone_is_no_proof_of_a_difference() -> None:
+    assert Proof("fig2", 1, 1, {"master": "a"}).equal
+    assert not Proof("fig2", 1, 1, {"master": "a", "other": "b"}).equal
