@@ -16,6 +16,7 @@ from adaptimp_fmu.variables import Role, Type, Variable, element_names
 GUID_PLACEHOLDER = "{guid}"
 MAIN_SOURCE = "model.c"
 EQUATIONS_SOURCE = "equations.h"
+SIZES_SOURCE = "sizes.h"
 RUNTIME_LICENSE = "runtime_license.txt"
 """File in ``sources/`` with the license of the runtime, which is part of every FMU whoever owns the model."""
 
@@ -38,6 +39,9 @@ _SEAM = {
     "output_sensitivity": (("t", "x", "u", "p", "m", "v"), ("dy",)),
     "initial_sensitivity": (("t", "u", "p", "r", "v", "q"), ("dy",)),
 }
+
+_UNNEEDED_CONTAINED = ("output_rate", "output_sensitivity", "initial_sensitivity")
+"""Functions of the seam that serve derivatives of FMI, which a model contained in a program does not have."""
 
 
 @dataclass(frozen=True)
@@ -80,23 +84,28 @@ def generate(model: Model) -> dict[str, str]:
         GUID belongs, because the GUID is a hash of these sources.
     """
     lowered = lower(model)
-    template = _environment().get_template("model.c.j2")
-    main = template.render(
+    templates = _environment()
+    sizes = templates.get_template("sizes.h.j2").render(
         model=model,
         sampled=isinstance(model, SampledModel),
         n=_sizes(model, lowered),
         period=model.reference(model.period_name),
+        divisor=_divisor_reference(model),
+        integer_outputs=any(v.type is Type.INTEGER for v in model.with_role(Role.OUTPUT)),
+    )
+    main = templates.get_template("model.c.j2").render(
+        model=model,
         guid=GUID_PLACEHOLDER,
         variables=[(v, 0.0 if v.start is None else v.start) for v in model.ordered_variables()],
         runs=_runs(model.ordered_variables()),
         sentences=_sentences(model),
         equations=EQUATIONS_SOURCE,
         functions=[_adapter(function) for function in lowered.functions],
+        unneeded=_UNNEEDED_CONTAINED,
         seed=_seed_reference(model),
-        divisor=_divisor_reference(model),
-        integer_outputs=any(v.type is Type.INTEGER for v in model.with_role(Role.OUTPUT)),
     )
-    return {MAIN_SOURCE: main, EQUATIONS_SOURCE: _equations(lowered.functions), **runtime_sources()}
+    equations = _equations(lowered.functions)
+    return {MAIN_SOURCE: main, SIZES_SOURCE: sizes, EQUATIONS_SOURCE: equations, **runtime_sources()}
 
 
 def _environment() -> jinja2.Environment:

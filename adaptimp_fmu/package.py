@@ -6,33 +6,29 @@ hash of the definition and the runtime.
 
 import hashlib
 import io
-import logging
 import uuid
 import zipfile
 from collections.abc import Iterable
 from pathlib import Path
-from time import perf_counter
 
+from adaptimp_fmu.binary import binary, cached
 from adaptimp_fmu.codegen import (
     EQUATIONS_SOURCE,
     GUID_PLACEHOLDER,
     MAIN_SOURCE,
     RUNTIME_LICENSE,
+    SIZES_SOURCE,
     generate,
     runtime_license,
 )
 from adaptimp_fmu.description import model_description
 from adaptimp_fmu.documentation import documentation
-from adaptimp_fmu.files.cache_folder import cache_folder, is_trusted, writable_cache
-from adaptimp_fmu.files.sealed_file import read_sealed, write_sealed
-from adaptimp_fmu.files.temporary_folder import temporary_folder
+from adaptimp_fmu.files.cache_folder import cache_folder
 from adaptimp_fmu.files.whole_file import write_whole
 from adaptimp_fmu.icon import png
 from adaptimp_fmu.model import Model
-from adaptimp_fmu.toolchain import Platform, compile_library, host_platform, identity
+from adaptimp_fmu.toolchain import Platform, host_platform
 
-_LOG = logging.getLogger(__name__)
-"""Says at level DEBUG what begins, at level INFO what was done."""
 _EPOCH = (1980, 1, 1, 0, 0, 0)
 _REGULAR_FILE = 0o100644 << 16
 
@@ -89,15 +85,15 @@ def build(
     sources, description = definition(model)
     entries = {"modelDescription.xml": description, "model.png": png(model.icon)}
     for platform in sorted(platforms or [host_platform()], key=lambda p: p.name):
-        binary = _binary(sources, platform, cache, model.name)
-        entries[f"binaries/{platform.name}/{model.name}{platform.extension}"] = binary
+        library = binary(model.name, sources, platform, units=[MAIN_SOURCE], cache=cache)
+        entries[f"binaries/{platform.name}/{model.name}{platform.extension}"] = library
     for name, text in sources.items():
         entries[f"sources/{name}"] = text.encode()
     entries[f"sources/{RUNTIME_LICENSE}"] = _license_notice().encode()
     entries |= {f"documentation/{name}": content for name, content in documentation(model).items()}
     content = _archive(entries)
     if folder is None:
-        folder = _cached(cache, ("fmus", hashlib.sha256(content).hexdigest()[:32]), f"{model.name}.fmu")
+        folder = cached(cache, ("fmus", hashlib.sha256(content).hexdigest()[:32]), f"{model.name}.fmu")
     path = folder / f"{model.name}.fmu"
     if not path.exists() or path.read_bytes() != content:
         write_whole(path, content)
@@ -119,41 +115,10 @@ def definition(model: Model) -> tuple[dict[str, str], bytes]:
 def _license_notice() -> str:
     """License of the runtime, and the files that it does not cover."""
     scope = (
-        f"This license covers the runtime, which is every file in this folder but {MAIN_SOURCE} and\n"
-        f"{EQUATIONS_SOURCE}. Those two files are generated from the model and belong to the model's owner.\n\n"
+        f"This license covers the runtime, which is every file in this folder but {MAIN_SOURCE}, {SIZES_SOURCE} and\n"
+        f"{EQUATIONS_SOURCE}. Those files are generated from the model and belong to the model's owner.\n\n"
     )
     return scope + runtime_license()
-
-
-def _cached(cache: Path | None, parts: tuple[str, ...], file: str) -> Path:
-    """Folder of a file in the cache, which is there already or can be written to."""
-    if cache is not None:
-        return cache.joinpath(*parts)
-    present = default_cache().joinpath(*parts)
-    return present if is_trusted(present / file) else writable_cache(*parts)
-
-
-def _binary(sources: dict[str, str], platform: Platform, cache: Path | None, name: str) -> bytes:
-    """Compile, or take from the cache."""
-    key = hashlib.sha256(f"{identity()} {platform}".encode())
-    for source, text in sorted(sources.items()):
-        key.update(f"\0{source}\0{text}".encode())
-    file = f"{name}{platform.extension}"
-    cached = _cached(cache, ("binaries", key.hexdigest()[:32], platform.name), file) / file
-    if (kept := read_sealed(cached)) is not None:
-        _LOG.info("%s for %s: the binary is in the cache, %s", name, platform.name, cached)
-        return kept
-    _LOG.debug("compiling %s for %s, once", name, platform.name)
-    started = perf_counter()
-    with temporary_folder() as folder:
-        for source, text in sources.items():
-            (folder / source).write_text(text, encoding="utf-8", newline="\n")
-        output = folder / file
-        compile_library(folder / MAIN_SOURCE, output, platform)
-        binary = output.read_bytes()
-    write_sealed(cached, binary)
-    _LOG.info("compiled %s for %s in %.3g s", name, platform.name, perf_counter() - started)
-    return binary
 
 
 def _archive(entries: dict[str, bytes]) -> bytes:

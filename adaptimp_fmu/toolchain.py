@@ -7,6 +7,7 @@ import platform
 import subprocess
 import sys
 import tempfile
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -42,6 +43,8 @@ class Platform:
         Target of the compiler; Linux with glibc 2.17, macOS 11.
     flags
         Flags of the compiler besides `FLAGS`; ``{library}`` stands for the library's file name.
+    form
+        Flags that make the binary a shared library, or whatever else the platform loads.
 
     Examples
     --------
@@ -56,6 +59,7 @@ class Platform:
     target: str
     extension: str
     flags: tuple[str, ...] = ()
+    form: tuple[str, ...] = ("-shared",)
 
 
 # Without a name the linker writes the output's path, here of a temporary folder, into the library.
@@ -71,6 +75,9 @@ PLATFORMS = {
         Platform("aarch64-darwin", "aarch64-macos.11.0", ".dylib", _DARWIN),
     )
 }
+
+WASM = Platform("wasm", "wasm32-freestanding", ".wasm", ("-flto",), form=("-nostdlib", "-Wl,--no-entry"))
+"""WebAssembly without imports: not a platform of FMUs, and without any library of C."""
 
 
 def host_platform() -> Platform:
@@ -131,23 +138,33 @@ def _compiler_cache() -> dict[str, str]:
     return {_COMPILER_CACHE: str(writable_cache("zig"))}
 
 
-def compile_library(source: Path, output: Path, target: Platform) -> None:
-    """Compile one C file into a shared library.
+def compile_library(sources: Path | Sequence[Path], output: Path, target: Platform) -> None:
+    """Compile C files of one folder, and of folders below, into a shared library.
+
+    Parameters
+    ----------
+    sources
+        Translation units; the first one stands in the folder in which the compiler runs.
+    target
+        Platform of the library. `WASM` makes a module of WebAssembly.
 
     Raises
     ------
     ToolchainError
-        If the compiler refuses the file; the message has the compiler's output.
+        If the compiler refuses a file; the message has the compiler's output.
     """
+    units = [sources] if isinstance(sources, Path) else list(sources)
+    folder = units[0].parent
     command = [
-        *(sys.executable, "-m", "ziglang", "cc", "-shared", "-target", target.target),
+        *(sys.executable, "-m", "ziglang", "cc", *target.form, "-target", target.target),
         *FLAGS,
         *WARNINGS,
         *(flag.format(library=output.name) for flag in target.flags),
-        *("-I", str(fmi_headers()), source.name, "-o", str(output.resolve()), "-lm"),
+        *("-I", str(fmi_headers()), *(str(unit.relative_to(folder)) for unit in units)),
+        *("-o", str(output.resolve()), *(() if target is WASM else ("-lm",))),
     ]
     environment = {**os.environ, **_compiler_cache()}
-    run = subprocess.run(command, cwd=source.parent, env=environment, capture_output=True, text=True, check=False)
+    run = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, check=False)
     if run.returncode != 0 or not output.exists():
-        msg = f"{source.name} does not compile for {target.name}:\n{run.stderr.strip()}"
+        msg = f"{units[0].name} does not compile for {target.name}:\n{run.stderr.strip()}"
         raise ToolchainError(msg)

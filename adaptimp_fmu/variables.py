@@ -123,13 +123,7 @@ class Variable:
     @property
     def range(self) -> str:
         """What the value must be, such as ``at least 0 N/m``; empty if there is no bound."""
-        unit = f" {self.unit}" if self.unit else ""
-        least, most = _short(self.minimum), _short(self.maximum)
-        if math.isfinite(self.minimum) and math.isfinite(self.maximum):
-            return f"from {least} to {most}{unit}"
-        if math.isfinite(self.minimum):
-            return f"at least {least}{unit}"
-        return f"at most {most}{unit}" if math.isfinite(self.maximum) else ""
+        return range_in_words(self.minimum, self.maximum, self.unit)
 
     def _require_units(self) -> None:
         """Refuse a unit that is not coherent with the SI, and a display unit that does not fit it."""
@@ -159,6 +153,17 @@ class Variable:
 def element_names(name: str, shape: int | None) -> list[str]:
     """Return the names of a variable's scalars: the name if `shape` is None, else ``name[1]`` to ``name[n]``."""
     return [name] if shape is None else [f"{name}[{i + 1}]" for i in range(shape)]
+
+
+def range_in_words(minimum: float, maximum: float, unit: str) -> str:
+    """Return what a value must be, such as ``at least 0 N/m``; empty if both bounds are infinite."""
+    with_unit = f" {unit}" if unit else ""
+    least, most = _short(minimum), _short(maximum)
+    if math.isfinite(minimum) and math.isfinite(maximum):
+        return f"from {least} to {most}{with_unit}"
+    if math.isfinite(minimum):
+        return f"at least {least}{with_unit}"
+    return f"at most {most}{with_unit}" if math.isfinite(maximum) else ""
 
 
 def _short(value: float) -> str:

@@ -189,6 +189,20 @@ class SystemDescriptionError(OrchestrationError):
     """
 
 
+class ContainerError(OrchestrationError):
+    """A system that cannot be one program, such as one with an algebraic loop or with an FMU without sources.
+
+    Examples
+    --------
+    >>> from orchestration import ContainerError, scenario
+    >>> try:
+    ...     scenario("fig2").to_c("program", algorithm="newton")  # iterates, which a program does not
+    ... except ContainerError as error:
+    ...     print(error)
+    System fig2: ... newton ... gauss-seidel or jacobi...
+    """
+
+
 class SignalError(OrchestrationError, ValueError):
     """A name, a shape, a value or a time does not fit the FMU that is driven.
 

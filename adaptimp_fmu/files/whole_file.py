@@ -8,7 +8,7 @@ The draft of a process that was killed is removed when the same file is written 
 import errno
 import os
 import secrets
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import IO
@@ -133,6 +133,39 @@ def write_whole(path: Path, content: bytes) -> None:
     """
     with whole_file(path) as file:
         file.write(content)
+
+
+def write_together(contents: Mapping[Path, bytes]) -> None:
+    """Write several files that belong together: all of them, or none if one of them cannot be written.
+
+    Raises
+    ------
+    OSError
+        If a file cannot be written. Then existing files at the paths stay as they are.
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> from adaptimp_fmu.files.whole_file import write_together
+    >>> write_together({Path("fig5.wasm"): b"code", Path("fig5.json"): b"{}"})
+    >>> Path("fig5.json").read_bytes()
+    b'{}'
+    """
+    for path in contents:
+        if path.is_dir():  # better now than when some files are there
+            raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(path))
+    drafts: list[Draft] = []
+    try:
+        for path, content in contents.items():
+            drafts.append(Draft(path))
+            drafts[-1].file.write(content)
+            drafts[-1].file.flush()
+        for draft in drafts:
+            draft.publish()
+    except BaseException:
+        for draft in drafts:
+            draft.abandon()
+        raise
 
 
 def _opened(path: Path) -> tuple[Path, IO[bytes]]:

@@ -59,12 +59,6 @@ static int is_gettable(const Instance *instance, fmi2ValueReference reference, c
     return 0;
 }
 
-/* Bookkeeping after values have been stored. */
-static void note_change(State *s, int parameter_changed) {
-    s->constants_stale |= parameter_changed;
-    s->outputs_stale = 1;
-}
-
 static int arrays_present(const Instance *instance, size_t n, const void *references,
                           const void *values, const char *function) {
     if (n == 0 || (references && values)) return 1;
@@ -158,7 +152,7 @@ static int are_of_kind(const fmi2ValueReference vr[], size_t n, VariableType typ
         if (!instance || !arrays_present(instance, nvr, vr, value, #FUNCTION)) return fmi2Error;   \
         for (size_t i = 0; i < nvr; ++i)                                                           \
             if (!is_variable(instance, vr[i], TYPE, #FUNCTION)) return fmi2Error;                  \
-        if (instance->state.phase == INITIALIZATION) refresh_outputs(instance);                    \
+        if (instance->state.phase == INITIALIZATION) refresh_outputs(&instance->state);                    \
         for (size_t i = 0; i < nvr; ++i)                                                           \
             if (!is_gettable(instance, vr[i], #FUNCTION)) return fmi2Error;                        \
         for (size_t i = 0; i < nvr; ++i) value[i] = CONVERT(instance->state.values[vr[i]]);        \

@@ -9,7 +9,6 @@
  */
 #include <float.h>
 #include <math.h>
-#include <string.h>
 
 #include "instance.h"
 
@@ -21,10 +20,20 @@
 #define EVENTS_PER_SUBSTEP 2
 #define MAX_ITERATIONS 200
 
+/* Whether inputs move in the step. Those of a contained model do not. */
+static int rates_given(const State *s) {
+#ifdef CONTAINED
+    (void)s;
+    return 0;
+#else
+    return s->rates_given;
+#endif
+}
+
 /* The inputs at time t: held, or continued from the start of the step by their derivatives. */
 static const double *inputs_at(const State *s, double t, double *continued) {
     const double *u = s->values + MODEL_FIRST_INPUT, dt = t - s->step_start;
-    if (!s->rates_given) return u;
+    if (!rates_given(s)) return u;
     for (int i = 0; i < MODEL_N_INPUTS; ++i)
         continued[i] = u[i] + dt * (s->input_rates[0][i] + 0.5 * dt * s->input_rates[1][i]);
     return continued;
@@ -128,7 +137,7 @@ static int first_event(State *s, double t, double *step, double *end) {
 #if MODEL_N_EVENTS
 /* A sub-step in which an event happens, from its beginning; each event takes one of `events_left`. */
 static RARE int substep_with_events(Instance *instance, double t, double dt, int64_t *events_left) {
-    State *s = &instance->state;
+    State *s = STATE_OF(instance);
     double end[AT_LEAST_ONE(MODEL_N_STATES)], rest = dt;
     model_prepare(s->states, parameters(s), s->constants, s->shared);
     for (;;) {
@@ -154,7 +163,7 @@ static RARE int substep_with_events(Instance *instance, double t, double dt, int
 
 /* One sub-step. */
 static INLINED int substep(Instance *instance, double t, double dt, int64_t *events_left) {
-    State *s = &instance->state;
+    State *s = STATE_OF(instance);
     double end[AT_LEAST_ONE(MODEL_N_STATES)];
     runge_kutta_4(s, t, dt, end);
     model_prepare(end, parameters(s), s->constants, s->shared);
@@ -194,7 +203,7 @@ static void show_initial_outputs(State *s, double *checks) {
 static void end_inputs(State *s, double t) {
     double continued[AT_LEAST_ONE(MODEL_N_INPUTS)];
     memcpy(s->end_inputs, inputs_at(s, t, continued), sizeof s->end_inputs);
-    if (!s->rates_given) {
+    if (!rates_given(s)) {
         memset(s->end_rates, 0, sizeof s->end_rates);
         return;
     }
@@ -205,7 +214,7 @@ static void end_inputs(State *s, double t) {
 }
 
 static int advance(Instance *instance, double t, double h) {
-    State *s = &instance->state;
+    State *s = STATE_OF(instance);
     const double dt_max = s->values[MODEL_PERIOD];
     const double ratio = h / dt_max - 1e-6;
     double checks[AT_LEAST_ONE(MODEL_N_CHECKS)];
@@ -230,6 +239,7 @@ static int advance(Instance *instance, double t, double h) {
            outputs_valid(instance, outputs(s), t + h);
 }
 
+#ifndef CONTAINED
 static void rates_of_outputs(const State *s, double *dy) {
     model_output_rate(s->time, s->states, s->end_inputs, s->values, s->modes, s->end_rates, dy);
 }
@@ -237,3 +247,4 @@ static void rates_of_outputs(const State *s, double *dy) {
 static void sensitivity_of_outputs(const State *s, const double *v, double *dy) {
     model_output_sensitivity(s->time, s->states, s->end_inputs, s->values, s->modes, v, dy);
 }
+#endif

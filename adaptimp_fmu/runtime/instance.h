@@ -1,11 +1,23 @@
-/* One instance of an FMU: all that the instance remembers, in memory of its own. */
+/* One instance: all that the instance remembers, in memory of its own.
+ *
+ * An FMU allocates its instance. A model that is compiled with CONTAINED is a part of a larger program, which has
+ * the memory and calls the functions of contained.h instead of FMI's. PREFIXED(name) is then the model's own name
+ * for a function or type that others see. */
 #ifndef INSTANCE_H
 #define INSTANCE_H
 
 #include <stdint.h>
 
-#include "fmi2Functions.h"
 #include "model.h"
+#ifdef CONTAINED
+/* Two functions of the compiler, which calls them itself: the library's header need not exist. */
+void *memcpy(void *restrict to, const void *restrict from, size_t size);
+void *memset(void *at, int byte, size_t size);
+#else
+#include <string.h>
+
+#include "fmi2Functions.h"
+#endif
 
 /* States of FMI 2.0.5, figure 11 (co-simulation); bits, so that a set of them is a mask. */
 typedef enum {
@@ -31,33 +43,16 @@ enum { LOG_ERROR = 1 << 0, LOG_WARNING = 1 << 1, LOG_ALL = LOG_ERROR | LOG_WARNI
 #define FALL_THROUGH
 #endif
 
-#define MAX_INPUT_ORDER 2                          /* of input derivatives that are used */
+#ifdef CONTAINED
+typedef PREFIXED(State) State;                     /* declared by the program around the model */
 
-/* All that a rollback restores. Plain numbers, so a copy is a snapshot. */
 typedef struct {
-    double values[MODEL_N_VARIABLES];              /* by value reference */
-    double states[AT_LEAST_ONE(MODEL_N_STATES)];
-    double constants[AT_LEAST_ONE(MODEL_N_CONSTANTS)];
-    double modes[AT_LEAST_ONE(MODEL_N_EVENTS)];
-    double shared[AT_LEAST_ONE(MODEL_N_SHARED)];   /* prepared for the states */
-#if !MODEL_SAMPLED
-    double input_rates[MAX_INPUT_ORDER][AT_LEAST_ONE(MODEL_N_INPUTS)]; /* for the next step */
-    double end_inputs[AT_LEAST_ONE(MODEL_N_INPUTS)];                   /* at the communication point */
-    double end_rates[AT_LEAST_ONE(MODEL_N_INPUTS)];
-    double step_start;
-#endif
-    double noise_active;
-    double start_time, stop_time, time;
-    double latest_end;                             /* the stop time, or the largest number */
-    int64_t tick;                                  /* ticks run since the start */
-    double tick_fraction;                          /* position after the last tick, [0, 1) */
-    int32_t phase;
-    int32_t stop_time_defined;
-    int32_t experiment_defined;
-    int32_t constants_stale;                       /* a parameter was set since calibration */
-    int32_t outputs_stale;                         /* only during initialization */
-    int32_t rates_given;                           /* input_rates are not all zero */
-} State;
+    State *state;
+    Failure *failure;
+} Instance;
+#define STATE_OF(instance) ((instance)->state)
+#else
+#include "state.h"
 
 typedef struct {
     State state;
@@ -65,12 +60,14 @@ typedef struct {
     char *name;
     int logged;                                    /* categories that are on */
 } Instance;
+#define STATE_OF(instance) (&(instance)->state)
+#endif
 
 static double *parameters(State *s) { return s->values; }
 static double *inputs(State *s) { return s->values + MODEL_FIRST_INPUT; }
 static double *outputs(State *s) { return s->values + MODEL_FIRST_OUTPUT; }
 
-/* Implemented by sampled.c or continuous.c. They return 1, or 0 after logging what is wrong. */
+/* Implemented by sampled.c or continuous.c. They return 1, or 0 after saying what is wrong. */
 static void initialize_states(State *s);
 static void constants_changed(State *s);
 static void show_initial_outputs(State *s, double *checks);

@@ -1,6 +1,5 @@
 /* The life of an instance from fmi2Instantiate to fmi2FreeInstance, and which FMI function may be
  * called in which state. */
-#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -41,37 +40,6 @@ static Instance *allowed(fmi2Component component, int phases, const char *functi
     Instance *instance = (Instance *)component;
     if (!instance) return NULL;
     return instance->state.phase & phases ? instance : not_allowed(instance, function);
-}
-
-static void start_afresh(State *s) {
-    memset(s, 0, sizeof *s);
-    for (size_t i = 0; i < MODEL_N_VARIABLES; ++i) s->values[i] = model_variables[i].start;
-    s->phase = INSTANTIATED;
-    s->constants_stale = 1;
-    s->outputs_stale = 1;
-}
-
-/* Outputs as functions of inputs and parameters during initialization. Numbers that cannot be
- * (NaN, a singular arm) are kept; fmi2ExitInitializationMode reports them. */
-static void refresh_outputs(Instance *instance) {
-    State *s = &instance->state;
-    double static_checks[AT_LEAST_ONE(MODEL_N_STATIC_CHECKS)];
-    double checks[AT_LEAST_ONE(MODEL_N_CHECKS)];
-    if (!s->outputs_stale) return;
-    model_calibrate(parameters(s), s->constants, static_checks, &s->noise_active);
-    initialize_states(s);
-    show_initial_outputs(s, checks);
-    s->outputs_stale = 0;
-}
-
-static int initialization_valid(Instance *instance) {
-    State *s = &instance->state;
-    double checks[AT_LEAST_ONE(MODEL_N_CHECKS)];
-    if (!calibrated(instance) || !inputs_valid(instance)) return 0;
-    initialize_states(s);
-    show_initial_outputs(s, checks);
-    return checks_pass(instance, checks, MODEL_N_CHECKS, model_checks) &&
-           outputs_valid(instance, outputs(s), s->time);
 }
 
 static int is_blank(const char *text) { return !text || text[strspn(text, " \t\r\n")] == '\0'; }
@@ -155,11 +123,11 @@ fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean toleranceDefined, fm
                               "time %.17g s.",
                     stopTime, startTime);
     State *s = &instance->state;
-    s->start_time = s->time = startTime;
-    s->stop_time_defined = stopTimeDefined != fmi2False;
-    s->stop_time = stopTimeDefined ? stopTime : 0;
-    s->latest_end = stopTimeDefined ? stopTime : DBL_MAX;
-    s->experiment_defined = 1;
+    begin_at(s, startTime);
+    if (stopTimeDefined) {
+        s->stop_time_defined = 1;
+        s->stop_time = s->latest_end = stopTime;
+    }
     return fmi2OK;
 }
 
@@ -175,10 +143,7 @@ fmi2Status fmi2EnterInitializationMode(fmi2Component c) {
 fmi2Status fmi2ExitInitializationMode(fmi2Component c) {
     Instance *instance = allowed(c, ALLOWED_EXIT, "fmi2ExitInitializationMode");
     if (!instance) return fmi2Error;
-    if (!initialization_valid(instance)) return fmi2Error;
-    instance->state.outputs_stale = 0;
-    instance->state.phase = STEP_COMPLETE;
-    return fmi2OK;
+    return initialized(instance) ? fmi2OK : fmi2Error;
 }
 
 fmi2Status fmi2Terminate(fmi2Component c) {

@@ -1,8 +1,9 @@
 /* The interface between a generated model and the runtime.
  *
- * A generated file defines, before anything else is included, the sizes MODEL_N_*, the index
- * MODEL_PERIOD and MODEL_SAMPLED (and the index MODEL_DIVISOR, if there are slow states, and
- * MODEL_INTEGER_OUTPUTS, if there are any); after this header it defines the tables and functions declared here. The model never sees FMI, the runtime never sees physics.
+ * The generated file sizes.h defines the sizes MODEL_N_*, the index MODEL_PERIOD and MODEL_SAMPLED (and the
+ * index MODEL_DIVISOR, if there are slow states, and MODEL_INTEGER_OUTPUTS, if there are any). The generated
+ * file model.c includes this header and defines the tables and functions that are declared here. The model
+ * never sees FMI, the runtime never sees physics. What no contained model needs stands behind CONTAINED.
  *
  * A variable's value reference is its index in model_variables; parameters come first, then
  * inputs, then outputs, so each group is one run of doubles. Booleans and Integers are stored as
@@ -18,8 +19,16 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "sizes.h"
+
+#ifndef CONTAINED
+#define PREFIXED(name) name                        /* of the types and functions of an instance */
+#endif
+
 /* Arrays in C have at least one element. */
+#ifndef AT_LEAST_ONE
 #define AT_LEAST_ONE(n) ((n) > 0 ? (n) : 1)
+#endif
 
 #define MODEL_N_VARIABLES (MODEL_N_PARAMETERS + MODEL_N_INPUTS + MODEL_N_OUTPUTS)
 #define MODEL_FIRST_INPUT MODEL_N_PARAMETERS
@@ -36,8 +45,10 @@ typedef struct {
     const char *range; /* min and max in words, such as "at least 0 N/m" */
 } ModelVariable;
 
-static const char *const model_guid;
 static const ModelVariable model_variables[MODEL_N_VARIABLES];
+
+#ifndef CONTAINED
+static const char *const model_guid;
 
 /* From each variable on, how many neighbours have its type and role, itself included. */
 typedef struct {
@@ -47,6 +58,7 @@ typedef struct {
 
 static const ModelRun model_runs[MODEL_N_VARIABLES];
 static const uint32_t model_references[MODEL_N_VARIABLES]; /* 0, 1, 2, ... */
+#endif
 
 /* One sentence per check; a check fails when its value is not > 0. */
 static const char *const model_static_checks[AT_LEAST_ONE(MODEL_N_STATIC_CHECKS)];
@@ -57,10 +69,12 @@ static const char *const model_states[AT_LEAST_ONE(MODEL_N_STATES)];
  * m: modes of the events (1 while the indicator is positive), w: noise, y: outputs. */
 static void model_calibrate(const double *p, double *c, double *checks, double *noise_active);
 static void model_initial(double t, const double *u, const double *p, const double *c, double *x);
+#ifndef CONTAINED
 /* Outputs in initialization mode along the directions v of the inputs and q of the parameters, with
  * the uniform numbers r of the first tick. */
 static void model_initial_sensitivity(double t, const double *u, const double *p, const double *r,
                                       const double *v, const double *q, double *dy);
+#endif
 #if MODEL_SAMPLED
 static void model_tick(double t, const double *x, const double *u, const double *p, const double *c,
                        const double *w, double *y, double *next, double *checks);
@@ -82,11 +96,13 @@ static void model_derivative(double t, const double *x, const double *u, const d
 static void model_output(double t, const double *x, const double *u, const double *p,
                          const double *c, const double *m, const double *s, double *y,
                          double *checks);
+#ifndef CONTAINED
 /* dy/dt for inputs that change at the rates v, and (dy/du) v at fixed states. */
 static void model_output_rate(double t, const double *x, const double *u, const double *p,
                               const double *m, const double *v, double *dy);
 static void model_output_sensitivity(double t, const double *x, const double *u, const double *p,
                                      const double *m, const double *v, double *dy);
+#endif
 #if MODEL_N_EVENTS
 static void model_event_indicators(double t, const double *x, const double *p, const double *c,
                                    const double *s, double *z);

@@ -7,7 +7,6 @@
  */
 #include <float.h>
 #include <math.h>
-#include <string.h>
 
 #include "instance.h"
 #if MODEL_N_NOISE
@@ -21,6 +20,7 @@ static double tick_time(const State *s) {
     return s->start_time + (double)s->tick * s->values[MODEL_PERIOD];
 }
 
+#if MODEL_N_NOISE || !defined(CONTAINED)
 /* Uniform numbers of the present tick: a function of seed and tick alone, so a rollback replays them. */
 static void draw_uniforms(const State *s, double uniforms[4]) {
 #if MODEL_N_NOISE
@@ -32,6 +32,7 @@ static void draw_uniforms(const State *s, double uniforms[4]) {
     memset(uniforms, 0, 4 * sizeof *uniforms);
 #endif
 }
+#endif
 
 static void draw_noise(const State *s, double *w) {
 #if MODEL_N_NOISE
@@ -83,7 +84,7 @@ static RARE void show_initial_outputs(State *s, double *checks) {
 }
 
 static INLINED int run_tick(Instance *instance) {
-    State *s = &instance->state;
+    State *s = STATE_OF(instance);
     double y[AT_LEAST_ONE(MODEL_N_OUTPUTS)], next[AT_LEAST_ONE(MODEL_N_STATES)];
     double checks[AT_LEAST_ONE(MODEL_N_CHECKS)];
     if (s->tick == 0) initialize_states(s);
@@ -104,13 +105,13 @@ static double ceil_of(double x) { return floor_of(x) + (floor_of(x) < x); }
 
 static RARE int too_many_ticks(const Instance *instance, double h, double end) {
     fail(instance, "A step of %.17g s holds %g ticks of sample_time = %.17g s, more than %g.", h, end,
-         instance->state.values[MODEL_PERIOD], MAX_TICKS);
+         STATE_OF(instance)->values[MODEL_PERIOD], MAX_TICKS);
     return 0;
 }
 
 /* A step of any size, from any position. */
 static RARE int advance_by(Instance *instance, double t, double h) {
-    State *s = &instance->state;
+    State *s = STATE_OF(instance);
     const double period = s->values[MODEL_PERIOD];
     double end = s->tick_fraction + h / period;
     if (!(end <= MAX_TICKS)) return too_many_ticks(instance, h, end);
@@ -125,9 +126,10 @@ static RARE int advance_by(Instance *instance, double t, double h) {
 
 /* A step of one period holds one tick, wherever it begins, and does not move the position. */
 static int advance(Instance *instance, double t, double h) {
-    return h == instance->state.values[MODEL_PERIOD] ? run_tick(instance) : advance_by(instance, t, h);
+    return h == STATE_OF(instance)->values[MODEL_PERIOD] ? run_tick(instance) : advance_by(instance, t, h);
 }
 
+#ifndef CONTAINED
 /* Between ticks outputs are held, and inputs do not reach them. */
 static void rates_of_outputs(const State *s, double *dy) {
     (void)s;
@@ -138,3 +140,4 @@ static void sensitivity_of_outputs(const State *s, const double *v, double *dy) 
     (void)v;
     rates_of_outputs(s, dy);
 }
+#endif

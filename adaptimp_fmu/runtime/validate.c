@@ -38,7 +38,7 @@ static RARE int input_invalid(const Instance *instance, const double *u) {
 }
 
 static int inputs_valid(const Instance *instance) {
-    const double *u = instance->state.values + MODEL_FIRST_INPUT;
+    const double *u = STATE_OF(instance)->values + MODEL_FIRST_INPUT;
     return all_finite(u, MODEL_N_INPUTS) ? 1 : input_invalid(instance, u);
 }
 
@@ -62,10 +62,12 @@ static RARE int output_invalid(const Instance *instance, const double *y, double
     return 0;
 }
 
-/* 1 if the value is a whole number that fmi2Integer holds. */
+#if defined(MODEL_INTEGER_OUTPUTS) || !defined(CONTAINED)
+/* 1 if the value is a whole number that an Integer holds. */
 static int is_integer(double value) {
-    return value >= INT_MIN && value <= INT_MAX && value == (double)(fmi2Integer)value;
+    return value >= INT_MIN && value <= INT_MAX && value == (double)(int)value;
 }
+#endif
 
 #ifdef MODEL_INTEGER_OUTPUTS
 static int integers_valid(const Instance *instance, const double *y, double t) {
@@ -102,7 +104,7 @@ static int states_valid(const Instance *instance, const double *x, double t) {
 }
 
 static RARE int recalibrated(Instance *instance) {
-    State *s = &instance->state;
+    State *s = STATE_OF(instance);
     double checks[AT_LEAST_ONE(MODEL_N_STATIC_CHECKS)];
     model_calibrate(parameters(s), s->constants, checks, &s->noise_active);
     if (!checks_pass(instance, checks, MODEL_N_STATIC_CHECKS, model_static_checks)) return 0;
@@ -113,5 +115,5 @@ static RARE int recalibrated(Instance *instance) {
 
 /* Derives the constants if a parameter has changed. Returns 0 if the parameters contradict. */
 static int calibrated(Instance *instance) {
-    return instance->state.constants_stale ? recalibrated(instance) : 1;
+    return STATE_OF(instance)->constants_stale ? recalibrated(instance) : 1;
 }

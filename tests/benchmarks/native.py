@@ -22,7 +22,7 @@ from orchestration.master.kernel.flat_system import Plan
 
 HERE = Path(__file__).parent
 COMPONENTS = ("trajectory", "sensor", "controller", "actuator", "plant")  # the order in bare.c
-_MODEL_FILES = ("model.c", "model.h", "equations.h", "philox.h")
+_MODEL_FILES = ("model.c", "model.h", "sizes.h", "equations.h", "philox.h")
 _UNIT = """#define NAME(x) {name}_##x
 #define CASADI_CODEGEN_PREFIX
 #define CODEGEN_PREFIX {name}_

@@ -151,7 +151,7 @@ GROUPS = (
             "late clocks lose ticks": (" + 4 * DBL_EPSILON * fabs(t + h) / period)", " + 0 * DBL_EPSILON * t)"),
             "a tick at the start runs twice": ("- ceil_of(s->tick_fraction))", "- floor_of(s->tick_fraction))"),
             "the time of a tick is the step's": ("return s->start_time + (double)s->tick", "return s->time + 0.0"),
-            "every step is a tick": ("return h == instance->state.values[MODEL_PERIOD]", "return h > 0"),
+            "every step is a tick": ("return h == STATE_OF(instance)->values[MODEL_PERIOD]", "return h > 0"),
             "slow states are one tick early": ("s->tick % n == 0", "(s->tick + 1) % n == 0"),
             "a refused tick shows its outputs": (
                 "    if (!outputs_valid(instance, y, tick_time(s))) return 0;\n",
@@ -187,14 +187,24 @@ GROUPS = (
     ),
     Group(
         STATE,
-        "runtime/access.c",
+        "runtime/phases.c",
         ("test_settable", "test_numbers"),
         {
             "setting an input hides a changed parameter": (
                 "constants_stale |= parameter_changed",
                 "constants_stale = parameter_changed",
             ),
-            "outputs are not refreshed initially": ("    s->outputs_stale = 1;\n", "    (void)s;\n"),
+            "outputs are not refreshed initially": (
+                "constants_stale |= parameter_changed;\n    s->outputs_stale = 1;\n",
+                "constants_stale |= parameter_changed;\n",
+            ),
+        },
+    ),
+    Group(
+        STATE,
+        "runtime/access.c",
+        ("test_settable", "test_numbers"),
+        {
             "a refused array is stored in part": (
                 "parameter_changed |= vr[i] < MODEL_FIRST_INPUT;",
                 "parameter_changed |= vr[i] < MODEL_FIRST_INPUT, instance->state.values[vr[i]] = CONVERT(value[i]);",

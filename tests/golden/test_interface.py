@@ -28,3 +28,4 @@ def test_model_description(identifier: str, assert_golden: Callable[[str, str], 
 def test_tables(identifier: str, assert_golden: Callable[[str, str], None]) -> None:
     sources, _ = definition(MODELS[identifier]())
     assert_golden(f"{identifier}.c", masked(sources["model.c"]))
+    assert_golden(f"{identifier}.h", sources["sizes.h"])

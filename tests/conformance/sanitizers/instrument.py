@@ -5,11 +5,12 @@
 """
 
 import subprocess
+from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
 
-import adaptimp_fmu.package
+import adaptimp_fmu.binary
 from adaptimp_fmu.errors import ToolchainError
 from adaptimp_fmu.toolchain import Platform, fmi_headers
 from tests.conformance.sanitizers.compiling import FLAGS
@@ -17,17 +18,17 @@ from tests.conformance.sanitizers.compiling import FLAGS
 COUNTERS = ("-fprofile-instr-generate", "-fcoverage-mapping")
 
 
-def compile_instrumented(source: Path, output: Path, _target: Platform) -> None:
+def compile_instrumented(sources: Sequence[Path], output: Path, _target: Platform) -> None:
     """As `adaptimp_fmu.toolchain.compile_library`, for this machine only."""
     command = [
         *("clang", *FLAGS, *COUNTERS, "-shared", "-fPIC", "-fvisibility=hidden", "-I", str(fmi_headers())),
-        *(source.name, "-o", str(output), "-lm"),
+        *(*(str(source) for source in sources), "-o", str(output), "-lm"),
     ]
-    run = subprocess.run(command, cwd=source.parent, capture_output=True, text=True, check=False)
+    run = subprocess.run(command, cwd=sources[0].parent, capture_output=True, text=True, check=False)
     if run.returncode != 0:
-        raise ToolchainError(f"{source.name} does not compile with counters:\n{run.stderr}")
+        raise ToolchainError(f"{sources[0].name} does not compile with counters:\n{run.stderr}")
 
 
 def pytest_configure(config: pytest.Config) -> None:  # noqa: ARG001
     """Replace the compiler before anything is built."""
-    adaptimp_fmu.package.compile_library = compile_instrumented
+    adaptimp_fmu.binary.compile_library = compile_instrumented

@@ -1,17 +1,4 @@
-/* Plant: sizes, tables and equations. Generated; do not edit. */
-#define MODEL_SAMPLED 0
-#define MODEL_N_PARAMETERS 22
-#define MODEL_N_INPUTS 2
-#define MODEL_N_OUTPUTS 14
-#define MODEL_N_STATES 4
-#define MODEL_N_CONSTANTS 10
-#define MODEL_N_SHARED 17
-#define MODEL_N_EVENTS 2
-#define MODEL_N_NOISE 0
-#define MODEL_N_STATIC_CHECKS 1
-#define MODEL_N_CHECKS 0
-#define MODEL_PERIOD 0 /* value reference of dt_max */
-
+/* Plant: tables and equations. Generated; do not edit. */
 #include <math.h>
 
 #include "model.h"
@@ -27,8 +14,6 @@
 #if defined(__GNUC__)
 #pragma GCC diagnostic pop
 #endif
-
-static const char *const model_guid = "{guid}";
 
 static const ModelVariable model_variables[MODEL_N_VARIABLES] = {
     {"dt_max", TYPE_REAL, ROLE_FIXED_PARAMETER,
@@ -109,6 +94,9 @@ static const ModelVariable model_variables[MODEL_N_VARIABLES] = {
      0.0, -INFINITY, INFINITY, "" },
 };
 
+#ifndef CONTAINED
+static const char *const model_guid = "{guid}";
+
 static const uint32_t model_references[MODEL_N_VARIABLES] = {
     0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15,
     16, 17, 18, 19, 20, 21, 22, 23, 24, 25, 26, 27, 28, 29, 30, 31,
@@ -155,6 +143,7 @@ static const ModelRun model_runs[MODEL_N_VARIABLES] = {
     {2, TYPE_REAL, ROLE_OUTPUT},
     {1, TYPE_REAL, ROLE_OUTPUT},
 };
+#endif
 
 static const char *const model_static_checks[] = {
     "wall_normal must have length 1",
@@ -207,22 +196,28 @@ static void model_event_indicators(double t, const double *x, const double *p, c
     event_indicators(arguments, results, 0, 0, 0);
 }
 
+#ifndef CONTAINED
 static void model_initial_sensitivity(double t, const double *u, const double *p, const double *r, const double *v, const double *q, double *restrict dy) {
     const double *arguments[] = {&t, u, p, r, v, q};
     double *results[] = {dy};
     initial_sensitivity(arguments, results, 0, 0, 0);
 }
+#endif
 
+#ifndef CONTAINED
 static void model_output_rate(double t, const double *x, const double *u, const double *p, const double *m, const double *v, double *restrict dy) {
     const double *arguments[] = {&t, x, u, p, m, v};
     double *results[] = {dy};
     output_rate(arguments, results, 0, 0, 0);
 }
+#endif
 
+#ifndef CONTAINED
 static void model_output_sensitivity(double t, const double *x, const double *u, const double *p, const double *m, const double *v, double *restrict dy) {
     const double *arguments[] = {&t, x, u, p, m, v};
     double *results[] = {dy};
     output_sensitivity(arguments, results, 0, 0, 0);
 }
+#endif
 
 #include "runtime.c"

@@ -94,7 +94,7 @@ def test_the_runtime_keeps_its_license_in_every_fmu(tmp_path: Path) -> None:
     with zipfile.ZipFile(build(gain(), tmp_path, cache=tmp_path / "cache")) as archive:
         notice = archive.read("sources/runtime_license.txt").decode()
     assert notice.endswith(runtime_license())
-    assert "model.c and\nequations.h. Those two files are generated from the model" in notice
+    assert "model.c, sizes.h and\nequations.h. Those files are generated from the model" in notice
 
 
 @pytest.mark.parametrize(

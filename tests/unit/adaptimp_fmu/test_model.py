@@ -201,7 +201,7 @@ def test_a_divisor_that_could_be_zero_is_refused(declaration: dict[str, Any], re
 @pytest.mark.parametrize("late", [False, True])
 def test_a_divisor_of_at_least_one_is_accepted(late: bool) -> None:
     model = slow(late=late, start=2, type=Type.INTEGER, limits=Limits(1), description="Ticks")
-    assert "#define MODEL_DIVISOR 1 " in definition(model)[0]["model.c"]
+    assert "#define MODEL_DIVISOR 1 " in definition(model)[0]["sizes.h"]
 
 
 @pytest.mark.parametrize("kind", ["input", "output"])

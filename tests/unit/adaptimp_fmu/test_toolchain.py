@@ -3,7 +3,6 @@
 import os
 import sys
 import zipfile
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -12,15 +11,13 @@ from adaptimp_fmu import (
     PLATFORMS,
     SampledModel,
     ToolchainError,
+    binary,
     build,
     default_cache,
     host_platform,
-    package,
     toolchain,
 )
 from adaptimp_fmu.toolchain import compile_library
-
-Compiler = Callable[[Path, Path, toolchain.Platform], None]
 
 
 def gain(factor: float = 2.0) -> SampledModel:
@@ -35,11 +32,11 @@ def compiled(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     """Platforms the compiler is called for; it writes a file that only looks like a binary."""
     calls: list[str] = []
 
-    def compile_nothing(source: Path, output: Path, target: toolchain.Platform) -> None:
+    def compile_nothing(sources: list[Path], output: Path, target: toolchain.Platform) -> None:
         calls.append(target.name)
-        output.write_bytes(f"{target.name} {source.read_text()}".encode())
+        output.write_bytes(f"{target.name} {sources[0].read_text()}".encode())
 
-    monkeypatch.setattr(package, "compile_library", compile_nothing)
+    monkeypatch.setattr(binary, "compile_library", compile_nothing)
     return calls
 
 
@@ -53,6 +50,14 @@ def test_broken_c_is_reported_with_the_compilers_words(tmp_path: Path) -> None:
     assert "undeclared_thing" in message
     assert "broken.c:1" in message
     assert not (tmp_path / "broken.so").exists()
+
+
+def test_several_files_become_one_library(tmp_path: Path) -> None:
+    (tmp_path / "units").mkdir()
+    (tmp_path / "one.c").write_text("int two(void); int one(void); int one(void) { return two() - 1; }\n")
+    (tmp_path / "units" / "two.c").write_text("int two(void); int two(void) { return 2; }\n")
+    compile_library([tmp_path / "one.c", tmp_path / "units" / "two.c"], tmp_path / "both.so", host_platform())
+    assert (tmp_path / "both.so").exists()
 
 
 @pytest.mark.parametrize("warning", ["int f(int x) { if (x = 1) return 2; return 3; }", "int f(void) { }"])
@@ -148,17 +153,24 @@ def test_another_compiler_or_flag_is_another_binary(
     tmp_path: Path, compiled: list[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     build(gain(), tmp_path / "out", cache=tmp_path / "cache")
-    monkeypatch.setattr(package, "identity", lambda: "ziglang 99")
+    monkeypatch.setattr(binary, "identity", lambda: "ziglang 99")
     build(gain(), tmp_path / "out", cache=tmp_path / "cache")
     assert len(compiled) == 2
 
 
-def test_a_failed_build_leaves_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def fail(source: Path, output: Path, target: toolchain.Platform) -> None:
-        output.write_bytes(b"half a binary")
-        raise ToolchainError(f"{source.name} does not compile for {target.name}")
+def test_the_same_sources_with_other_units_are_another_binary(tmp_path: Path, compiled: list[str]) -> None:
+    sources = {"a.c": "int a(void) { return 1; }\n", "b.c": "int b(void) { return 2; }\n"}
+    for units in (["a.c"], ["a.c", "b.c"], ["b.c", "a.c"]):
+        binary.binary("both", sources, host_platform(), units=units, cache=tmp_path)
+    assert len(compiled) == 3
 
-    monkeypatch.setattr(package, "compile_library", fail)
+
+def test_a_failed_build_leaves_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def fail(sources: list[Path], output: Path, target: toolchain.Platform) -> None:
+        output.write_bytes(b"half a binary")
+        raise ToolchainError(f"{sources[0].name} does not compile for {target.name}")
+
+    monkeypatch.setattr(binary, "compile_library", fail)
     with pytest.raises(ToolchainError):
         build(gain(), tmp_path / "out", cache=tmp_path / "cache")
     assert not [path for path in tmp_path.rglob("*") if path.is_file()]

@@ -9,7 +9,7 @@ import pytest
 
 from adaptimp_fmu.files import cache_folder
 from adaptimp_fmu.files.sealed_file import SEAL_BYTES, read_sealed, write_sealed
-from adaptimp_fmu.files.whole_file import LONGEST_NAME, Draft, whole_file, write_whole
+from adaptimp_fmu.files.whole_file import LONGEST_NAME, Draft, whole_file, write_together, write_whole
 
 WITH_LOCKS = pytest.mark.skipif(sys.platform == "win32", reason="Windows has no SIGKILL and no locks of this kind")
 WITH_OWNERS = pytest.mark.skipif(not hasattr(os, "getuid"), reason="only POSIX has owners and modes of files")
@@ -30,6 +30,21 @@ def test_a_failure_leaves_the_old_file(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match="half-way"):
         fail()
     assert names(tmp_path) == ["x"]
+    assert (tmp_path / "x").read_text() == "old"
+
+
+def test_files_that_belong_together_are_written_together(tmp_path: Path) -> None:
+    write_together({tmp_path / "x": b"1", tmp_path / "new" / "y": b"2"})
+    assert [(tmp_path / "x").read_bytes(), (tmp_path / "new" / "y").read_bytes()] == [b"1", b"2"]
+
+
+@pytest.mark.parametrize("last", ["folder", "n" * (LONGEST_NAME + 1)])
+def test_of_files_that_belong_together_none_is_written_if_one_cannot_be(tmp_path: Path, last: str) -> None:
+    (tmp_path / "x").write_text("old")
+    (tmp_path / "folder").mkdir()
+    with pytest.raises(OSError, match=r"directory|too long"):
+        write_together({tmp_path / "x": b"new", tmp_path / last: b"new"})
+    assert names(tmp_path) == ["folder", "x"]
     assert (tmp_path / "x").read_text() == "old"
 
 
