@@ -18,7 +18,7 @@ static Failure failure;
 
 static void require(int done) {
     if (done) return;
-    fprintf(stderr, "%s: %s\n", failure.component, failure.sentence);
+    fprintf(stderr, "%s: %s\n", failure.component ? failure.component : "system", failure.sentence);
     exit(1);
 }
 

@@ -5,6 +5,7 @@ all outputs in the order of the components and of their modelDescription.xml.
 """
 
 import platform
+import subprocess
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager
@@ -14,13 +15,18 @@ from pathlib import Path
 import numpy as np
 
 from adaptimp_fmu import host_platform
+from adaptimp_fmu.toolchain import FLAGS
 from orchestration import System, simulate
-from tests.conformance.platforms.machines import Machine, MachineUnavailableError, machine
+from orchestration.containers.c_program import c_sources, compiled_files
+from orchestration.containers.plan import Plan as ProgramPlan
+from orchestration.containers.plan import plan_of
+from tests.conformance.platforms.machines import Machine, MachineUnavailableError, machine, streamed
 from tests.conformance.platforms.plan import Plan
 
 Rows = Callable[[System, int, Path], Iterator[bytes]]
 """Gives the rows of the first steps of a system; the folder is empty and for scratch."""
 
+CONTAINER = Path(__file__).with_name("container.c")
 PART = 4096  # rows that are turned into bytes at once
 OLD_PROCESSOR = {"GLIBC_TUNABLES": "glibc.cpu.hwcaps=-AVX2,-FMA,-FMA4,-AVX512F"}
 """Lets glibc choose the functions that it has for processors without fused multiplication and addition."""
@@ -80,11 +86,37 @@ def driven(found: Machine) -> Rows:
     return lambda system, steps, folder: found.rows(plan(system, steps), folder)
 
 
+@contextmanager
+def _container() -> Iterator[Rows]:
+    """The system as one C program on this machine."""
+    yield _container_rows
+
+
+def _container_rows(system: System, steps: int, folder: Path) -> Iterator[bytes]:
+    program = plan_of(system)
+    write_sources(program, folder)
+    target = host_platform()
+    command = [
+        *(sys.executable, "-m", "ziglang", "cc", "-target", target.target, *FLAGS, f"-DSYSTEM={program.identifier}"),
+        *("-I", ".", str(CONTAINER), *compiled_files(program), "-o", "container.exe"),
+    ]
+    subprocess.run(command, cwd=folder, check=True)
+    yield from streamed([str(folder / "container.exe"), str(steps)], folder)
+
+
+def write_sources(program: ProgramPlan, folder: Path) -> None:
+    """Write the C sources of a system into a folder."""
+    for name, text in c_sources(program).items():
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / name).write_text(text, encoding="utf-8")
+
+
 PROGRAMS = (
     Program("master", _master),
     Program("linux64", lambda: _driver("linux64")),
     Program("linux64, old processor", _old_processor),
     Program("win64", lambda: _driver("win64")),
     Program("aarch64-linux", lambda: _driver("aarch64-linux")),
+    Program("C", _container),
 )
 """In the order in which they are shown; the first one is what the others are compared with."""
