@@ -21,7 +21,13 @@ EXPORT int32_t container_run(int64_t steps) { return OF(_step)(&loop, (uint64_t)
 
 EXPORT int64_t container_state_size(void) { return (int64_t)sizeof loop; }
 
-EXPORT void container_outputs(double *values) {
-    const uint32_t first = OF(_N_PARAMETERS) + OF(_N_INPUTS);
-    for (uint32_t i = 0; i < OF(_N_OUTPUTS); ++i) values[i] = OF(_get)(&loop, first + i);
+/* Makes steps one by one; behind each, all outputs are copied to a row. Booleans are 0 or 1 in a system, too. */
+EXPORT int32_t container_rows(int64_t steps, double *row) {
+    const OF(_Variable) *const outputs = OF(_variables) + OF(_N_PARAMETERS) + OF(_N_INPUTS);
+    const double *const values = (const double *)(const void *)&loop;
+    for (int64_t k = 0; k < steps; ++k) {
+        if (!OF(_step)(&loop, 1, &failure)) return 0;
+        for (int i = 0; i < OF(_N_OUTPUTS); ++i) *row++ = values[outputs[i].place];
+    }
+    return 1;
 }

@@ -1,0 +1,134 @@
+"""Measures the time per inner step of a whole system as one program, beside its bare functions and our loop.
+
+    python -m tests.benchmarks.containers [--scenario fig2|fig5] [--json FILE] [--repetitions N] [--steps N]
+
+`c` is the system's C form, which makes all steps of a piece in one call; `bare` calls the generated functions
+without checks; both record nothing. `ours` is the compiled loop over the five FMUs. All others record all outputs
+of every step. Repetitions alternate; each begins in the same initialized state, made outside the measured time.
+Nothing asserts a time: what is asserted is that all forms record what `ours` records, bit by bit.
+"""
+
+import argparse
+from collections.abc import Sequence
+from contextlib import ExitStack
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+from rich.console import Console
+
+from orchestration.paper.built_fmus import find_scenario, fmus
+from orchestration.system.system import System
+from tests.benchmarks.container import contained
+from tests.benchmarks.forms import CProgram
+from tests.benchmarks.report import (
+    Goal,
+    Measure,
+    alternate,
+    machine,
+    print_goals,
+    print_variants,
+    ratios,
+    statistics,
+    versions,
+    write_json,
+)
+from tests.benchmarks.rig import Rig
+from tests.benchmarks.variants import Bench
+
+MEANING = {
+    "bare": "generated functions, no records",
+    "c": "C form, no records",
+    "c-rows": "C form, step by step",
+    "ours": "loop.run over the five FMUs",
+    "fmucontainer": "its FMU of the five in loop.run, plant first",
+}
+RATIOS = (("c", "bare"), ("c-rows", "ours"), ("fmucontainer", "ours"))
+LIMITS = {"c/bare": 1.05, "c-rows/ours": 0.8}
+SCENARIOS = ("fig2", "fig5")
+REPETITIONS = 15
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Measure, print and write; returns the exit code."""
+    parser = argparse.ArgumentParser(description="Time per inner step of a system of the paper as one program.")
+    parser.add_argument("--scenario", choices=SCENARIOS, default="fig5")
+    parser.add_argument("--json", type=Path, help="file to write")
+    parser.add_argument("--repetitions", type=int, default=REPETITIONS, help="at least 9 for a record")
+    parser.add_argument("--steps", type=int, help="steps per repetition; the whole run if not given")
+    given = parser.parse_args(arguments)
+    result, console = run(given.scenario, given.steps, given.repetitions), Console()
+    print_variants(result, MEANING, console)
+    print_goals(result, console)
+    write_json(given.json, result)
+    return 0
+
+
+def run(name: str = "fig5", n_steps: int | None = None, repetitions: int = REPETITIONS) -> dict[str, Any]:
+    """Check and measure everything.
+
+    Parameters
+    ----------
+    name
+        One of `SCENARIOS`.
+    n_steps
+        Steps per repetition; all of the scenario if None.
+    repetitions
+        Rounds; in each one every variant runs once.
+
+    Returns
+    -------
+    dict
+        Per variant ns per step (see `statistics`), ``ratios``, ``goals``, ``machine`` and ``versions``. The goals
+        hold for medians of ratios within rounds.
+
+    Raises
+    ------
+    BenchmarkError
+        If a form does not compute what `ours` computes.
+    """
+    about = find_scenario(name)
+    system = about.system(fmus(about.models.values()))
+    n_steps = n_steps or round(system.run_stop_time() / system.run_step())
+    with ExitStack() as stack:
+        folder = Path(stack.enter_context(TemporaryDirectory()))
+        bench = stack.enter_context(Bench(system, n_steps))
+        theirs = stack.enter_context(Rig(contained(_plant_first(system), folder), n_steps))
+        (folder / "c").mkdir()
+        program = CProgram(system, folder / "c")
+        ours = bench.records(bench.time_ours, n_steps)
+        bench.check(ours, "c-rows", partial(program.time_rows, rig=bench), n_steps)
+        measures: dict[str, Measure] = {
+            "bare": bench.time_bare,
+            "c": partial(program.time, rig=bench),
+            "c-rows": partial(program.time_rows, rig=bench),
+            "ours": bench.time_ours,
+            "fmucontainer": theirs.time_ours,
+        }
+        steps = dict.fromkeys(measures, n_steps)
+        seconds = alternate(measures, steps, repetitions)
+    found = ratios(RATIOS, seconds, steps)
+    return {
+        "scenario": name,
+        **{variant: statistics(values, n_steps) for variant, values in seconds.items()},
+        "ratios": found,
+        "goals": [Goal(pair, found[pair]["median_of_rounds"], limit).record() for pair, limit in LIMITS.items()],
+        "machine": machine(),
+        "versions": versions(),
+    }
+
+
+def _plant_first(system: System) -> System:
+    """The system with the plant before the others.
+
+    fmu_manipulation_toolbox cuts the loop of links before its first FMU, which then gets zeros at initialization.
+    The controller refuses these: the arm is stretched. The plant takes them. The cost of a step is the same.
+    """
+    *others, plant = system.components
+    return replace(system, components=(plant, *others))
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())
