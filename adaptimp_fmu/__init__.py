@@ -15,7 +15,9 @@ if TYPE_CHECKING:
     from adaptimp_fmu.metadata import Experiment, Ownership
     from adaptimp_fmu.model import ANY, NOT_NEGATIVE, POSITIVE, Limits, Model
     from adaptimp_fmu.package import build, default_cache
+    from adaptimp_fmu.references import ParameterSet, ReferenceRun
     from adaptimp_fmu.sampled_model import SampledModel
+    from adaptimp_fmu.terminals import Terminal, terminals_and_icons
     from adaptimp_fmu.toolchain import PLATFORMS, Platform, host_platform
     from adaptimp_fmu.variables import Role, Type, Variable
 
@@ -31,10 +33,13 @@ _HOME = {
     "Limits": "model",
     "Model": "model",
     "Ownership": "metadata",
+    "ParameterSet": "references",
     "Platform": "toolchain",
+    "ReferenceRun": "references",
     "Role": "variables",
     "SampledModel": "sampled_model",
     "Stroke": "icon",
+    "Terminal": "terminals",
     "ToolchainError": "errors",
     "Type": "variables",
     "Variable": "variables",
@@ -43,6 +48,7 @@ _HOME = {
     "host_platform": "toolchain",
     "present": "documentation",
     "runtime_license": "codegen",
+    "terminals_and_icons": "terminals",
 }
 
 __all__ = [
@@ -57,10 +63,13 @@ __all__ = [
     "Limits",
     "Model",
     "Ownership",
+    "ParameterSet",
     "Platform",
+    "ReferenceRun",
     "Role",
     "SampledModel",
     "Stroke",
+    "Terminal",
     "ToolchainError",
     "Type",
     "Variable",
@@ -69,6 +78,7 @@ __all__ = [
     "host_platform",
     "present",
     "runtime_license",
+    "terminals_and_icons",
 ]
 
 

@@ -7,6 +7,7 @@ import importlib
 import inspect
 import math
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import jinja2
@@ -17,10 +18,12 @@ from adaptimp_fmu.description import number
 from adaptimp_fmu.errors import DefinitionError
 from adaptimp_fmu.icon import Icon
 from adaptimp_fmu.model import Model
+from adaptimp_fmu.related_files import FOLDER, MANIFEST, RelatedFile
 from adaptimp_fmu.sampled_model import SampledModel
 from adaptimp_fmu.variables import Role, Type, Variable
 
 INDEX = "index.html"
+REFERENCES = "fmi-ls-ref.html"  # the place that the layered standard recommends
 LICENSE = "licenses/license.txt"  # the place FMI 2.0.5, section 2.3, reserves for it
 _LIMITS = ("MAX_TICKS", "MAX_SUBSTEPS", "FIRST_EVENTS", "EVENTS_PER_SUBSTEP")
 
@@ -69,8 +72,14 @@ def present(model: Model, icon: Icon, *modules: str) -> None:
     model.documentation = {name: inspect.cleandoc(text) for name, text in texts.items() if text}
 
 
-def documentation(model: Model) -> dict[str, bytes]:
-    """Return the files of ``documentation/`` in an FMU by name; the same model gives the same files."""
+def documentation(model: Model, related: Sequence[RelatedFile] = ()) -> dict[str, bytes]:
+    """Return the files of ``documentation/`` in an FMU by name; the same model gives the same files.
+
+    Parameters
+    ----------
+    related
+        Reference runs and parameter sets that lie in ``extra/`` of the FMU. A page of their own explains them.
+    """
     page = _environment().get_template("documentation.html.j2")
     html = page.render(
         model=model,
@@ -87,8 +96,13 @@ def documentation(model: Model) -> dict[str, bytes]:
         limits=_limits(),
         license_file=LICENSE,
         runtime_license=RUNTIME_LICENSE,
+        references=REFERENCES if related else "",
     )
     pages = {INDEX: html.encode()}
+    if related:
+        page = _environment().get_template("references.html.j2")
+        html = page.render(model=model, files=related, folder=FOLDER, manifest=MANIFEST, index=INDEX)
+        pages[REFERENCES] = html.encode()
     if model.ownership.license_text:
         pages[LICENSE] = model.ownership.license_text.encode()
     return pages

@@ -16,6 +16,7 @@ from adaptimp_fmu.errors import DefinitionError
 from adaptimp_fmu.icon import Icon
 from adaptimp_fmu.metadata import Experiment, Ownership
 from adaptimp_fmu.names import suggestion
+from adaptimp_fmu.references import ParameterSet, ReferenceRun
 from adaptimp_fmu.variables import INTEGER_LIMIT, Role, Type, Variable, element_names
 
 Start = float | Sequence[float]
@@ -104,6 +105,12 @@ class Model:
         Author, version, copyright and license; by default the FMU claims none of them.
     experiment
         Default experiment; by default the FMU suggests none.
+    reference_runs, parameter_sets
+        Runs that show another tool whether it simulates the FMU correctly, and sets of start values. The FMU carries
+        them as files beside its definition.
+    terminals
+        Groups of variables that tools may connect as one: names of variables by name of the group; an array stands
+        for its elements.
 
     Examples
     --------
@@ -131,6 +138,9 @@ class Model:
     icon: Icon = field(default_factory=Icon)
     ownership: Ownership = field(default_factory=Ownership)
     experiment: Experiment = field(default_factory=Experiment)
+    reference_runs: Sequence[ReferenceRun] = ()
+    parameter_sets: Sequence[ParameterSet] = ()
+    terminals: Mapping[str, Sequence[str]] = field(default_factory=dict)
     period_name: str = field(default="", init=False)
 
     def parameter(

@@ -1,14 +1,15 @@
 """Builds an .fmu file from a model: generates and compiles C code, and zips it. Old binaries come from a cache.
 
 Same definition, same bytes: entries of the archive have a fixed order and date, and the GUID is a
-hash of the definition and the runtime.
+hash of the definition and the runtime. Reference runs and parameter sets lie beside the definition, in ``extra/``:
+the GUID and the binaries do not depend on them.
 """
 
 import hashlib
 import io
 import uuid
 import zipfile
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 from adaptimp_fmu.binary import binary, cached
@@ -27,6 +28,8 @@ from adaptimp_fmu.files.cache_folder import cache_folder
 from adaptimp_fmu.files.whole_file import write_whole
 from adaptimp_fmu.icon import png
 from adaptimp_fmu.model import Model
+from adaptimp_fmu.related_files import archive_entries, related_files
+from adaptimp_fmu.terminals import terminals_entry
 from adaptimp_fmu.toolchain import Platform, host_platform
 
 _EPOCH = (1980, 1, 1, 0, 0, 0)
@@ -90,8 +93,11 @@ def build(
     for name, text in sources.items():
         entries[f"sources/{name}"] = text.encode()
     entries[f"sources/{RUNTIME_LICENSE}"] = _license_notice().encode()
-    entries |= {f"documentation/{name}": content for name, content in documentation(model).items()}
-    content = _archive(entries)
+    related = related_files(model)
+    entries |= {f"documentation/{name}": content for name, content in documentation(model, related).items()}
+    entries |= terminals_entry(model)
+    entries |= archive_entries(related)
+    content = archive(entries)
     if folder is None:
         folder = cached(cache, ("fmus", hashlib.sha256(content).hexdigest()[:32]), f"{model.name}.fmu")
     path = folder / f"{model.name}.fmu"
@@ -121,14 +127,14 @@ def _license_notice() -> str:
     return scope + runtime_license()
 
 
-def _archive(entries: dict[str, bytes]) -> bytes:
-    """A zip file whose bytes depend on its entries alone."""
+def archive(entries: Mapping[str, bytes]) -> bytes:
+    """Return a zip file whose bytes depend on its entries alone."""
     buffer = io.BytesIO()
-    with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as archive:
+    with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as file:
         for name, content in entries.items():
             info = zipfile.ZipInfo(name, _EPOCH)
             info.compress_type = zipfile.ZIP_DEFLATED
             info.external_attr = _REGULAR_FILE
             info.create_system = 3  # Unix, whatever the machine
-            archive.writestr(info, content)
+            file.writestr(info, content)
     return buffer.getvalue()

@@ -113,11 +113,16 @@ class Variable:
             msg = f"{self.name}: only a Real has a unit, this is a {self.type.value} in {self.unit}."
             raise DefinitionError(msg)
         self._require_units()
-        if self.start is not None and not self._is_of_type(self.start):
-            msg = f"{self.name}: start {self.start!r} is not of type {self.type.value}; {_NEEDED[self.type]} is needed."
+        if self.start is not None:
+            self.require(self.start, f"{self.name}: start")
+
+    def require(self, value: float, what: str) -> None:
+        """Refuse a value that the variable cannot have, with a `DefinitionError` whose message begins with `what`."""
+        if not self._is_of_type(value):
+            msg = f"{what} {value!r} is not of type {self.type.value}; {_NEEDED[self.type]} is needed."
             raise DefinitionError(msg)
-        if self.start is not None and not self.minimum <= self.start <= self.maximum:
-            msg = f"{self.name}: start {self.start!r} must be {self.range}."
+        if not self.minimum <= value <= self.maximum:
+            msg = f"{what} {value!r} must be {self.range}."
             raise DefinitionError(msg)
 
     @property

@@ -11,7 +11,7 @@ import casadi as ca
 
 from adaptimp_fmu import NOT_NEGATIVE, POSITIVE, SampledModel, Type
 from fmus import icons
-from fmus.project import publish
+from fmus.project import group_signals, publish
 
 OFF = 1e9  # N.m or N.m/s, a limit that is none
 
@@ -59,4 +59,5 @@ def actuator(n: int = 2, name: str = "Actuator") -> SampledModel:
         type=Type.BOOLEAN,
         description="Whether the command exceeds the torque or the rate limit",
     )
+    group_signals(model)
     return model

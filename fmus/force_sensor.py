@@ -19,7 +19,7 @@ import casadi as ca
 
 from adaptimp_fmu import NOT_NEGATIVE, POSITIVE, SampledModel, Type
 from fmus import icons
-from fmus.project import publish
+from fmus.project import group_signals, publish
 
 OFF = 1e9  # N, a range that limits nothing
 
@@ -84,6 +84,7 @@ def force_sensor() -> SampledModel:
     steps = ca.floor(within / resolution + 0.5)
     F_hat = ca.if_else(resolution > 0, steps * resolution, within)
     model.output("F_hat", F_hat, unit="N", description="Measured force")
+    group_signals(model)
     return model
 
 

@@ -15,7 +15,7 @@ from fmus.environment.half_space import declare_half_space
 from fmus.mechanics.algebra import solve_spd
 from fmus.mechanics.arm import Arm
 from fmus.mechanics.planar_arm import PlanarArm
-from fmus.project import publish
+from fmus.project import group_signals, publish
 
 
 def plant(n: int = 2, name: str = "Plant") -> ContinuousModel:
@@ -98,6 +98,7 @@ def plant(n: int = 2, name: str = "Plant") -> ContinuousModel:
         description="Depth of the tip in the wall, 0 outside",
         scalar=True,
     )
+    group_signals(model)
     return model
 
 

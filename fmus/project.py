@@ -1,15 +1,33 @@
-"""Version, license and default experiment that all FMUs of this project state."""
+"""Version, license, default experiment, references and terminals that all FMUs of this project carry.
 
-from adaptimp_fmu import Experiment, Icon, Model, Ownership, present, runtime_license
+Terminals of one name belong together, as signals of one name do: where a tool connects terminals, six connections
+couple an arm. The references are the files in ``fmus/reference/NAME``, which `orchestration.paper.reference_data`
+writes.
+"""
+
+import csv
+from pathlib import Path
+
+from adaptimp_fmu import Experiment, Icon, Model, Ownership, ParameterSet, ReferenceRun, Role, present, runtime_license
 from fmus import start
 
 VERSION = "1"
 STEP = 1e-4  # s, start of every sample_time and of the plant's dt_max
+REFERENCES = Path(__file__).parent / "reference"
+TERMINALS = {
+    "motion": ("q", "dq", "ddq"),  # of the joints
+    "virtual_motion": ("x_v", "dx_v", "ddx_v"),  # that the tip is to follow
+    "contact": ("F_ext",),  # of tip and wall
+    "measured_force": ("F_hat",),
+    "command": ("tau_cmd", "saturated"),  # from the controller, and back
+    "drive": ("tau",),  # of the joints
+}
+"""Signals of each terminal. An FMU has those terminals of which it has a signal."""
 EXPERIMENT = Experiment(start_time=0.0, stop_time=start.PERIOD, step_size=STEP)
 
 
 def publish(model: Model, icon: Icon, *modules: str) -> None:
-    """Give a model of this project its icon, its documentation, its license and its default experiment.
+    """Give a model of this project its icon, documentation, license, default experiment and references.
 
     Parameters
     ----------
@@ -19,3 +37,35 @@ def publish(model: Model, icon: Icon, *modules: str) -> None:
     present(model, icon, *modules)
     model.ownership = Ownership(version=VERSION, license="MIT", license_text=runtime_license())
     model.experiment = EXPERIMENT
+    folder = REFERENCES / model.name
+    if (folder / f"{model.name}_ref.opt").exists():
+        model.reference_runs = [ReferenceRun.read(folder, model.name, f"{model.name} alone, driven so that it acts")]
+    model.parameter_sets = parameter_sets(folder / f"{model.name}_sets.csv")
+
+
+def group_signals(model: Model) -> None:
+    """Give a model of this project its terminals, once its inputs and outputs are declared."""
+    signals = {variable.name.partition("[")[0] for variable in model.with_role(Role.INPUT, Role.OUTPUT)}
+    present = {terminal: [name for name in names if name in signals] for terminal, names in TERMINALS.items()}
+    model.terminals = {terminal: names for terminal, names in present.items() if names}
+
+
+def parameter_sets(path: Path) -> list[ParameterSet]:
+    """Read the table of a model's parameter sets; none if there is no table.
+
+    Parameters
+    ----------
+    path
+        CSV file. The first column holds the parameters. The head of each other column names the runs that its values
+        are for, separated by blanks; the first of them names the set. An empty field leaves a parameter at its start.
+    """
+    if not path.exists():
+        return []
+    (_, *heads), *rows = csv.reader(path.read_text(encoding="utf-8").splitlines())
+    sets = []
+    for column, head in enumerate(heads, 1):
+        variants = head.split()
+        values = {row[0]: float(row[column]) for row in rows if row[column]}
+        description = f"Parameters of the paper's runs {', '.join(variants)}"
+        sets.append(ParameterSet(variants[0], values, description, variants))
+    return sets

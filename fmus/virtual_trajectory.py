@@ -13,7 +13,7 @@ import casadi as ca
 from adaptimp_fmu import POSITIVE, SampledModel
 from fmus import icons, start
 from fmus.environment.half_space import HalfSpace, declare_half_space
-from fmus.project import publish
+from fmus.project import group_signals, publish
 
 
 def virtual_trajectory() -> SampledModel:
@@ -51,4 +51,5 @@ def virtual_trajectory() -> SampledModel:
         unit="m/s2",
         description="Virtual acceleration of the tip",
     )
+    group_signals(model)
     return model

@@ -53,7 +53,7 @@ static int is_settable(const Instance *instance, const ModelVariable *variable, 
  * convert one that no Integer can hold. */
 static int is_gettable(const Instance *instance, fmi2ValueReference reference, const char *function) {
     const ModelVariable *variable = &model_variables[reference];
-    const double value = instance->state.values[reference];
+    const double value = SLOT(&instance->state, reference);
     if (variable->type != TYPE_INTEGER || is_integer(value)) return 1;
     fail(instance, "%s: %s = %.17g is not an Integer.", function, variable->name, value);
     return 0;
@@ -121,7 +121,8 @@ static int are_of_kind(const fmi2ValueReference vr[], size_t n, VariableType typ
                 return fmi2Error;                                                                  \
             parameter_changed |= vr[i] < MODEL_FIRST_INPUT;                                        \
         }                                                                                          \
-        for (size_t i = 0; i < nvr; ++i) instance->state.values[vr[i]] = CONVERT(value[i]);        \
+        for (size_t i = 0; i < nvr; ++i)                                                           \
+            if (!store(instance, vr[i], CONVERT(value[i]))) return fmi2Error;                      \
         note_change(&instance->state, parameter_changed);                                          \
         return fmi2OK;                                                                             \
     }                                                                                              \
@@ -130,7 +131,7 @@ static int are_of_kind(const fmi2ValueReference vr[], size_t n, VariableType typ
                                                  size_t nvr, const VALUE value[]) {                \
         if (!stepping(instance) || !value || !are_of_kind(vr, nvr, TYPE, 1))                       \
             return FUNCTION##_checked(instance, vr, nvr, value);                                   \
-        for (size_t i = 0; i < nvr; ++i) instance->state.values[vr[i]] = CONVERT(value[i]);        \
+        for (size_t i = 0; i < nvr; ++i) SLOT(&instance->state, vr[i]) = CONVERT(value[i]);        \
         return fmi2OK;                                                                             \
     }                                                                                              \
                                                                                                    \
@@ -140,7 +141,7 @@ static int are_of_kind(const fmi2ValueReference vr[], size_t n, VariableType typ
         if (!stepping(instance) || !value || nvr > COPIED_AT_ONCE ||                               \
             !are_neighbours(vr, nvr, TYPE, 1))                                                     \
             return FUNCTION##_scattered(instance, vr, nvr, value);                                 \
-        double *own = instance->state.values + vr[0];                                              \
+        double *own = &SLOT(&instance->state, vr[0]);                                              \
         COPY(nvr, own, value, CONVERT)                                                             \
         return fmi2OK;                                                                             \
     }
@@ -152,10 +153,10 @@ static int are_of_kind(const fmi2ValueReference vr[], size_t n, VariableType typ
         if (!instance || !arrays_present(instance, nvr, vr, value, #FUNCTION)) return fmi2Error;   \
         for (size_t i = 0; i < nvr; ++i)                                                           \
             if (!is_variable(instance, vr[i], TYPE, #FUNCTION)) return fmi2Error;                  \
-        if (instance->state.phase == INITIALIZATION) refresh_outputs(&instance->state);                    \
+        if (instance->state.phase == INITIALIZATION) refresh_outputs(&instance->state);            \
         for (size_t i = 0; i < nvr; ++i)                                                           \
             if (!is_gettable(instance, vr[i], #FUNCTION)) return fmi2Error;                        \
-        for (size_t i = 0; i < nvr; ++i) value[i] = CONVERT(instance->state.values[vr[i]]);        \
+        for (size_t i = 0; i < nvr; ++i) value[i] = CONVERT(SLOT(&instance->state, vr[i]));        \
         return fmi2OK;                                                                             \
     }                                                                                              \
                                                                                                    \
@@ -163,7 +164,7 @@ static int are_of_kind(const fmi2ValueReference vr[], size_t n, VariableType typ
                                                  size_t nvr, VALUE value[]) {                      \
         if (!stepping(instance) || !value || !are_of_kind(vr, nvr, TYPE, 0))                       \
             return FUNCTION##_checked(instance, vr, nvr, value);                                   \
-        for (size_t i = 0; i < nvr; ++i) value[i] = CONVERT(instance->state.values[vr[i]]);        \
+        for (size_t i = 0; i < nvr; ++i) value[i] = CONVERT(SLOT(&instance->state, vr[i]));        \
         return fmi2OK;                                                                             \
     }                                                                                              \
                                                                                                    \
@@ -173,7 +174,7 @@ static int are_of_kind(const fmi2ValueReference vr[], size_t n, VariableType typ
         if (!stepping(instance) || !value || nvr > COPIED_AT_ONCE ||                               \
             !are_neighbours(vr, nvr, TYPE, 0))                                                     \
             return FUNCTION##_scattered(instance, vr, nvr, value);                                 \
-        const double *own = instance->state.values + vr[0];                                        \
+        const double *own = &SLOT(&instance->state, vr[0]);                                        \
         COPY(nvr, value, own, CONVERT)                                                             \
         return fmi2OK;                                                                             \
     }

@@ -28,3 +28,5 @@ int PREFIXED(step)(State *s, double t, double h, Failure *failure) {
 }
 
 void PREFIXED(changed)(State *s) { note_change(s, 1); }
+
+const char *PREFIXED(fault)(const State *s) { return position_fault(s); }

@@ -36,3 +36,6 @@ void PREFIXED(changed)(PREFIXED(State) *s);
 #undef MODEL_PERIOD
 #undef MODEL_DIVISOR
 #undef MODEL_INTEGER_OUTPUTS
+
+/* What no run leaves behind in a state, in words; a null pointer if there is no such thing. */
+const char *PREFIXED(fault)(const PREFIXED(State) *s);

@@ -1,6 +1,7 @@
 /* One instance: all that the instance remembers, in memory of its own.
  *
- * An FMU allocates its instance. A model that is compiled with CONTAINED is a part of a larger program, which has
+ * There are three kinds: sampled and continuous models, and containers, which are systems of such models; those define
+ * MODEL_CONTAINER. An FMU allocates its instance. A model that is compiled with CONTAINED is a part of a larger program, which has
  * the memory and calls the functions of contained.h instead of FMI's. PREFIXED(name) is then the model's own name
  * for a function or type that others see. */
 #ifndef INSTANCE_H
@@ -52,7 +53,12 @@ typedef struct {
 } Instance;
 #define STATE_OF(instance) ((instance)->state)
 #else
+#ifdef MODEL_CONTAINER
+#include "container.h"
+#else
 #include "state.h"
+#define SLOT(s, reference) ((s)->values[reference])  /* the value of a variable */
+#endif
 
 typedef struct {
     State state;
@@ -63,6 +69,7 @@ typedef struct {
 #define STATE_OF(instance) (&(instance)->state)
 #endif
 
+#ifndef MODEL_CONTAINER
 static double *parameters(State *s) { return s->values; }
 static double *inputs(State *s) { return s->values + MODEL_FIRST_INPUT; }
 static double *outputs(State *s) { return s->values + MODEL_FIRST_OUTPUT; }
@@ -72,5 +79,6 @@ static void initialize_states(State *s);
 static void constants_changed(State *s);
 static void show_initial_outputs(State *s, double *checks);
 static int advance(Instance *instance, double t, double h);
+#endif
 
 #endif

@@ -136,7 +136,7 @@ fmi2Status fmi2EnterInitializationMode(fmi2Component c) {
     if (!instance) return fmi2Error;
     if (!instance->state.experiment_defined)
         return fail(instance, "fmi2EnterInitializationMode: fmi2SetupExperiment was not called.");
-    instance->state.phase = INITIALIZATION;
+    enter_initialization(&instance->state);
     return fmi2OK;
 }
 

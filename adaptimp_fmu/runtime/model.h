@@ -34,6 +34,21 @@
 #define MODEL_FIRST_INPUT MODEL_N_PARAMETERS
 #define MODEL_FIRST_OUTPUT (MODEL_N_PARAMETERS + MODEL_N_INPUTS)
 
+#ifdef MODEL_CONTAINER
+/* A container shows the variables of its system, which step.h declares. */
+typedef CONTAINER(Type) VariableType;
+typedef CONTAINER(Role) VariableRole;
+typedef CONTAINER(Variable) ModelVariable;
+#define TYPE_REAL CONTAINER(REAL)
+#define TYPE_INTEGER CONTAINER(INTEGER)
+#define TYPE_BOOLEAN CONTAINER(BOOLEAN)
+#define TYPE_STRING ((VariableType)(CONTAINER(BOOLEAN) + 1))
+#define ROLE_FIXED_PARAMETER CONTAINER(FIXED_PARAMETER)
+#define ROLE_TUNABLE_PARAMETER CONTAINER(TUNABLE_PARAMETER)
+#define ROLE_INPUT CONTAINER(INPUT)
+#define ROLE_OUTPUT CONTAINER(OUTPUT)
+#define model_variables CONTAINER(variables)
+#else
 typedef enum { TYPE_REAL, TYPE_INTEGER, TYPE_BOOLEAN, TYPE_STRING } VariableType;
 typedef enum { ROLE_FIXED_PARAMETER, ROLE_TUNABLE_PARAMETER, ROLE_INPUT, ROLE_OUTPUT } VariableRole;
 
@@ -46,11 +61,12 @@ typedef struct {
 } ModelVariable;
 
 static const ModelVariable model_variables[MODEL_N_VARIABLES];
+#endif
 
 #ifndef CONTAINED
 static const char *const model_guid;
 
-/* From each variable on, how many neighbours have its type and role, itself included. */
+/* From each variable on, how many neighbours in memory have its type and role, itself included. */
 typedef struct {
     uint32_t length;
     unsigned char type, role;
@@ -60,6 +76,7 @@ static const ModelRun model_runs[MODEL_N_VARIABLES];
 static const uint32_t model_references[MODEL_N_VARIABLES]; /* 0, 1, 2, ... */
 #endif
 
+#ifndef MODEL_CONTAINER
 /* One sentence per check; a check fails when its value is not > 0. */
 static const char *const model_static_checks[AT_LEAST_ONE(MODEL_N_STATIC_CHECKS)];
 static const char *const model_checks[AT_LEAST_ONE(MODEL_N_CHECKS)];
@@ -106,6 +123,7 @@ static void model_output_sensitivity(double t, const double *x, const double *u,
 #if MODEL_N_EVENTS
 static void model_event_indicators(double t, const double *x, const double *p, const double *c,
                                    const double *s, double *z);
+#endif
 #endif
 #endif
 

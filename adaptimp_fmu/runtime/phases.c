@@ -49,6 +49,15 @@ static int initialization_valid(Instance *instance) {
            outputs_valid(instance, outputs(s), s->time);
 }
 
+#define MOST_TICKS (INT64_C(1) << 53)              /* up to here a double counts ticks */
+
+/* What no run leaves behind, in words; NULL if there is no such thing. */
+static const char *position_fault(const State *s) {
+    if (s->tick < 0 || s->tick > MOST_TICKS) return "its number of ticks is impossible";
+    if (!(s->tick_fraction >= 0 && s->tick_fraction < 1)) return "its position between ticks is impossible";
+    return NULL;
+}
+
 /* The end of initialization mode; returns 0 after saying what is wrong. */
 static int initialized(Instance *instance) {
     if (!initialization_valid(instance)) return 0;
@@ -56,3 +65,22 @@ static int initialized(Instance *instance) {
     STATE_OF(instance)->phase = STEP_COMPLETE;
     return 1;
 }
+
+#ifndef CONTAINED
+/* Nothing happens before outputs are asked for, or initialization ends. */
+static void enter_initialization(State *s) { s->phase = INITIALIZATION; }
+
+/* Stores a value that is_settable has found right. */
+static int store(Instance *instance, uint32_t reference, double value) {
+    instance->state.values[reference] = value;
+    return 1;
+}
+
+/* A step may have any size. */
+static int step_fits(const Instance *instance, double t, double h) {
+    (void)instance;
+    (void)t;
+    (void)h;
+    return 1;
+}
+#endif

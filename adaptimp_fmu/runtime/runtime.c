@@ -8,6 +8,7 @@
 #else
 #include "log.c"
 #endif
+#include "numbers.c"
 #include "validate.c"
 #if MODEL_SAMPLED
 #include "sampled.c"

@@ -13,7 +13,6 @@
 
 #define SNAPSHOT_MARK 0x54415453494D4946u   /* "FIMISTAT" */
 #define GUID_LENGTH 40
-#define MOST_TICKS (INT64_C(1) << 53)              /* up to here a double counts ticks */
 
 typedef struct {
     uint64_t mark;
@@ -51,15 +50,13 @@ static int parameter_valid(const ModelVariable *variable, double value) {
  * must not lead to a division by zero or to an index outside of its array. */
 static const char *state_fault(const State *s) {
     for (int i = 0; i < MODEL_N_PARAMETERS; ++i)
-        if (!parameter_valid(&model_variables[i], s->values[i])) return "a parameter is out of its range";
+        if (!parameter_valid(&model_variables[i], SLOT(s, i))) return "a parameter is out of its range";
     if (s->phase != INSTANTIATED && s->phase != INITIALIZATION && s->phase != STEP_COMPLETE &&
         s->phase != TERMINATED && s->phase != FAILED)
         return "its phase is none of FMI";
-    if (s->tick < 0 || s->tick > MOST_TICKS) return "its number of ticks is impossible";
-    if (!(s->tick_fraction >= 0 && s->tick_fraction < 1)) return "its position between ticks is impossible";
     if (!isfinite(s->start_time) || !isfinite(s->stop_time) || !isfinite(s->time))
         return "a time is not finite";
-    return NULL;
+    return position_fault(s);
 }
 
 static const char *snapshot_fault(const Snapshot *snapshot) {

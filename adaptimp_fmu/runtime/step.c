@@ -58,7 +58,7 @@ fmi2Status fmi2DoStep(fmi2Component c, fmi2Real currentCommunicationPoint,
     Instance *instance = allowed(c, ALLOWED_STEP, "fmi2DoStep");
     const double t = currentCommunicationPoint, h = communicationStepSize;
     (void)noSetFMUStatePriorToCurrentPoint;
-    if (!instance || !step_valid(instance, t, h)) return fmi2Error;
+    if (!instance || !step_valid(instance, t, h) || !step_fits(instance, t, h)) return fmi2Error;
     if (!inputs_valid(instance) || !calibrated(instance)) return fmi2Error;
     if (!advance(instance, t, h)) {
         instance->state.phase = FAILED;

@@ -1,6 +1,5 @@
 /* Tests of inputs, parameters, states and outputs; each failure is a sentence that names the variable. */
 #include <float.h>
-#include <limits.h>
 #include <math.h>
 
 #include "instance.h"
@@ -23,11 +22,6 @@ static int all_finite(const double *values, size_t n) {
     for (; i < n; ++i) sums[i % 4] += values[i];
     const double sum = (sums[0] + sums[1]) + (sums[2] + sums[3]);
     return fabs(sum) <= DBL_MAX ? 1 : each_finite(values, n);
-}
-
-/* How a number that is not finite reads, on every platform. */
-static const char *not_finite(double value) {
-    return isnan(value) ? "nan" : value > 0 ? "inf" : "-inf";
 }
 
 static RARE int input_invalid(const Instance *instance, const double *u) {
@@ -61,13 +55,6 @@ static RARE int output_invalid(const Instance *instance, const double *y, double
          model_variables[MODEL_FIRST_OUTPUT + i].name, not_finite(y[i]), t);
     return 0;
 }
-
-#if defined(MODEL_INTEGER_OUTPUTS) || !defined(CONTAINED)
-/* 1 if the value is a whole number that an Integer holds. */
-static int is_integer(double value) {
-    return value >= INT_MIN && value <= INT_MAX && value == (double)(int)value;
-}
-#endif
 
 #ifdef MODEL_INTEGER_OUTPUTS
 static int integers_valid(const Instance *instance, const double *y, double t) {

@@ -15,6 +15,7 @@ from fmus.control.impedance import ArmModel, Measured
 from fmus.control.tirt import Impedance, advance
 from fmus.mechanics.arm import Arm
 from fmus.mechanics.planar_arm import PlanarArm
+from fmus.project import group_signals
 
 # The smallest det(J J') / (l1 + ... + ln)^4 at which the arm is not taken for singular: with two
 # equal links, sin(q2) = 4e-6.
@@ -73,7 +74,7 @@ class Controller:
         return ArmModel(self.arm, p, self.l, self.gravity, self.coulomb_velocity)
 
     def finish(self, tau_cmd: ca.SX, p_hat: ca.SX) -> SampledModel:
-        """Declare the common outputs, let the TIRT advance, and return the model."""
+        """Declare the common outputs and the terminals, let the TIRT advance, and return the model."""
         model = self.model
         model.output("tau_cmd", tau_cmd, unit="N.m", description="Commanded joint torque")
         model.output("x_t", self.x_t, unit="m", description="Target-impedance reference trajectory, eq. (11)")
@@ -88,6 +89,7 @@ class Controller:
         x_t, dx_t = advance(self.x_t, self.dx_t, self.virtual, self.measured.F_hat, self.impedance, model.period)
         model.update(self.x_t, x_t)
         model.update(self.dx_t, dx_t)
+        group_signals(model)
         return model
 
 

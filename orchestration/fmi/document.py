@@ -126,8 +126,18 @@ class Document:
     @cached_property
     def variables(self) -> tuple[Declared, ...]:
         """All variables, in their order."""
-        rows = self.root.findall("ModelVariables/ScalarVariable")
-        return tuple(self._variable(i, row) for i, row in enumerate(rows, start=1))
+        return tuple(self._variable(i, row) for i, row in enumerate(self._rows, start=1))
+
+    def attributes(self, variable: Declared) -> dict[str, str]:
+        """Return attributes of a variable's type element, and those of its declared type that it does not give."""
+        row = self._rows[variable.index - 1]
+        typed = next(child for child in row if child.tag in _TYPES)
+        simple = self.types.get(typed.get("declaredType"))
+        return {**({} if simple is None else simple.attrib), **typed.attrib}
+
+    @cached_property
+    def _rows(self) -> list[Any]:
+        return self.root.findall("ModelVariables/ScalarVariable")
 
     @cached_property
     def types(self) -> Mapping[str, Any]:

@@ -1,4 +1,4 @@
-"""Writes reference trajectories of every FMU alone, in the form of the FMI cross-check, into fmus/reference/.
+"""Writes references of every FMU into fmus/reference/: runs in the form of the FMI cross-check, and parameter sets.
 
     python -m orchestration.paper.reference_data [--out DIR]
 
@@ -6,7 +6,10 @@ For each FMU: ``NAME_in.csv``, what is set at each communication point before th
 ``NAME_ref.csv``, the outputs after initialization and at the end of each step; ``NAME_ref.opt``, times,
 step, and the tolerance. Another tool that agrees within ``RelTol`` of each column's largest absolute
 value imports the FMU correctly. Tunable parameters are among the inputs, as fmpy accepts them. An FMU
-without inputs has no ``NAME_in.csv``.
+without inputs has no ``NAME_in.csv``. ``NAME_sets.csv`` holds the start values of the FMU in the paper's runs.
+
+The FMUs carry these files. The results do not depend on the files that an FMU carries, so there is no circle: here the
+FMUs are built without them.
 """
 
 import argparse
@@ -18,12 +21,14 @@ import fmpy
 import numpy as np
 from fmpy.util import read_csv
 
-import fmus
 from adaptimp_fmu.files.whole_file import write_whole
-from orchestration.paper.built_fmus import built
+from fmus.catalog import MODELS
+from fmus.project import REFERENCES
+from orchestration.paper.built_fmus import built_model
+from orchestration.paper.parameter_sets import write_parameter_sets
 from orchestration.paper.stimuli import STIMULI, Stimulus
 
-FOLDER = Path(fmus.__file__).parent / "reference"
+FOLDER = REFERENCES
 DIGITS = 10
 REL_TOL = 1e-9  # ten digits are rounded by up to 5e-10; a last bit changed in all inputs moves outputs by 1e-12
 
@@ -47,7 +52,9 @@ def write_reference(name: str, folder: Path) -> None:
 
 def _simulate(name: str, stimulus: Stimulus, inputs: np.ndarray | None) -> np.ndarray:
     """All outputs at the communication points."""
-    path = str(built(name))
+    model = MODELS[name]()
+    model.reference_runs, model.parameter_sets = (), ()  # the old ones may not fit any more
+    path = str(built_model(model))
     variables = fmpy.read_model_description(path).modelVariables
     return fmpy.simulate_fmu(
         path,
@@ -75,12 +82,13 @@ def _write_options(path: Path, stimulus: Stimulus) -> None:
 
 
 def main() -> None:
-    """Write the reference trajectories of every FMU."""
+    """Write the references of every FMU."""
     parser = argparse.ArgumentParser(prog="reference_data", description=__doc__.partition("\n")[0] if __doc__ else "")
     parser.add_argument("--out", type=Path, default=FOLDER)
     out = parser.parse_args().out
     for name in STIMULI:
         write_reference(name, out)
+        write_parameter_sets(name, out)
 
 
 if __name__ == "__main__":

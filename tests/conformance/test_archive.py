@@ -80,7 +80,14 @@ def test_07_entries_have_one_order_and_date(entries: list[zipfile.ZipInfo]) -> N
     names = [entry.filename for entry in entries]
     assert len(set(names)) == len(names)
     assert names[0] == "modelDescription.xml"
-    assert {PurePosixPath(name).parts[0] for name in names[1:]} == {"model.png", "binaries", "sources", "documentation"}
+    assert {PurePosixPath(name).parts[0] for name in names[1:]} == {
+        "model.png",
+        "binaries",
+        "sources",
+        "documentation",
+        "extra",
+        "terminalsAndIcons",
+    }
     assert {"documentation/index.html", "documentation/licenses/license.txt"} <= set(names)
     assert {entry.date_time for entry in entries} == {(1980, 1, 1, 0, 0, 0)}
     assert {entry.create_system for entry in entries} == {3}

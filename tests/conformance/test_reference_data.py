@@ -1,19 +1,27 @@
 """Tests of fmus/reference: the committed trajectories are those of the FMUs, complete, small and informative."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from adaptimp_fmu import Model
 from fmus.catalog import MODELS
+from orchestration.errors import OrchestrationError
+from orchestration.paper.built_fmus import built_model
+from orchestration.paper.parameter_sets import write_parameter_sets
 from orchestration.paper.reference_data import FOLDER, write_reference
+from orchestration.paper.scenarios import SCENARIOS, VARIANTS
 from orchestration.paper.stimuli import STIMULI
 from tests.conformance.binary import Binary
 from tests.conformance.replay import assert_reproduces, options, table
 from tests.driver import Driver
 
 LARGEST = 30_000  # bytes per FMU
+IN_RUNS = {model for run in (*SCENARIOS.values(), *VARIANTS.values()) for model in run.models.values()}
+"""FMUs that take part in the paper's runs."""
 
 
 def test_every_unit_has_a_reference() -> None:
@@ -29,6 +37,7 @@ def test_files_are_complete_and_small(identifier: str, binary: Binary) -> None:
     folder = FOLDER / identifier
     inputs, outputs = binary.names("input"), binary.names("output")
     expected = [f"{identifier}_in.csv"] * bool(inputs) + [f"{identifier}_ref.csv", f"{identifier}_ref.opt"]
+    expected += [f"{identifier}_sets.csv"] * (identifier in IN_RUNS)
     assert sorted(path.name for path in folder.iterdir()) == expected
     assert sum(path.stat().st_size for path in folder.iterdir()) <= LARGEST
     driven = (table(identifier, "in").dtype.names or ())[1:]
@@ -50,6 +59,7 @@ def test_times_are_those_of_the_options(identifier: str) -> None:
 def test_generator_reproduces_the_files(identifier: str, tmp_path: Path) -> None:
     """Through fmpy's own loop; to the tolerance, since another platform's last digit may differ."""
     write_reference(identifier, tmp_path)
+    write_parameter_sets(identifier, tmp_path)
     assert sorted(p.name for p in (tmp_path / identifier).iterdir()) == sorted(
         p.name for p in (FOLDER / identifier).iterdir()
     )
@@ -60,6 +70,30 @@ def test_generator_reproduces_the_files(identifier: str, tmp_path: Path) -> None
         for name in kept.dtype.names or ():
             atol = options(identifier)["RelTol"] * np.max(np.abs(kept[name]))
             np.testing.assert_allclose(written[name], kept[name], rtol=0, atol=atol, err_msg=name)
+
+
+@pytest.mark.parametrize("identifier", sorted(IN_RUNS))
+def test_generator_reproduces_the_parameter_sets(identifier: str, tmp_path: Path) -> None:
+    write_parameter_sets(identifier, tmp_path)
+    file = f"{identifier}/{identifier}_sets.csv"
+    assert (tmp_path / file).read_bytes() == (FOLDER / file).read_bytes()
+
+
+def test_generator_needs_no_references_that_fit(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A model whose outputs have new names cannot carry its old results, but they can be computed anew."""
+    sensor = MODELS["ForceSensor"]
+
+    def renamed() -> Model:
+        model = sensor()
+        model.variables = [replace(v, name=v.name.replace("F_hat", "force")) for v in model.variables]
+        model.terminals = {}
+        return model
+
+    monkeypatch.setitem(MODELS, "ForceSensor", renamed)
+    with pytest.raises(OrchestrationError, match=r"have a column F_hat\[1\], which is not an output"):
+        built_model(renamed())
+    write_reference("ForceSensor", tmp_path)
+    assert list(table("ForceSensor", "ref", tmp_path).dtype.names or ()) == ["time", "force[1]", "force[2]"]
 
 
 @pytest.mark.parametrize("identifier", ["Plant", "Plant3R"])

@@ -101,8 +101,14 @@ def torn_state(binary: Binary) -> Yield:
 
 
 def splitting(binary: Binary) -> Yield:
-    """Try rule 14: compare a step with its two halves; only a sampled FMU must give the same bits."""
+    """Try rule 14: compare a step with its two halves; only a sampled FMU must give the same bits.
+
+    An FMU with a step of its own takes whole multiples of that step only. There two proposed steps are taken at once.
+    """
     h, rows = binary.plan["step"], []
+    if not _takes(binary, h / 2):
+        yield f"A step of {h / 2:g} s, half of the proposed one, is refused; steps of {2 * h:g} s were split instead."
+        h = 2 * h
     for parts in (1, 2):
         with Instance(binary) as instance:
             instance.initialize()
@@ -121,6 +127,17 @@ def splitting(binary: Binary) -> Yield:
         pairs = [(a, b) for one, two in zip(*rows, strict=True) for a, b in zip(one, two, strict=True)]
         worst = max((abs(a - b) / max(1.0, abs(a)) for a, b in pairs), default=0.0)
         yield f"Steps of {h:g} s split in two change outputs by at most {worst:.1e} of their size in {STEPS} steps."
+
+
+def _takes(binary: Binary, h: float) -> bool:
+    """Whether a fresh instance takes a first step of a length, s."""
+    with Instance(binary) as instance:
+        instance.initialize()
+        try:
+            instance.step(h)
+        except RefusedError:
+            return False
+    return True
 
 
 def instances(binary: Binary) -> Yield:

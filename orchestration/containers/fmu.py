@@ -1,0 +1,176 @@
+"""Writes a system as one FMU for co-simulation (FMI 2.0), which any tool runs and which holds its sources.
+
+    fmuX.fmu
+      modelDescription.xml   model.png   documentation/   terminalsAndIcons/
+      binaries/PLATFORM/     one library, compiled from the sources
+      sources/step.c ...     the system in C, as `orchestration.containers.c_program` writes it
+      sources/fmi/           the FMI functions: the layer of the runtime that all FMUs of this project have
+
+Same system, same bytes: the GUID is a hash of the description, the sources and the documentation.
+"""
+
+import hashlib
+import uuid
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+
+from adaptimp_fmu.binary import binary
+from adaptimp_fmu.codegen import GUID_PLACEHOLDER, RUNTIME_LICENSE, runtime_license, runtime_sources
+from adaptimp_fmu.errors import ToolchainError
+from adaptimp_fmu.files.whole_file import write_whole
+from adaptimp_fmu.package import archive
+from adaptimp_fmu.terminals import TERMINALS_FILE, Terminal, terminals_and_icons
+from adaptimp_fmu.toolchain import PLATFORMS, Platform, host_platform
+from orchestration.containers.c_program import c_sources, compiled_files
+from orchestration.containers.c_text import environment
+from orchestration.containers.contained_fmu import document_of
+from orchestration.containers.fmu_description import container_description
+from orchestration.containers.fmu_documentation import container_documentation
+from orchestration.containers.fmu_icon import container_icon
+from orchestration.containers.plan import FIXED, INPUT, OUTPUT, TUNABLE, Plan, ProgramVariable, plan_of
+from orchestration.errors import ContainerError
+from orchestration.fmi.names import suggestion
+from orchestration.master.algorithm import Algorithm
+from orchestration.system.system import System
+
+FMU = ".fmu"
+LAYER = "fmi"
+"""Folder below ``sources/`` of the files that implement FMI's functions."""
+MAIN = f"{LAYER}/model.c"
+ALL_PLATFORMS = "all"
+_RUNTIME = (
+    *("access.c", "container.c", "container.h", "instance.h", "lifecycle.c", "log.c", "model.h", "no_derivatives.c"),
+    *("numbers.c", "runtime_container.c", "snapshot.c", "state.h", "step.c"),
+)
+"""Files of the runtime that a container needs."""
+
+
+def write_fmu(
+    system: System,
+    path: Path,
+    *,
+    platforms: Iterable[str] | None = None,
+    algorithm: str | Algorithm = "gauss-seidel",
+) -> Path:
+    """Write a system as one FMU for co-simulation.
+
+    Parameters
+    ----------
+    system
+        System of FMUs that bring their sources, with its step.
+    path
+        File to write, ``NAME.fmu``.
+    platforms
+        Names of the platforms with a binary in the FMU, or ``"all"`` among them. Default: this machine's.
+    algorithm
+        ``"gauss-seidel"`` or ``"jacobi"``; see `orchestration.simulate`.
+
+    Returns
+    -------
+    Path
+        The file. It is only written when its content changes.
+
+    Raises
+    ------
+    ContainerError
+        If the system cannot be a program, a platform is unknown, or the compiler refuses the sources.
+    ArchiveError
+        If an FMU cannot be read.
+    """
+    chosen = _platforms(platforms)
+    plan = plan_of(system, algorithm)
+    entries = _entries(plan)
+    sources = {name.removeprefix("sources/"): text for name, text in entries.items() if name.startswith("sources/")}
+    units = [*compiled_files(plan), MAIN]
+    texts = {name: content.decode("utf-8", "surrogateescape") for name, content in sources.items()}
+    for platform in chosen:
+        file = f"binaries/{platform.name}/{plan.identifier}{platform.extension}"
+        entries[file] = _compiled(plan, texts, platform, units)
+    content = archive(entries)
+    if not path.exists() or path.read_bytes() != content:
+        write_whole(path, content)
+    return path
+
+
+def _platforms(names: Iterable[str] | None) -> list[Platform]:
+    asked = [host_platform().name] if names is None else list(dict.fromkeys(names))
+    for name in asked:
+        if name not in (*PLATFORMS, ALL_PLATFORMS):
+            msg = f"There is no platform {name}; {suggestion(name, [*PLATFORMS, ALL_PLATFORMS])}"
+            raise ContainerError(msg)
+    chosen = PLATFORMS if ALL_PLATFORMS in asked else asked
+    return [PLATFORMS[name] for name in sorted(chosen)]
+
+
+def _compiled(plan: Plan, sources: Mapping[str, str], platform: Platform, units: list[str]) -> bytes:
+    try:
+        return binary(plan.identifier, sources, platform, units=units)
+    except (ToolchainError, OSError) as error:
+        msg = f"System {plan.system.name} cannot be compiled: {error}"
+        raise ContainerError(msg) from error
+
+
+def _entries(plan: Plan) -> dict[str, bytes]:
+    """All files of the FMU but the binaries, with the GUID that is a hash of them."""
+    documents = {member.name: document_of(member.fmu.path) for member in plan.members}
+    files = [*compiled_files(plan), MAIN]
+    entries = {
+        "modelDescription.xml": container_description(plan, documents, files, GUID_PLACEHOLDER),
+        "model.png": container_icon(),
+        TERMINALS_FILE: _terminals(plan),
+    }
+    for name, text in {**c_sources(plan), **_layer(plan)}.items():
+        entries[f"sources/{name}"] = text.encode("utf-8", "surrogateescape")
+    for name, content in container_documentation(plan, documents, files).items():
+        entries[f"documentation/{name}"] = content
+    digest = hashlib.sha256()
+    for name, content in sorted(entries.items()):
+        digest.update(f"{len(name)} {len(content)} {name}\0".encode() + content)
+    guid = "{" + str(uuid.UUID(bytes=digest.digest()[:16])) + "}"
+    for name in ("modelDescription.xml", f"sources/{MAIN}"):
+        entries[name] = entries[name].replace(GUID_PLACEHOLDER.encode(), guid.encode())
+    return entries
+
+
+def _layer(plan: Plan) -> dict[str, str]:
+    """The sources of the FMI functions, by name."""
+    runtime = runtime_sources()
+    templates = environment()
+    numbers = {"PARAMETERS": (FIXED, TUNABLE), "INPUTS": (INPUT,), "OUTPUTS": (OUTPUT,)}
+    values = {
+        "plan": plan,
+        "guid": GUID_PLACEHOLDER,
+        "sizes": {name: len(plan.with_role(*roles)) for name, roles in numbers.items()},
+        "runs": _runs(plan),
+    }
+    generated = {
+        f"{LAYER}/{name}": templates.get_template(template).render(values)
+        for name, template in (("model.c", "fmu_model.c.j2"), ("sizes.h", "fmu_sizes.h.j2"))
+    }
+    shared = {f"{LAYER}/{name}": runtime[name] for name in _RUNTIME}
+    return {**generated, **shared, f"{LAYER}/{RUNTIME_LICENSE}": runtime_license()}
+
+
+def _runs(plan: Plan) -> list[tuple[ProgramVariable, int]]:
+    """Count, for each variable, the neighbours in memory from it on that have its type and role, itself included."""
+    lengths: list[int] = []
+    following: ProgramVariable | None = None
+    for variable in reversed(plan.variables):
+        alike = following is not None and _kind(variable, 1) == _kind(following, 0)
+        lengths.append(lengths[-1] + 1 if alike else 1)
+        following = variable
+    return list(zip(plan.variables, reversed(lengths), strict=True))
+
+
+def _kind(variable: ProgramVariable, ahead: int) -> tuple[object, ...]:
+    """What neighbours have in common: component, type and role; and the place that comes `ahead` of the variable's."""
+    return variable.member, variable.declared.type, variable.role, variable.place + ahead
+
+
+def _terminals(plan: Plan) -> bytes:
+    """One terminal for each component, whose members have the names that the component gives them."""
+    terminals = []
+    for i, member in enumerate(plan.members):
+        members = {v.variable.name: v.path for v in plan.variables if v.member == i}
+        terminals.append(Terminal(member.name, members, member.component.description.model_name))
+    return terminals_and_icons(plan.system.name, terminals, [v.path for v in plan.variables])
