@@ -76,8 +76,14 @@ PLATFORMS = {
     )
 }
 
-WASM = Platform("wasm", "wasm32-freestanding", ".wasm", ("-flto",), form=("-nostdlib", "-Wl,--no-entry"))
-"""WebAssembly without imports: not a platform of FMUs, and without any library of C."""
+WASM = Platform(
+    "wasm",
+    "wasm32-wasi",
+    ".wasm",
+    # The headers of a C library, but none of its functions: those would import a file system.
+    form=("-mexec-model=reactor", "-nostdlib", "-Wl,--no-entry"),
+)
+"""WebAssembly without imports, which is not a platform of FMUs."""
 
 
 def host_platform() -> Platform:
@@ -161,7 +167,7 @@ def compile_library(sources: Path | Sequence[Path], output: Path, target: Platfo
         *WARNINGS,
         *(flag.format(library=output.name) for flag in target.flags),
         *("-I", str(fmi_headers()), *(str(unit.relative_to(folder)) for unit in units)),
-        *("-o", str(output.resolve()), *(() if target is WASM else ("-lm",))),
+        *("-o", str(output.resolve()), *(() if target.extension == ".wasm" else ("-lm",))),
     ]
     environment = {**os.environ, **_compiler_cache()}
     run = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, check=False)
