@@ -10,16 +10,18 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 
 from adaptimp_fmu import host_platform
 from adaptimp_fmu.toolchain import FLAGS
-from orchestration import System, simulate
+from orchestration import Component, System, simulate
 from orchestration.containers.c_program import c_sources, compiled_files
-from orchestration.containers.plan import Plan as ProgramPlan
+from orchestration.containers.fmu import write_fmu
 from orchestration.containers.plan import plan_of
+from orchestration.fmi.description import read_description
 from tests.conformance.platforms.machines import Machine, MachineUnavailableError, machine, streamed
 from tests.conformance.platforms.plan import Plan
 
@@ -27,6 +29,8 @@ Rows = Callable[[System, int, Path], Iterator[bytes]]
 """Gives the rows of the first steps of a system; the folder is empty and for scratch."""
 
 CONTAINER = Path(__file__).with_name("container.c")
+PLATFORMS = ("linux64", "win64", "aarch64-linux")
+"""Those whose binaries run on x86-64 Linux, by itself, in Wine and in qemu."""
 PART = 4096  # rows that are turned into bytes at once
 OLD_PROCESSOR = {"GLIBC_TUNABLES": "glibc.cpu.hwcaps=-AVX2,-FMA,-FMA4,-AVX512F"}
 """Lets glibc choose the functions that it has for processors without fused multiplication and addition."""
@@ -81,42 +85,50 @@ def _old_processor() -> Iterator[Rows]:
     yield driven(Machine(host_platform(), environment=OLD_PROCESSOR))
 
 
-def driven(found: Machine) -> Rows:
-    """What the C driver gives with the FMUs of a machine's platform."""
-    return lambda system, steps, folder: found.rows(plan(system, steps), folder)
+@contextmanager
+def _one_fmu(name: str) -> Iterator[Rows]:
+    """The C driver with one FMU, which is the whole system."""
+    with machine(name) as found:
+        yield driven(found, whole=True)
+
+
+def driven(found: Machine, *, whole: bool = False) -> Rows:
+    """What the C driver gives on a machine with a system's FMUs, or with the whole system as one FMU."""
+
+    def rows(system: System, steps: int, folder: Path) -> Iterator[bytes]:
+        if whole:
+            fmu = write_fmu(system, folder / f"{system.name}.fmu", platforms=[found.platform.name])
+            system = System(system.name, (Component("whole", read_description(fmu)),), step=system.run_step())
+        return found.rows(plan(system, steps), folder)
+
+    return rows
 
 
 @contextmanager
-def _container() -> Iterator[Rows]:
+def _c_form() -> Iterator[Rows]:
     """The system as one C program on this machine."""
-    yield _container_rows
+    yield _c_rows
 
 
-def _container_rows(system: System, steps: int, folder: Path) -> Iterator[bytes]:
+def _c_rows(system: System, steps: int, folder: Path) -> Iterator[bytes]:
     program = plan_of(system)
-    write_sources(program, folder)
-    target = host_platform()
+    for name, text in c_sources(program).items():
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / name).write_text(text, encoding="utf-8")
+    target = host_platform().target
     command = [
-        *(sys.executable, "-m", "ziglang", "cc", "-target", target.target, *FLAGS, f"-DSYSTEM={program.identifier}"),
+        *(sys.executable, "-m", "ziglang", "cc", "-target", target, *FLAGS, f"-DSYSTEM={program.identifier}"),
         *("-I", ".", str(CONTAINER), *compiled_files(program), "-o", "container.exe"),
     ]
     subprocess.run(command, cwd=folder, check=True)
     yield from streamed([str(folder / "container.exe"), str(steps)], folder)
 
 
-def write_sources(program: ProgramPlan, folder: Path) -> None:
-    """Write the C sources of a system into a folder."""
-    for name, text in c_sources(program).items():
-        (folder / name).parent.mkdir(parents=True, exist_ok=True)
-        (folder / name).write_text(text, encoding="utf-8")
-
-
 PROGRAMS = (
     Program("master", _master),
-    Program("linux64", lambda: _driver("linux64")),
+    *(Program(name, partial(_driver, name)) for name in PLATFORMS),
     Program("linux64, old processor", _old_processor),
-    Program("win64", lambda: _driver("win64")),
-    Program("aarch64-linux", lambda: _driver("aarch64-linux")),
-    Program("C", _container),
+    *(Program(f"{name}, one FMU", partial(_one_fmu, name)) for name in PLATFORMS),
+    Program("C", _c_form),
 )
 """In the order in which they are shown; the first one is what the others are compared with."""

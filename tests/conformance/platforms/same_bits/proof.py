@@ -7,15 +7,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from adaptimp_fmu import PLATFORMS, build, host_platform
+from adaptimp_fmu import PLATFORMS as ALL
+from adaptimp_fmu import build, host_platform
 from fmus.catalog import MODELS
 from orchestration import System
 from orchestration.paper.scenarios import SCENARIOS
 from tests.conformance.platforms.machines import MachineUnavailableError
-from tests.conformance.platforms.same_bits.programs import Program, Rows, plan
-
-NEEDED = {host_platform().name, "linux64", "win64", "aarch64-linux"}
-"""Platforms that the FMUs of a proof have binaries for."""
+from tests.conformance.platforms.same_bits.programs import PLATFORMS, Program, Rows, plan
 
 
 @dataclass(frozen=True)
@@ -45,8 +43,8 @@ def systems(figures: Iterable[str], folder: Path) -> list[System]:
     """The systems of figures, made of FMUs for all the platforms of a proof, which are built into a folder."""
     found = [SCENARIOS[figure] for figure in figures]
     names = dict.fromkeys(name for scenario in found for name in scenario.models.values())
-    platforms = [platform for name, platform in PLATFORMS.items() if name in NEEDED]
-    files = {name: build(MODELS[name](), folder, platforms) for name in names}
+    platforms = dict.fromkeys((host_platform().name, *PLATFORMS))
+    files = {name: build(MODELS[name](), folder, [ALL[platform] for platform in platforms]) for name in names}
     return [scenario.system(files) for scenario in found]
 
 
