@@ -3,9 +3,11 @@
     python -m tests.benchmarks.containers [--scenario fig2|fig5] [--json FILE] [--repetitions N] [--steps N]
 
 `c` is the system's C form, which makes all steps of a piece in one call; `bare` calls the generated functions
-without checks; both record nothing. `ours` is the compiled loop over the five FMUs. All others record all outputs
-of every step. Repetitions alternate; each begins in the same initialized state, made outside the measured time.
-Nothing asserts a time: what is asserted is that all forms record what `ours` records, bit by bit.
+without checks; both record nothing. `ours` is the compiled loop over the five FMUs, `fmu` the same loop over one FMU
+that is the whole system; it makes one inner step per call. `fmu-1000` makes 1000 of them per call, and records every
+1000th step. All others record all outputs of every step. Repetitions alternate; each begins in the same initialized
+state, made outside the measured time. Nothing asserts a time: what is asserted is that all forms record what `ours`
+records, bit by bit.
 """
 
 import argparse
@@ -17,12 +19,13 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
+import numpy as np
 from rich.console import Console
 
 from orchestration.paper.built_fmus import find_scenario, fmus
 from orchestration.system.system import System
 from tests.benchmarks.container import contained
-from tests.benchmarks.forms import CProgram
+from tests.benchmarks.forms import CProgram, whole_system
 from tests.benchmarks.report import (
     Goal,
     Measure,
@@ -42,11 +45,17 @@ MEANING = {
     "bare": "generated functions, no records",
     "c": "C form, no records",
     "c-rows": "C form, step by step",
-    "ours": "loop.run over the five FMUs",
-    "fmucontainer": "its FMU of the five in loop.run, plant first",
+    "fmu": "one FMU in loop.run",
+    "fmu-1000": "one FMU in loop.run, long steps",
+    "ours": "five FMUs in loop.run",
+    "fmucontainer": "its FMU in loop.run, plant first",
 }
-RATIOS = (("c", "bare"), ("c-rows", "ours"), ("fmucontainer", "ours"))
-LIMITS = {"c/bare": 1.05, "c-rows/ours": 0.8}
+RATIOS = (
+    *(("c", "bare"), ("fmu-1000", "bare"), ("fmu-1000", "ours"), ("c-rows", "ours"), ("fmu", "ours")),
+    *(("fmucontainer", "ours"), ("fmucontainer", "fmu")),
+)
+LIMITS = {"c/bare": 1.05, "fmu-1000/bare": 1.05, "fmu-1000/ours": 0.8}
+LONG = 1000  # inner steps of a long step
 SCENARIOS = ("fig2", "fig5")
 REPETITIONS = 15
 
@@ -74,7 +83,7 @@ def run(name: str = "fig5", n_steps: int | None = None, repetitions: int = REPET
     name
         One of `SCENARIOS`.
     n_steps
-        Steps per repetition; all of the scenario if None.
+        Inner steps per repetition, a multiple of `LONG`; all of the scenario if None.
     repetitions
         Rounds; in each one every variant runs once.
 
@@ -94,19 +103,7 @@ def run(name: str = "fig5", n_steps: int | None = None, repetitions: int = REPET
     n_steps = n_steps or round(system.run_stop_time() / system.run_step())
     with ExitStack() as stack:
         folder = Path(stack.enter_context(TemporaryDirectory()))
-        bench = stack.enter_context(Bench(system, n_steps))
-        theirs = stack.enter_context(Rig(contained(_plant_first(system), folder), n_steps))
-        (folder / "c").mkdir()
-        program = CProgram(system, folder / "c")
-        ours = bench.records(bench.time_ours, n_steps)
-        bench.check(ours, "c-rows", partial(program.time_rows, rig=bench), n_steps)
-        measures: dict[str, Measure] = {
-            "bare": bench.time_bare,
-            "c": partial(program.time, rig=bench),
-            "c-rows": partial(program.time_rows, rig=bench),
-            "ours": bench.time_ours,
-            "fmucontainer": theirs.time_ours,
-        }
+        measures = _measures(system, n_steps, folder, stack)
         steps = dict.fromkeys(measures, n_steps)
         seconds = alternate(measures, steps, repetitions)
     found = ratios(RATIOS, seconds, steps)
@@ -117,6 +114,30 @@ def run(name: str = "fig5", n_steps: int | None = None, repetitions: int = REPET
         "goals": [Goal(pair, found[pair]["median_of_rounds"], limit).record() for pair, limit in LIMITS.items()],
         "machine": machine(),
         "versions": versions(),
+    }
+
+
+def _measures(system: System, n: int, folder: Path, stack: ExitStack) -> dict[str, Measure]:
+    """Wall time of n inner steps, by variant; what they need is on the stack, and computes the same in all."""
+    whole = whole_system(system, folder)
+    bench = stack.enter_context(Bench(system, n))
+    one = stack.enter_context(Rig(whole, n))
+    long = stack.enter_context(Rig(replace(whole, step=LONG * system.run_step()), n // LONG, piece=2))
+    theirs = stack.enter_context(Rig(contained(_plant_first(system), folder), n))
+    program = CProgram(system, folder / "c")
+    rows = partial(program.time_rows, rig=bench)
+    ours = bench.records(bench.time_ours, n)
+    bench.check(ours, "c-rows", rows, n)
+    one.check(ours, "fmu", one.time_ours, n)
+    long.check(np.ascontiguousarray(ours[::LONG]), "fmu-1000", long.time_ours, n // LONG)
+    return {
+        "bare": bench.time_bare,
+        "c": partial(program.time, rig=bench),
+        "c-rows": rows,
+        "fmu": one.time_ours,
+        "fmu-1000": lambda n: long.time_ours(n // LONG),
+        "ours": bench.time_ours,
+        "fmucontainer": theirs.time_ours,
     }
 
 

@@ -1,4 +1,4 @@
-"""A system as one program in the forms that a benchmark calls: the C form as a library in this process."""
+"""A system as one program in the forms that a benchmark calls: the C form as a library in this process, and an FMU."""
 
 import ctypes
 from pathlib import Path
@@ -6,10 +6,19 @@ from pathlib import Path
 import numpy as np
 
 from orchestration.containers.c_program import c_sources, compiled_files
+from orchestration.containers.fmu import write_fmu
 from orchestration.containers.plan import plan_of
-from orchestration.system.system import System
+from orchestration.fmi.description import read_description
+from orchestration.system.system import Component, System
 from tests.benchmarks.native import HERE, compile_c
 from tests.benchmarks.rig import Rig, require
+
+
+def whole_system(system: System, folder: Path) -> System:
+    """A system of one component, an FMU that is the whole system; its file is written into a folder."""
+    fmu = write_fmu(system, folder / f"{system.name}.fmu")
+    component = Component("whole", read_description(fmu))
+    return System(f"{system.name}-whole", (component,), step=system.run_step(), stop_time=system.stop_time)
 
 
 class CProgram:
@@ -18,7 +27,7 @@ class CProgram:
     Parameters
     ----------
     folder
-        An empty folder.
+        A folder that does not exist yet.
     """
 
     def __init__(self, system: System, folder: Path) -> None:
