@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import casadi as ca
 import jinja2
 
+from adaptimp_fmu.equations import equations_text
 from adaptimp_fmu.lowering import Lowered, lower
 from adaptimp_fmu.model import Model
 from adaptimp_fmu.sampled_model import SampledModel
@@ -104,7 +105,7 @@ def generate(model: Model) -> dict[str, str]:
         unneeded=_UNNEEDED_CONTAINED,
         seed=_seed_reference(model),
     )
-    equations = _equations(lowered.functions)
+    equations = equations_text(lowered.functions)
     return {MAIN_SOURCE: main, SIZES_SOURCE: sizes, EQUATIONS_SOURCE: equations, **runtime_sources()}
 
 
@@ -187,16 +188,9 @@ def _result(name: str) -> str:
     return {"c": "constants", "x": "states", "w": "drawn", "s": "shared"}.get(name, name)
 
 
-def _equations(functions: Sequence[ca.Function]) -> str:
-    generator = ca.CodeGenerator("equations.c", {"with_mem": False, "with_header": False})
-    for function in functions:
-        generator.add(function)
-    return generator.dump()
-
-
 def _c_number(value: float) -> str:
     if math.isinf(value):
-        return "INFINITY" if value > 0 else "-INFINITY"
+        return "REAL_INFINITY" if value > 0 else "-REAL_INFINITY"
     return repr(float(value))
 
 

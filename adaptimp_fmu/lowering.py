@@ -14,6 +14,7 @@ import casadi as ca
 
 from adaptimp_fmu.columns import evolutions, inputs, parameters, stack, states
 from adaptimp_fmu.continuous_model import ContinuousModel
+from adaptimp_fmu.equations import require_supported
 from adaptimp_fmu.errors import DefinitionError
 from adaptimp_fmu.model import Model
 from adaptimp_fmu.sampled_model import SampledModel
@@ -57,8 +58,8 @@ def lower(model: Model) -> Lowered:
     ------
     DefinitionError
         If the name is not a C identifier, there are no outputs, a state has no evolution, a divisor or a seed is
-        not a suitable parameter, a value holds the constant NaN, or depends on a symbol that the model does not
-        declare.
+        not a suitable parameter, a value holds the constant NaN, depends on a symbol that the model does not declare,
+        or uses a function that the runtime does not have.
     """
     _require_complete(model)
     p, x = parameters(model), states(model)
@@ -159,6 +160,7 @@ def _require_complete(model: Model) -> None:
             )
             raise DefinitionError(msg)
         _require_declared(model, what, value)
+        require_supported(f"{model.name}: {what}", value)
 
 
 def _require_declared(model: Model, what: str, value: ca.SX) -> None:

@@ -21,7 +21,6 @@ FLAGS = (
     # Numbers go from FMU to FMU one by one; the code fits the processor's caches (docs/decisions/009).
     *("-fno-slp-vectorize", "-fno-vectorize", "-falign-functions=64"),
     "-ffp-contract=off",
-    "-fno-math-errno",  # lets sin and cos of one angle become one call, with the same bits
     "-fvisibility=hidden",
     "-fno-sanitize=all",
     "-g0",
@@ -166,8 +165,7 @@ def compile_library(sources: Path | Sequence[Path], output: Path, target: Platfo
         *FLAGS,
         *WARNINGS,
         *(flag.format(library=output.name) for flag in target.flags),
-        *("-I", str(fmi_headers()), *(str(unit.relative_to(folder)) for unit in units)),
-        *("-o", str(output.resolve()), *(() if target.extension == ".wasm" else ("-lm",))),
+        *("-I", str(fmi_headers()), *(str(unit.relative_to(folder)) for unit in units), "-o", str(output.resolve())),
     ]
     environment = {**os.environ, **_compiler_cache()}
     run = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, check=False)

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from orchestration.analysis.stability.verdict import Verdict
     from orchestration.errors import (
         ArchiveError,
+        ContainerError,
         InitializationError,
         OrchestrationError,
         RunInterrupted,
@@ -57,6 +58,7 @@ _HOME = {
     "Comparison": "results.comparison",
     "Component": "system.system",
     "Connection": "system.system",
+    "ContainerError": "errors",
     "Correction": "master.algorithm",
     "Crossings": "master.options",
     "Diagnosis": "analysis.doctor.diagnosis",
@@ -103,6 +105,7 @@ __all__ = [
     "Comparison",
     "Component",
     "Connection",
+    "ContainerError",
     "Correction",
     "Crossings",
     "Diagnosis",

@@ -199,7 +199,7 @@ class ContainerError(OrchestrationError):
     ...     scenario("fig2").to_c("program", algorithm="newton")  # iterates, which a program does not
     ... except ContainerError as error:
     ...     print(error)
-    System fig2: ... newton ... gauss-seidel or jacobi...
+    System fig2: a program cannot step with newton; choose gauss-seidel or jacobi.
     """
 
 

@@ -1,5 +1,4 @@
 /* The FMI functions that get and set variables. A call that is refused changes nothing. */
-#include <math.h>
 #include <string.h>
 
 #include "instance.h"
@@ -31,7 +30,7 @@ static int is_settable(const Instance *instance, const ModelVariable *variable, 
              function, variable->name);
         return 0;
     }
-    if (!isfinite(value)) {
+    if (!real_is_finite(value)) {
         fail(instance, "%s: %s = %s is not finite.", function, variable->name, not_finite(value));
         return 0;
     }

@@ -1,8 +1,6 @@
 /* The system inside of a container, as the functions of FMI see it. step.c knows the components; here are
  * initialization, the communication step of several inner steps, and the messages of components. */
 #include <float.h>
-#include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "instance.h"
@@ -15,29 +13,28 @@ static const char *position_fault(const State *s);
 
 #define DEFAULT_DIGITS 6                           /* of %g */
 
-/* Writes one argument of a failure as its conversion wants, and returns the number of characters. */
+/* Writes an argument of a failure as a conversion such as %s, %d or %.17g wants; returns its number of characters. */
 static int write_argument(char *text, size_t size, const char *conversion, const FailureArgument *argument) {
-    const char *digits = strchr(conversion, '.');
+    int digits = 0;
+    for (const char *c = conversion + 1; *c == '.' || (*c >= '0' && *c <= '9'); ++c)
+        if (*c != '.') digits = 10 * digits + (*c - '0');
     if (argument->kind == 's') return snprintf(text, size, "%s", argument->text);
     if (argument->kind == 'd') return snprintf(text, size, "%.0f", argument->number);
-    return snprintf(text, size, "%.*g", digits ? atoi(digits + 1) : DEFAULT_DIGITS, argument->number);
+    return snprintf(text, size, "%.*g", digits ? digits : DEFAULT_DIGITS, argument->number);
 }
 
 /* The sentence of a failure with its arguments. */
 static void write_failure(const Failure *failure, char *text, size_t size) {
     size_t used = 0;
     int next = 0;
-    for (const char *s = failure->sentence; *s && used + 1 < size;) {
-        if (s[0] == '%' && s[1] != '%' && next < failure->n) {
-            const size_t length = strcspn(s, "sgdu") + 1;
-            char conversion[8] = {0};
-            memcpy(conversion, s, length < sizeof conversion ? length : sizeof conversion - 1);
-            used += (size_t)write_argument(text + used, size - used, conversion, &failure->arguments[next++]);
-            s += length;
-        } else {
+    for (const char *s = failure->sentence; *s && used + 1 < size; ++s) {
+        if (s[0] != '%' || s[1] == '%' || next == failure->n) {
+            text[used++] = *s;
             s += s[0] == '%' && s[1] == '%';
-            text[used++] = *s++;
+            continue;
         }
+        used += (size_t)write_argument(text + used, size - used, s, &failure->arguments[next++]);
+        while (s[1] && strspn(s, ".%0123456789")) ++s;
     }
     text[used < size ? used : size - 1] = '\0';
 }
@@ -88,7 +85,7 @@ static void note_change(State *s, int parameter_changed) {
 static int inputs_valid(const Instance *instance) {
     for (uint32_t i = MODEL_FIRST_INPUT; i < MODEL_FIRST_OUTPUT; ++i) {
         const double value = SLOT(&instance->state, i);
-        if (isfinite(value)) continue;
+        if (real_is_finite(value)) continue;
         fail(instance, "Input %s is %s; it must be finite.", model_variables[i].name, not_finite(value));
         return 0;
     }
@@ -118,9 +115,9 @@ static int initialized(Instance *instance) {
 
 /* Whether a step is a whole number of inner steps; how many is left to `advance`. */
 static RARE int is_multiple(const Instance *instance, double t, double h) {
-    const double ratio = h / CONTAINER(step_size), nearest = floor(ratio + 0.5);
-    const double rounding = 1e-9 + 4 * DBL_EPSILON * fabs(t + h) / CONTAINER(step_size);
-    if (!(ratio <= MAX_INNER_STEPS) || (nearest >= 1 && fabs(ratio - nearest) <= rounding)) return 1;
+    const double ratio = h / CONTAINER(step_size), nearest = real_floor(ratio + 0.5);
+    const double rounding = 1e-9 + 4 * DBL_EPSILON * real_fabs(t + h) / CONTAINER(step_size);
+    if (!(ratio <= MAX_INNER_STEPS) || (nearest >= 1 && real_fabs(ratio - nearest) <= rounding)) return 1;
     fail(instance, "fmi2DoStep: the step of h = %.17g s is not a whole multiple of the inner step, %.17g s.", h,
          CONTAINER(step_size));
     return 0;

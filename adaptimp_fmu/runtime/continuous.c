@@ -8,7 +8,6 @@
  * the sub-step follows. Each piece is a Runge-Kutta step of its own: order 4 survives the event.
  */
 #include <float.h>
-#include <math.h>
 
 #include "instance.h"
 
@@ -97,8 +96,8 @@ static double locate_crossing(State *s, double t, double dt, int event, double *
     }
     for (int i = 0; i < MAX_ITERATIONS && upper - lower > smallest; ++i) {
         double trial = (lower * z_upper - upper * z_lower) / (z_upper - z_lower);
-        if (i % 8 == 7 || !isfinite(trial)) trial = 0.5 * (lower + upper);
-        trial = fmin(fmax(trial, lower + 0.5 * smallest), upper - 0.5 * smallest);
+        if (i % 8 == 7 || !real_is_finite(trial)) trial = 0.5 * (lower + upper);
+        trial = real_fmin(real_fmax(trial, lower + 0.5 * smallest), upper - 0.5 * smallest);
         runge_kutta_4(s, t, trial, trial_end);
         double z = indicator(s, t + trial, trial_end, event);
         if ((z > 0) == (s->modes[event] > 0)) {

@@ -9,6 +9,7 @@
 
 #include <stdint.h>
 
+#include "real_numbers.h"
 #include "model.h"
 #ifdef CONTAINED
 /* Two functions of the compiler, which calls them itself: the library's header need not exist. */

@@ -1,6 +1,5 @@
 /* The life of an instance from fmi2Instantiate to fmi2FreeInstance, and which FMI function may be
  * called in which state. */
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -116,9 +115,9 @@ fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean toleranceDefined, fm
     (void)toleranceDefined;
     (void)tolerance;
     if (!instance) return fmi2Error;
-    if (!isfinite(startTime))
+    if (!real_is_finite(startTime))
         return fail(instance, "fmi2SetupExperiment: the start time is %g.", startTime);
-    if (stopTimeDefined && !(stopTime >= startTime && isfinite(stopTime)))
+    if (stopTimeDefined && !(stopTime >= startTime && real_is_finite(stopTime)))
         return fail(instance, "fmi2SetupExperiment: the stop time %.17g s does not follow the start "
                               "time %.17g s.",
                     stopTime, startTime);

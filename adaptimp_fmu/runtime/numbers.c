@@ -1,12 +1,11 @@
 /* What a number is, on every platform alike. */
 #include <limits.h>
-#include <math.h>
 
 #include "instance.h"
 
 /* How a number that is not finite reads. */
 static const char *not_finite(double value) {
-    return isnan(value) ? "nan" : value > 0 ? "inf" : "-inf";
+    return real_is_nan(value) ? "nan" : value > 0 ? "inf" : "-inf";
 }
 
 #if defined(MODEL_INTEGER_OUTPUTS) || !defined(CONTAINED)

@@ -6,20 +6,15 @@
 
 #include <stdint.h>
 
-static uint64_t multiply_high(uint64_t a, uint64_t b) {
-    const uint64_t a0 = (uint32_t)a, a1 = a >> 32, b0 = (uint32_t)b, b1 = b >> 32;
-    const uint64_t middle = a1 * b0 + ((a0 * b0) >> 32);
-    const uint64_t carry = a0 * b1 + (uint32_t)middle;
-    return a1 * b1 + (middle >> 32) + (carry >> 32);
-}
+#include "real_numbers.h"
 
 /* The block of counter (counter, 0, 0, 0) under key (key, 0). */
 static void philox4x64(uint64_t counter, uint64_t key, uint64_t block[4]) {
     const uint64_t m0 = 0xD2E7470EE14C6C93u, m1 = 0xCA5A826395121157u;
     uint64_t x0 = counter, x1 = 0, x2 = 0, x3 = 0, k0 = key, k1 = 0;
     for (int round = 0; round < 10; ++round) {
-        const uint64_t high0 = multiply_high(m0, x0), low0 = m0 * x0;
-        const uint64_t high1 = multiply_high(m1, x2), low1 = m1 * x2;
+        const uint64_t high0 = upper_product(m0, x0), low0 = m0 * x0;
+        const uint64_t high1 = upper_product(m1, x2), low1 = m1 * x2;
         x0 = high1 ^ x1 ^ k0;
         x1 = low1;
         x2 = high0 ^ x3 ^ k1;

@@ -2,6 +2,7 @@
  * the compiler sees model and runtime as one file and exports nothing but FMI's functions, or those of
  * contained.h. */
 #include "instance.h"
+#include "mathematics.h"
 
 #ifdef CONTAINED
 #include "record.c"

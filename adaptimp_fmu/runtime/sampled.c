@@ -6,7 +6,6 @@
  * A tick at the start of a step uses the inputs just set. Slow states are updated at every n-th tick.
  */
 #include <float.h>
-#include <math.h>
 
 #include "instance.h"
 #if MODEL_N_NOISE
@@ -116,7 +115,7 @@ static RARE int advance_by(Instance *instance, double t, double h) {
     double end = s->tick_fraction + h / period;
     if (!(end <= MAX_TICKS)) return too_many_ticks(instance, h, end);
     const double nearest = floor_of(end + 0.5);
-    if (fabs(end - nearest) <= 1e-9 + 4 * DBL_EPSILON * fabs(t + h) / period) end = nearest;
+    if (real_fabs(end - nearest) <= 1e-9 + 4 * DBL_EPSILON * real_fabs(t + h) / period) end = nearest;
     const int64_t ticks = (int64_t)(ceil_of(end) - ceil_of(s->tick_fraction));
     for (int64_t i = 0; i < ticks; ++i)
         if (!run_tick(instance)) return 0;

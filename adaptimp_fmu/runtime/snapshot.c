@@ -4,7 +4,6 @@
  * holds numbers only: it works in another instance or process of the same FMU. All platforms are
  * little-endian.
  */
-#include <math.h>
 #include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
@@ -43,7 +42,7 @@ static int parameter_valid(const ModelVariable *variable, double value) {
     if (variable == &model_variables[MODEL_DIVISOR] && !(value >= 1)) return 0;
 #endif
     if (variable->type == TYPE_INTEGER && !is_integer(value)) return 0;
-    return value >= variable->min && value <= variable->max && isfinite(value);
+    return value >= variable->min && value <= variable->max && real_is_finite(value);
 }
 
 /* What no run leaves behind. The checksum finds corruption; bytes that somebody has made up pass it, and
@@ -54,7 +53,7 @@ static const char *state_fault(const State *s) {
     if (s->phase != INSTANTIATED && s->phase != INITIALIZATION && s->phase != STEP_COMPLETE &&
         s->phase != TERMINATED && s->phase != FAILED)
         return "its phase is none of FMI";
-    if (!isfinite(s->start_time) || !isfinite(s->stop_time) || !isfinite(s->time))
+    if (!real_is_finite(s->start_time) || !real_is_finite(s->stop_time) || !real_is_finite(s->time))
         return "a time is not finite";
     return position_fault(s);
 }

@@ -1,13 +1,12 @@
 /* fmi2DoStep, and the FMI functions that ask for its status. */
 #include <float.h>
-#include <math.h>
 
 #include "instance.h"
 
 /* A host's clock is summed or rounded to a nanosecond: so much may its time differ from ours. */
 #define CLOCK_TOLERANCE 1e-9
 static double time_tolerance(double t, double h) {
-    const double scale = fabs(t) > 1 ? fabs(t) : 1;
+    const double scale = real_fabs(t) > 1 ? real_fabs(t) : 1;
     return 1e-6 * h + CLOCK_TOLERANCE * scale;
 }
 
@@ -15,7 +14,7 @@ static double time_tolerance(double t, double h) {
  * would hide a step that the host has left out, so it is a quarter of the step there; but a clock that
  * is rounded to a nanosecond, and then to a double, is always right. */
 static double start_tolerance(double t, double h) {
-    const double rounding = CLOCK_TOLERANCE + 4 * DBL_EPSILON * fabs(t);
+    const double rounding = CLOCK_TOLERANCE + 4 * DBL_EPSILON * real_fabs(t);
     const double most = h / 4 > rounding ? h / 4 : rounding;
     const double usual = time_tolerance(t, h);
     return usual < most ? usual : most;
@@ -24,9 +23,9 @@ static double start_tolerance(double t, double h) {
 /* Whether a step is valid, by the whole rule; says what is wrong if it is not. */
 static RARE int step_valid_within(const Instance *instance, double t, double h) {
     const State *s = &instance->state;
-    const int continues = fabs(t - s->time) <= start_tolerance(t, h);
+    const int continues = real_fabs(t - s->time) <= start_tolerance(t, h);
     const int ends_late = s->stop_time_defined && t + h > s->stop_time + time_tolerance(s->stop_time, h);
-    if (!(h > 0 && isfinite(t + h)))
+    if (!(h > 0 && real_is_finite(t + h)))
         fail(instance, "fmi2DoStep: the step from t = %.17g s of h = %.17g s is not a positive finite "
                        "step.",
              t, h);
@@ -45,7 +44,7 @@ static RARE int step_valid_within(const Instance *instance, double t, double h) 
 /* Most steps begin within the smallest tolerance and end before the stop time. */
 static int step_valid(const Instance *instance, double t, double h) {
     const State *s = &instance->state;
-    if (h > 0 && fabs(t - s->time) <= CLOCK_TOLERANCE && t + h <= s->latest_end) return 1;
+    if (h > 0 && real_fabs(t - s->time) <= CLOCK_TOLERANCE && t + h <= s->latest_end) return 1;
     return step_valid_within(instance, t, h);
 }
 

@@ -1,12 +1,11 @@
 /* Tests of inputs, parameters, states and outputs; each failure is a sentence that names the variable. */
 #include <float.h>
-#include <math.h>
 
 #include "instance.h"
 
 static size_t first_not_finite(const double *values, size_t n) {
     size_t i = 0;
-    while (i < n && isfinite(values[i])) ++i;
+    while (i < n && real_is_finite(values[i])) ++i;
     return i;
 }
 
@@ -21,7 +20,7 @@ static int all_finite(const double *values, size_t n) {
         for (size_t j = 0; j < 4; ++j) sums[j] += values[i + j];
     for (; i < n; ++i) sums[i % 4] += values[i];
     const double sum = (sums[0] + sums[1]) + (sums[2] + sums[3]);
-    return fabs(sum) <= DBL_MAX ? 1 : each_finite(values, n);
+    return real_fabs(sum) <= DBL_MAX ? 1 : each_finite(values, n);
 }
 
 static RARE int input_invalid(const Instance *instance, const double *u) {

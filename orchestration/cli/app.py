@@ -26,6 +26,7 @@ from orchestration.cli.options import (
     Exchange,
     FmuStopTime,
     FmuTolerance,
+    FormName,
     Input,
     InputOrder,
     Isolate,
@@ -33,6 +34,8 @@ from orchestration.cli.options import (
     Mapping,
     Order,
     Pace,
+    ProgramAlgorithm,
+    ProgramPlatform,
     SampleTime,
     Settings,
     StaleInputs,
@@ -253,24 +256,30 @@ def run(
         "adaptimp export fig5 -o fig5.ssp",
         "adaptimp export fig5 --set controller.K=[4000,2000] \\\n"
         "    --controller SlotineLiAdaptiveImpedance -o other.ssp",
+        "adaptimp export fig5 --as c -o fig5_in_c",
     ),
 )
 @with_messages
 def export(
     system: SystemName,
-    out: Annotated[Path, typer.Option("--out", "-o", metavar="FILE.ssp", help="File to write.")],
+    out: Annotated[Path, typer.Option("--out", "-o", metavar="PATH", help="File, or folder of C, to write.")],
+    form: FormName = None,
     variant: Variant = None,
     controller: Controller = None,
     map_: Mapping = None,
     set_: Settings = None,
+    algorithm: ProgramAlgorithm = None,
+    order: Order = None,
+    step: Step = None,
     sample_time: SampleTime = None,
+    platform: ProgramPlatform = None,
 ) -> None:
-    """Write a system as an SSP package, for this and for other tools."""
-    from orchestration.cli.export import export_system
+    """Write a system as an SSP package, or as one program, for this and for other tools."""
+    from orchestration.cli.export import ExportRequest, export_system
     from orchestration.cli.systems import SystemRequest
 
     asked = SystemRequest(system, controller, tuple(map_ or ()), tuple(set_ or ()), sample_time, variant)
-    export_system(asked, out)
+    export_system(ExportRequest(asked, out, form, step, order, algorithm, tuple(platform or ())))
 
 
 @app.command(cls=Command, epilog=closing("adaptimp build -o fmus_built", "adaptimp build mine.py -o built --verbose"))

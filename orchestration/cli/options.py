@@ -83,6 +83,24 @@ AlgorithmName = Annotated[
         autocompletion=completion.algorithms,
     ),
 ]
+FormName = Annotated[
+    str | None,
+    typer.Option("--as", metavar="FORM", help="ssp, or c for one program; by default what the name of PATH says."),
+]
+ProgramAlgorithm = Annotated[
+    str | None,
+    typer.Option(
+        "--algorithm",
+        metavar="NAME",
+        help="gauss-seidel (default) or jacobi, of one program.",
+        rich_help_panel=ALGORITHM,
+        autocompletion=completion.algorithms,
+    ),
+]
+ProgramPlatform = Annotated[
+    list[str] | None,
+    typer.Option("--platform", metavar="NAME", help="Platform of the binaries, repeatable; 'all' for every one."),
+]
 Exchange = Annotated[
     str | None,
     typer.Option(

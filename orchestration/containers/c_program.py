@@ -34,11 +34,7 @@ def c_sources(plan: Plan) -> dict[str, str]:
         "system": plan.system.name,
         "folder": FOLDER,
         "plain": all(fmu.plain for fmu in plan.fmus),
-        "counts": {
-            "parameters": len(plan.with_role(FIXED, TUNABLE)),
-            "inputs": len(plan.with_role(INPUT)),
-            "outputs": len(plan.with_role(OUTPUT)),
-        },
+        "counts": counts(plan),
         "owners": [variable.member for variable in plan.with_role(FIXED, TUNABLE, INPUT)],
         "passes": list(_passes(plan)),
         "sampled": any(member.period for member in plan.members),
@@ -52,6 +48,15 @@ def c_sources(plan: Plan) -> dict[str, str]:
         found[f"{FOLDER}/{fmu.name}.c"] = tested + fmu.source
         found |= {f"{FOLDER}/{fmu.name}/{name}": text for name, text in fmu.sources.items()}
     return found
+
+
+def counts(plan: Plan) -> dict[str, int]:
+    """Return the numbers of variables by their role."""
+    return {
+        "parameters": len(plan.with_role(FIXED, TUNABLE)),
+        "inputs": len(plan.with_role(INPUT)),
+        "outputs": len(plan.with_role(OUTPUT)),
+    }
 
 
 def compiled_files(plan: Plan) -> list[str]:

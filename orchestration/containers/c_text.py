@@ -61,6 +61,11 @@ def c_comment(text: str) -> str:
     return plain.replace("*/", "* /").replace("/*", "/ *").replace("??/", "? ?/")
 
 
+def md(text: str) -> str:
+    """Return a text for Markdown: one line of plain characters, without marks that begin something else."""
+    return re.sub(r"[^\w .,:;/()+*^=\[\]-]", "?", text).replace("[", "\\[").replace("*", "\\*").replace("|", "?")
+
+
 def c_number(value: float) -> str:
     """Return a double as C text, to the last bit; infinity becomes the largest number."""
     if math.isinf(value):
@@ -79,5 +84,5 @@ def environment() -> jinja2.Environment:
         # The output is C, not HTML; `c_string` and `c_comment` take care of the texts of strangers.
         autoescape=False,  # noqa: S701  # nosec B701
     )
-    found.filters |= {"c_string": c_string, "c_number": c_number, "c_comment": c_comment}
+    found.filters |= {"c_string": c_string, "c_number": c_number, "c_comment": c_comment, "md": md}
     return found

@@ -6,7 +6,7 @@
       sources/step.c ...     the system in C, as `orchestration.containers.c_program` writes it
       sources/fmi/           the FMI functions: the layer of the runtime that all FMUs of this project have
 
-Same system, same bytes: the GUID is a hash of the description, the sources and the documentation.
+Same system, same bytes: the GUID is a hash of the description and the sources.
 """
 
 import hashlib
@@ -40,7 +40,7 @@ MAIN = f"{LAYER}/model.c"
 ALL_PLATFORMS = "all"
 _RUNTIME = (
     *("access.c", "container.c", "container.h", "instance.h", "lifecycle.c", "log.c", "model.h", "no_derivatives.c"),
-    *("numbers.c", "runtime_container.c", "snapshot.c", "state.h", "step.c"),
+    *("numbers.c", "real_numbers.h", "runtime_container.c", "snapshot.c", "state.h", "step.c"),
 )
 """Files of the runtime that a container needs."""
 
@@ -111,25 +111,27 @@ def _compiled(plan: Plan, sources: Mapping[str, str], platform: Platform, units:
 
 
 def _entries(plan: Plan) -> dict[str, bytes]:
-    """All files of the FMU but the binaries, with the GUID that is a hash of them."""
+    """All files of the FMU but the binaries."""
     documents = {member.name: document_of(member.fmu.path) for member in plan.members}
     files = [*compiled_files(plan), MAIN]
-    entries = {
-        "modelDescription.xml": container_description(plan, documents, files, GUID_PLACEHOLDER),
-        "model.png": container_icon(),
-        TERMINALS_FILE: _terminals(plan),
-    }
+    entries = {"modelDescription.xml": container_description(plan, documents, files, GUID_PLACEHOLDER)}
     for name, text in {**c_sources(plan), **_layer(plan)}.items():
         entries[f"sources/{name}"] = text.encode("utf-8", "surrogateescape")
-    for name, content in container_documentation(plan, documents, files).items():
-        entries[f"documentation/{name}"] = content
-    digest = hashlib.sha256()
-    for name, content in sorted(entries.items()):
-        digest.update(f"{len(name)} {len(content)} {name}\0".encode() + content)
-    guid = "{" + str(uuid.UUID(bytes=digest.digest()[:16])) + "}"
+    guid = _guid(entries)
     for name in ("modelDescription.xml", f"sources/{MAIN}"):
         entries[name] = entries[name].replace(GUID_PLACEHOLDER.encode(), guid.encode())
+    entries |= {"model.png": container_icon(), TERMINALS_FILE: _terminals(plan)}
+    for name, content in container_documentation(plan, documents, files).items():
+        entries[f"documentation/{name}"] = content
     return entries
+
+
+def _guid(entries: Mapping[str, bytes]) -> str:
+    """A hash of files as a GUID."""
+    digest = hashlib.sha256()
+    for name, content in sorted(entries.items()):
+        digest.update(f"{len(name)} {len(content)} {name}\0".encode("utf-8", "surrogateescape") + content)
+    return "{" + str(uuid.UUID(bytes=digest.digest()[:16])) + "}"
 
 
 def _layer(plan: Plan) -> dict[str, str]:

@@ -6,7 +6,7 @@ from importlib.metadata import PackageNotFoundError, version
 
 import jinja2
 
-from adaptimp_fmu.codegen import RUNTIME_LICENSE, runtime_license
+from adaptimp_fmu.codegen import RUNTIME_LICENSE, runtime_license, runtime_sources
 from adaptimp_fmu.description import number
 from adaptimp_fmu.variables import Type
 from orchestration.containers.fmu_description import saves_state, summary
@@ -77,10 +77,16 @@ def container_documentation(plan: Plan, documents: Mapping[str, Document], sourc
         given=_given(plan.system),
         tables={title: _rows(plan, roles) for title, roles in _KINDS.items()},
         sources=sources,
+        most_steps=_most_steps(),
         version=adaptimp_version(),
         license_file=LICENSE,
     )
     return {INDEX: page.encode(), LICENSE: _license_index(parts).encode(), **_licenses(plan.system)}
+
+
+def _most_steps() -> str:
+    """Limit of the runtime, read from its source, so that the page cannot contradict it."""
+    return runtime_sources()["container.c"].partition("#define MAX_INNER_STEPS ")[2].partition("\n")[0]
 
 
 def _environment() -> jinja2.Environment:

@@ -40,6 +40,29 @@ ANALYSES: dict[str, str] = {"stability": "orchestration.analysis.stability.verdi
 """Entries of analyses by the name of the calling method. The first argument of an analysis is a `System`."""
 
 
+@dataclass(frozen=True)
+class Program:
+    """A form of a system as one program.
+
+    Attributes
+    ----------
+    write
+        Entry of a function that takes a `System`, a path and options by name, and returns the path.
+    suffix
+        Suffix of the file that is written; empty if it is a folder.
+    platforms
+        Whether the function takes names of platforms, as ``platforms``.
+    """
+
+    write: str
+    suffix: str = ""
+    platforms: bool = False
+
+
+CONTAINERS: dict[str, Program] = {"c": Program("orchestration.containers.c_form:write_c")}
+"""Forms of a system as one program, by name."""
+
+
 def reader(path: Path) -> "Callable[[Path, str | None], System]":
     """Return the function that reads a system from a file with the suffix of a path."""
     return _load(FORMATS.get(path.suffix.lower(), SSP).read)
@@ -63,6 +86,11 @@ def writer(path: Path) -> "Callable[[System, Path], Path]":
 def analysis(name: str) -> Callable[..., Any]:  # the arguments and the result differ between analyses
     """Return the function of an analysis by its name."""
     return _load(ANALYSES[name])
+
+
+def program_writer(form: str) -> "Callable[..., Path]":
+    """Return the function that writes a system as one program in a form, which `CONTAINERS` names."""
+    return _load(CONTAINERS[form].write)
 
 
 def _load(entry: str) -> Callable[..., Any]:

@@ -14,14 +14,9 @@ from orchestration.errors import SystemDescriptionError
 from orchestration.fmi.description import SAMPLE_TIME, Variable
 from orchestration.fmi.given import a_path, positive, require_type
 from orchestration.fmi.names import suggestion
-from orchestration.system.component import (
-    Component,
-    Connection,
-    require_settable,
-    spread,
-    start_value,
-)
+from orchestration.system.component import Component, Connection, require_settable, spread, start_value
 from orchestration.system.display import system_html, system_line
+from orchestration.system.programs import Programs
 from orchestration.system.refused import not_a_path, require_names, require_order, required_time
 from orchestration.system.registry import analysis, reader, writer
 from orchestration.system.replacement import replaced
@@ -36,7 +31,7 @@ __all__ = ["Component", "Connection", "System"]
 
 
 @dataclass(frozen=True, repr=False)
-class System:
+class System(Programs):
     """A set of components and the connections between them, which a master runs together.
 
     Attributes

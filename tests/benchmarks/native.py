@@ -22,7 +22,6 @@ from orchestration.master.kernel.flat_system import Plan
 
 HERE = Path(__file__).parent
 COMPONENTS = ("trajectory", "sensor", "controller", "actuator", "plant")  # the order in bare.c
-_MODEL_FILES = ("model.c", "model.h", "sizes.h", "equations.h", "philox.h")
 _UNIT = """#define NAME(x) {name}_##x
 #define CASADI_CODEGEN_PREFIX
 #define CODEGEN_PREFIX {name}_
@@ -65,8 +64,10 @@ class BareUnits:
             member = folder / name
             member.mkdir()
             with ZipFile(fmus[name]) as archive:
-                for file in _MODEL_FILES:
-                    (member / file).write_bytes(archive.read(f"sources/{file}"))
+                for entry in archive.namelist():
+                    folder_of, _, file = entry.partition("/")
+                    if folder_of == "sources" and (file == "model.c" or file.endswith(".h")):
+                        (member / file).write_bytes(archive.read(entry))
             (member / "runtime.c").write_bytes((HERE / "bare_unit.c").read_bytes())
             (folder / f"{name}.c").write_text(_UNIT.format(name=name), encoding="utf-8")
         sources = [HERE / "bare.c", *(folder / f"{name}.c" for name in COMPONENTS)]

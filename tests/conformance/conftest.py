@@ -6,33 +6,47 @@ from typing import Any
 
 import pytest
 
-from fmus.catalog import MODELS
 from tests.conformance.binary import Binary, Instance
+from tests.conformance.container import CONTAINER, FMUS, write_container
+from tests.sharing import made_once
 
 
 @pytest.fixture(scope="session")
-def load(fmu_folder: Path, tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Binary]:
+def file_of(fmu_folder: Path, tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
+    """Finds the file of an FMU, which may be the container, by its name."""
+
+    def find(name: str) -> Path:
+        if name != CONTAINER:
+            return fmu_folder / f"{name}.fmu"
+        folder = made_once(tmp_path_factory, "container", lambda place: write_container(fmu_folder, place))
+        return folder / f"{CONTAINER}.fmu"
+
+    return find
+
+
+@pytest.fixture(scope="session")
+def load(file_of: Callable[[str], Path], tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Binary]:
     """Loads an FMU's binary, once."""
     loaded: dict[str, Binary] = {}
 
     def load_once(name: str) -> Binary:
         if name not in loaded:
-            loaded[name] = Binary(fmu_folder / f"{name}.fmu", tmp_path_factory.mktemp(name))
+            loaded[name] = Binary(file_of(name), tmp_path_factory.mktemp(name))
         return loaded[name]
 
     return load_once
 
 
-@pytest.fixture(params=list(MODELS))
+@pytest.fixture(params=FMUS)
 def identifier(request: pytest.FixtureRequest) -> str:
-    """Name of each FMU in turn."""
+    """Name of each FMU in turn, the container last."""
     return request.param
 
 
 @pytest.fixture
-def fmu(fmu_folder: Path, identifier: str) -> Path:
+def fmu(file_of: Callable[[str], Path], identifier: str) -> Path:
     """File of each FMU in turn."""
-    return fmu_folder / f"{identifier}.fmu"
+    return file_of(identifier)
 
 
 @pytest.fixture

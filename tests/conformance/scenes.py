@@ -6,10 +6,12 @@ An FMU that is not listed is tested with its defaults.
 import numpy as np
 
 from tests.conformance.binary import OK, Binary, Instance
+from tests.conformance.container import CONTAINER, PARTS
 
 H = 1e-4  # s, one tick of every FMU
 # Steps in ticks: within one, across several, and off the grid.
 STEPS = (1.0, 0.5, 0.7, 2.0, 3.3, 0.25)
+WHOLE_STEPS = (1.0, 2.0, 1.0, 3.0, 5.0)  # a container steps by whole ticks only
 # The tip starts 1 cm inside a wall at x1 <= 1.51 m; with 1e5 N/m it leaves it within about 5 ms.
 _PLANT = {
     "wall_offset": -1.51,
@@ -52,6 +54,12 @@ SCENES: dict[str, dict[str, float]] = {
     "SlotineLiAdaptiveImpedance": _CONTROLLER,
     "SpongOrtegaAdaptiveImpedance": _CONTROLLER,
 }
+SCENES[CONTAINER] = {f"{part}.{name}": v for part, model in PARTS.items() for name, v in SCENES[model].items()}
+
+
+def lengths_of(binary: Binary) -> tuple[float, ...]:
+    """Lengths of steps that an FMU takes, in ticks."""
+    return WHOLE_STEPS if binary.name == CONTAINER else STEPS
 
 
 def scene(binary: Binary) -> dict[str, float]:
@@ -73,9 +81,9 @@ def random_inputs(binary: Binary, rng: np.random.Generator) -> dict[str, float]:
 def run(instance: Instance, seed: int, steps: int = 60) -> np.ndarray:
     """Outputs after each of some steps of random lengths with random inputs, shape (steps, n)."""
     rng = np.random.default_rng(seed)
-    rows = []
+    rows, lengths = [], lengths_of(instance.binary)
     for _ in range(steps):
         assert instance.set(random_inputs(instance.binary, rng)) == OK
-        assert instance.step(H * rng.choice(STEPS)) == OK, instance.last
+        assert instance.step(H * rng.choice(lengths)) == OK, instance.last
         rows.append(instance.outputs())
     return np.array(rows)

@@ -6,6 +6,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
+from fmus.catalog import MODELS
 from tests.conformance.binary import ERROR, OK, Binary, Instance, array
 
 Load = Callable[[str], Binary]
@@ -39,6 +40,12 @@ MOVED = {
     "mu": 0.2,
     "D_f": 0.1,
 }
+
+
+@pytest.fixture(params=list(MODELS))
+def identifier(request: pytest.FixtureRequest) -> str:
+    """Name of each FMU in turn; the container provides no derivatives."""
+    return request.param
 
 
 def moved(binary: Binary) -> dict[str, float]:

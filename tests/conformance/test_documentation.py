@@ -18,6 +18,7 @@ from adaptimp_fmu.errors import DefinitionError
 from adaptimp_fmu.icon import SIZE, png
 from fmus.catalog import MODELS
 from tests.conformance.binary import Binary
+from tests.conformance.container import of_models
 
 ROOT = Path(__file__).parents[2]
 VOID = {"img", "meta"}
@@ -170,6 +171,7 @@ def test_links_lead_to_entries_of_the_archive(page: Page, fmu: Path) -> None:
         assert resolved in entries
 
 
+@of_models
 def test_page_holds_the_equations_word_for_word(page: Page, identifier: str) -> None:
     model = MODELS[identifier]()
     titles = list(model.documentation)
@@ -186,11 +188,16 @@ def test_page_lists_every_variable_with_its_start(page: Page, binary: Binary) ->
     for name in binary.names("parameter"):
         assert any(cell == binary.variables[name].description for cell in cells), name
         assert str(binary.variables[name].start) in cells, name
+
+
+@of_models
+def test_page_has_a_row_for_each_variable(page: Page, binary: Binary) -> None:
     per_table = {"input": 5, "output": 4, "parameter": 8}
     expected = sorted(per_table[c] for c in per_table for _ in ([None, *binary.names(c)] if binary.names(c) else []))
     assert sorted(page.rows) == expected
 
 
+@of_models
 def test_page_states_semantics_and_limits(page: Page, identifier: str) -> None:
     model = MODELS[identifier]()
     points = " ".join(page.texts["li"])
@@ -222,6 +229,7 @@ def test_guid_does_not_cover_what_people_see(tmp_path: Path) -> None:
     assert entry(before, "modelDescription.xml") == entry(after, "modelDescription.xml")
 
 
+@of_models
 def test_license_is_the_projects(fmu: Path, page: Page) -> None:
     assert entry(fmu, "documentation/licenses/license.txt") == (ROOT / "LICENSE").read_bytes()
     assert "License of the model: MIT, in ." in [" ".join(text.split()) for text in page.texts["p"]]

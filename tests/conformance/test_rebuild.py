@@ -9,6 +9,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import pytest
+from lxml import etree
 
 from adaptimp_fmu.toolchain import fmi_headers
 from tests.conformance.replay import assert_reproduces
@@ -33,7 +34,9 @@ def compiled(compiler: Sequence[str], fmu: Path, folder: Path, *flags: str) -> s
     """What a compiler says to the FMU's sources, alone in a folder."""
     with zipfile.ZipFile(fmu) as archive:
         archive.extractall(folder, [name for name in archive.namelist() if name.startswith("sources/")])
-    command = [*compiler, *STRICT, *flags, "-I", str(fmi_headers()), "-c", "model.c", "-o", "model.o"]
+        description = etree.fromstring(archive.read("modelDescription.xml"))
+    files = [file.attrib["name"] for file in description.iterfind("CoSimulation/SourceFiles/File")]
+    command = [*compiler, *STRICT, *flags, "-I", str(fmi_headers()), "-c", *files]
     return subprocess.run(command, cwd=folder / "sources", capture_output=True, text=True, check=False)
 
 

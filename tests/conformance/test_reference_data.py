@@ -24,6 +24,12 @@ IN_RUNS = {model for run in (*SCENARIOS.values(), *VARIANTS.values()) for model 
 """FMUs that take part in the paper's runs."""
 
 
+@pytest.fixture(params=list(MODELS))
+def identifier(request: pytest.FixtureRequest) -> str:
+    """Name of each FMU in turn; the container has no reference of its own."""
+    return request.param
+
+
 def test_every_unit_has_a_reference() -> None:
     assert set(STIMULI) == set(MODELS)
     assert {path.name for path in FOLDER.iterdir() if path.is_dir()} == set(MODELS)

@@ -62,6 +62,12 @@ class Inside:
         return np.atleast_1d(np.genfromtxt(text, delimiter=",", names=True, deletechars="", replace_space=""))
 
 
+@pytest.fixture(params=list(MODELS))
+def identifier(request: pytest.FixtureRequest) -> str:
+    """Name of each FMU in turn; the container has no runs of its own."""
+    return request.param
+
+
 @pytest.fixture
 def inside(fmu: Path) -> Inside:
     """The folder of each FMU in turn."""

@@ -16,7 +16,8 @@ import pytest
 from adaptimp_fmu import ContinuousModel, build
 from fmus.catalog import MODELS
 from tests.conformance.binary import ERROR, OK, PHASES, Binary, Callbacks, Instance, Log
-from tests.conformance.scenes import STEPS, H, random_inputs, run, scene
+from tests.conformance.container import of_models
+from tests.conformance.scenes import H, lengths_of, random_inputs, run, scene
 
 Create = Callable[..., Instance]
 Load = Callable[[str], Binary]
@@ -226,6 +227,7 @@ def forged(blob: bytes, place: int, field: bytes) -> bytes:
     return bytes(changed)
 
 
+@of_models
 def test_13_made_up_states_are_refused(binary: Binary, create: Create) -> None:
     """Fields at the end of a state: ticks, position between ticks, phase and five flags, from the end."""
     instance = started(binary, create)
@@ -245,6 +247,7 @@ def test_13_made_up_states_are_refused(binary: Binary, create: Create) -> None:
         assert said in instance.last
 
 
+@of_models
 def test_13_made_up_parameters_are_refused(binary: Binary, create: Create) -> None:
     """Among them a divisor of 0: the number of a tick modulo this divisor ended the process with SIGFPE."""
     instance = started(binary, create)
@@ -353,7 +356,7 @@ def test_14_interleaved_instances_are_independent(binary: Binary, create: Create
     for _ in range(20):
         for instance, rng, own in zip(instances, generators, rows, strict=True):
             assert instance.set(random_inputs(binary, rng)) == OK
-            assert instance.step(H * rng.choice(STEPS)) == OK
+            assert instance.step(H * rng.choice(lengths_of(binary))) == OK
             own.append(instance.outputs())
     np.testing.assert_array_equal(rows, alone)
 

@@ -13,6 +13,7 @@ from lxml import etree
 from fmus.project import TERMINALS
 from orchestration import scenario
 from tests.conformance.binary import Binary
+from tests.conformance.container import of_models
 
 FILE = "terminalsAndIcons/terminalsAndIcons.xml"
 
@@ -30,6 +31,7 @@ def test_the_file_is_valid(fmu: Path) -> None:
     etree.XMLSchema(etree.parse(str(path))).assertValid(root)
 
 
+@of_models
 def test_members_are_inputs_and_outputs_and_in_one_terminal_each(fmu: Path, binary: Binary) -> None:
     found = terminals(fmu)
     members = [member for terminal in found for member in terminal.members.items()]

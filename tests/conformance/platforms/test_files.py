@@ -94,9 +94,9 @@ def test_08_linux_on_arm_exports_the_34_functions(content: Content, identifier: 
     assert library.exported == set(FUNCTIONS)
 
 
-def test_08_linux_on_arm_needs_libc_and_libm_of_glibc_2_17(content: Content, identifier: str, tmp_path: Path) -> None:
+def test_08_linux_on_arm_needs_libc_of_glibc_2_17(content: Content, identifier: str, tmp_path: Path) -> None:
     library = arm_library(content, identifier, tmp_path)
-    assert set(library.needed) <= {"libc.so.6", "libm.so.6"}
+    assert set(library.needed) <= {"libc.so.6"}
     assert library.search_paths == ()
     assert library.versions == {"GLIBC_2.17"}
     assert library.imported <= MATHEMATICS | MEMORY | TEXT

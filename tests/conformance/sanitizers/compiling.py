@@ -15,7 +15,7 @@ from tests.untested import needs
 
 DRIVERS = Path(__file__).parent
 # Without inlining into one flat function, and with the rounding of the shipped binary.
-FLAGS = ("-std=c11", "-O1", "-g", "-ffp-contract=off", "-fno-math-errno", *WARNINGS)
+FLAGS = ("-std=c11", "-O1", "-g", "-ffp-contract=off", *WARNINGS)
 # float-cast-overflow is not part of `undefined`: a double that no int can hold.
 SANITIZERS = "address,undefined,float-cast-overflow"
 STRICT = ("-fno-sanitize-recover=all",)
@@ -82,7 +82,7 @@ def compile_driver(driver: str, sources: Path, *flags: str) -> Path:
     program = sources / Path(driver).stem
     command = [
         *("clang", *FLAGS, *flags, "-I", str(sources), "-isystem", str(fmi_headers())),
-        *(str(DRIVERS / driver), "-o", str(program), "-lm"),
+        *(str(DRIVERS / driver), "-o", str(program)),
     ]
     run = subprocess.run(command, capture_output=True, text=True, check=False)
     if run.returncode != 0:

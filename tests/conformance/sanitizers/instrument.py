@@ -22,7 +22,7 @@ def compile_instrumented(sources: Sequence[Path], output: Path, _target: Platfor
     """As `adaptimp_fmu.toolchain.compile_library`, for this machine only."""
     command = [
         *("clang", *FLAGS, *COUNTERS, "-shared", "-fPIC", "-fvisibility=hidden", "-I", str(fmi_headers())),
-        *(*(str(source) for source in sources), "-o", str(output), "-lm"),
+        *(*(str(source) for source in sources), "-o", str(output)),
     ]
     run = subprocess.run(command, cwd=sources[0].parent, capture_output=True, text=True, check=False)
     if run.returncode != 0:

@@ -1,0 +1,43 @@
+"""What a system can become besides a run: one program, in several forms."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from orchestration.system.registry import program_writer
+
+if TYPE_CHECKING:
+    from orchestration.master.algorithm import Algorithm
+
+
+class Programs:
+    """Methods of a system that write it as one program, which needs neither a master nor Python."""
+
+    def to_c(self, folder: str | Path, algorithm: "str | Algorithm" = "gauss-seidel") -> Path:
+        """Write the system as a folder of C11 that needs no library: ``step.h``, an example and a Makefile.
+
+        The step, the order of the components and the start values of the system become a part of the program. Its
+        values are those of `simulate`, to the last bit.
+
+        Parameters
+        ----------
+        folder
+            Folder that does not exist, is empty, or has an earlier program, which is replaced.
+        algorithm
+            ``gauss-seidel`` or ``jacobi``.
+
+        Raises
+        ------
+        ContainerError
+            If an FMU does not bring the sources that a program needs, outputs depend on each other in a cycle during
+            initialization, the algorithm is another one, or the folder has other files.
+        SystemDescriptionError
+            If the system has no step, or a sampling period is not a multiple of it.
+
+        Examples
+        --------
+        >>> from orchestration import scenario
+        >>> folder = scenario("fig2").to_c("fig2_in_c")
+        >>> sorted(file.name for file in folder.iterdir())
+        ['Makefile', 'README.md', 'failure.h', 'fmus', 'hash.h', 'main.c', 'step.c', 'step.h']
+        """
+        return program_writer("c")(self, folder, algorithm=algorithm)

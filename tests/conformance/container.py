@@ -1,0 +1,34 @@
+"""A container that keeps the rules of all FMUs: an arm with its actuator, and a sensor with noise.
+
+The commands of the torques are inputs of the container. It has tunable parameters, Booleans, an Integer, noise,
+contact and an output that an input reaches through another component in initialization.
+"""
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from fmus.catalog import MODELS
+from orchestration import System
+from orchestration.containers.fmu import write_fmu
+
+CONTAINER = "ActuatedArm"
+FMUS = [*MODELS, CONTAINER]
+"""Names of all FMUs that are tested, the container last."""
+of_models = pytest.mark.parametrize("identifier", list(MODELS))
+"""Marks a test of each FMU but the container, which has no equations, no derivatives and no reference of its own."""
+PARTS = {"actuator": "Actuator", "plant": "Plant", "sensor": "ForceSensor"}
+STEP, STOP = 1e-4, 1.0  # s
+
+
+def container_system(fmu_folder: Path) -> System:
+    """The system that the container is made of."""
+    system = System.of({name: fmu_folder / f"{model}.fmu" for name, model in PARTS.items()}, CONTAINER)
+    connected = system.connect("actuator.tau -> plant.tau", "plant.F_ext -> sensor.F_ext")
+    return replace(connected, step=STEP, stop_time=STOP)
+
+
+def write_container(fmu_folder: Path, folder: Path) -> Path:
+    """Write the container for this machine."""
+    return write_fmu(container_system(fmu_folder), folder / f"{CONTAINER}.fmu")
