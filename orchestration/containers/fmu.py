@@ -1,6 +1,6 @@
 """Writes a system as one FMU for co-simulation (FMI 2.0), which any tool runs and which holds its sources.
 
-    fmuX.fmu
+    NAME.fmu
       modelDescription.xml   model.png   documentation/   terminalsAndIcons/
       binaries/PLATFORM/     one library, compiled from the sources
       sources/step.c ...     the system in C, as `orchestration.containers.c_program` writes it
@@ -27,13 +27,13 @@ from orchestration.containers.contained_fmu import document_of
 from orchestration.containers.fmu_description import container_description
 from orchestration.containers.fmu_documentation import container_documentation
 from orchestration.containers.fmu_icon import container_icon
-from orchestration.containers.plan import FIXED, INPUT, OUTPUT, TUNABLE, Plan, ProgramVariable, plan_of
+from orchestration.containers.plan import FIXED, GAUSS_SEIDEL, INPUT, OUTPUT, TUNABLE, Plan, ProgramVariable, plan_of
 from orchestration.errors import ContainerError
+from orchestration.fmi.given import a_path
 from orchestration.fmi.names import suggestion
 from orchestration.master.algorithm import Algorithm
 from orchestration.system.system import System
 
-FMU = ".fmu"
 LAYER = "fmi"
 """Folder below ``sources/`` of the files that implement FMI's functions."""
 MAIN = f"{LAYER}/model.c"
@@ -47,10 +47,10 @@ _RUNTIME = (
 
 def write_fmu(
     system: System,
-    path: Path,
+    path: str | Path,
     *,
     platforms: Iterable[str] | None = None,
-    algorithm: str | Algorithm = "gauss-seidel",
+    algorithm: str | Algorithm = GAUSS_SEIDEL,
 ) -> Path:
     """Write a system as one FMU for co-simulation.
 
@@ -77,6 +77,7 @@ def write_fmu(
     ArchiveError
         If an FMU cannot be read.
     """
+    file = a_path("A container's file", path)
     chosen = _platforms(platforms)
     plan = plan_of(system, algorithm)
     entries = _entries(plan)
@@ -84,16 +85,23 @@ def write_fmu(
     units = [*compiled_files(plan), MAIN]
     texts = {name: content.decode("utf-8", "surrogateescape") for name, content in sources.items()}
     for platform in chosen:
-        file = f"binaries/{platform.name}/{plan.identifier}{platform.extension}"
-        entries[file] = _compiled(plan, texts, platform, units)
+        library = f"binaries/{platform.name}/{plan.identifier}{platform.extension}"
+        entries[library] = _compiled(plan, texts, platform, units)
     content = archive(entries)
-    if not path.exists() or path.read_bytes() != content:
-        write_whole(path, content)
-    return path
+    try:
+        if not file.exists() or file.read_bytes() != content:
+            write_whole(file, content)
+    except OSError as error:
+        msg = f"{file}: the FMU cannot be written: {error.strerror}; choose another place."
+        raise ContainerError(msg) from error
+    return file
 
 
 def _platforms(names: Iterable[str] | None) -> list[Platform]:
-    asked = [host_platform().name] if names is None else list(dict.fromkeys(names))
+    try:
+        asked = [host_platform().name] if names is None else list(dict.fromkeys(names))
+    except ToolchainError as error:
+        raise ContainerError(str(error)) from error
     for name in asked:
         if name not in (*PLATFORMS, ALL_PLATFORMS):
             msg = f"There is no platform {name}; {suggestion(name, [*PLATFORMS, ALL_PLATFORMS])}"

@@ -1,5 +1,6 @@
 """What a system can become besides a run: one program, in several forms."""
 
+from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -41,3 +42,43 @@ class Programs:
         ['Makefile', 'README.md', 'failure.h', 'fmus', 'hash.h', 'main.c', 'step.c', 'step.h']
         """
         return program_writer("c")(self, folder, algorithm=algorithm)
+
+    def to_fmu(
+        self,
+        path: str | Path,
+        *,
+        platforms: Iterable[str] | None = None,
+        algorithm: "str | Algorithm" = "gauss-seidel",
+    ) -> Path:
+        """Write the system as one FMU for co-simulation, FMI 2.0, which any tool runs and which holds its sources.
+
+        Parameters, unconnected inputs and outputs are called ``component.variable``. The communication step is any
+        whole multiple of the system's step. Values are those of `simulate`, to the last bit.
+
+        Parameters
+        ----------
+        path
+            File to write, ``NAME.fmu``.
+        platforms
+            Names of the platforms with a binary in the FMU, see `adaptimp_fmu.PLATFORMS`, or ``"all"`` among them.
+            Default: this machine's.
+        algorithm
+            ``gauss-seidel`` or ``jacobi``.
+
+        Raises
+        ------
+        ContainerError
+            If the system cannot be one program, see `to_c`, a platform is unknown, or the compiler fails.
+        SystemDescriptionError
+            If the system has no step, or a sampling period is not a multiple of it.
+
+        Examples
+        --------
+        >>> from orchestration import System, scenario, simulate
+        >>> arm = scenario("fig2")
+        >>> path = arm.to_fmu("arm.fmu")
+        >>> one, many = simulate(System.of({"arm": path}), 0.1, 1e-3), simulate(arm, 0.1)
+        >>> bool((one["arm.plant.x[1]"] == many["plant.x[1]"][::10]).all())
+        True
+        """
+        return program_writer("fmu")(self, path, platforms=platforms, algorithm=algorithm)

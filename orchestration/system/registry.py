@@ -59,7 +59,10 @@ class Program:
     platforms: bool = False
 
 
-CONTAINERS: dict[str, Program] = {"c": Program("orchestration.containers.c_form:write_c")}
+CONTAINERS: dict[str, Program] = {
+    "c": Program("orchestration.containers.c_form:write_c"),
+    "fmu": Program("orchestration.containers.fmu:write_fmu", suffix=".fmu", platforms=True),
+}
 """Forms of a system as one program, by name."""
 
 
