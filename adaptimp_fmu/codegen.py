@@ -40,6 +40,7 @@ _SEAM = {
     "output_sensitivity": (("t", "x", "u", "p", "m", "v"), ("dy",)),
     "initial_sensitivity": (("t", "u", "p", "r", "v", "q"), ("dy",)),
 }
+"""Beginning of a function that CasADi adds for its own use, and leaves visible to other C files."""
 
 _UNNEEDED_CONTAINED = ("output_rate", "output_sensitivity", "initial_sensitivity")
 """Functions of the seam that serve derivatives of FMI, which a model contained in a program does not have."""

@@ -23,6 +23,7 @@ _REFUSED = {ca.OP_ERF: "erf", ca.OP_ERFINV: "erfinv", ca.OP_PRINTME: "printme"}
 _INCLUDE = "#include <math.h>\n"
 _ASSIGNMENT = re.compile(r"  (\w+)=(.*);")
 _CALL = re.compile(r"(sin|cos)\((\w+)\)")
+_HELPER = re.compile(r"^(?:void|int|(?:const )?casadi_(?:real|int)\*?) casadi_\w+\(", re.MULTILINE)
 # The runtime gives every argument and takes every result, so nothing has to be asked for.
 _MAYBE_ARGUMENT = re.compile(r"arg\[\d+\]\? (arg\[\d+\]\[\d+\]) : 0")
 _MAYBE_RESULT = re.compile(r"if \(res\[\d+\]!=0\) ")
@@ -40,7 +41,7 @@ def equations_text(functions: Sequence[ca.Function]) -> str:
     generator = ca.CodeGenerator("equations.c", {"with_mem": False, "with_header": False})
     for function in functions:
         generator.add(function)
-    text = generator.dump().replace(_INCLUDE, "")
+    text = _HELPER.sub(r"static \g<0>", generator.dump().replace(_INCLUDE, ""))
     text = _MAYBE_RESULT.sub("", _MAYBE_ARGUMENT.sub(r"\1", text))
     return "\n".join(_with_pairs(text.split("\n")))
 

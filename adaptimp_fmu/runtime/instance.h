@@ -18,7 +18,7 @@ void *memset(void *at, int byte, size_t size);
 #else
 #include <string.h>
 
-#include "fmi2Functions.h"
+#include "functions.h"
 #endif
 
 /* States of FMI 2.0.5, figure 11 (co-simulation); bits, so that a set of them is a mask. */

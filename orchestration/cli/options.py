@@ -85,7 +85,9 @@ AlgorithmName = Annotated[
 ]
 FormName = Annotated[
     str | None,
-    typer.Option("--as", metavar="FORM", help="ssp, or c for one program; by default what the name of PATH says."),
+    typer.Option(
+        "--as", metavar="FORM", help="ssp; c, fmu or wasm for one program; by default what the name of PATH says."
+    ),
 ]
 ProgramAlgorithm = Annotated[
     str | None,

@@ -2,6 +2,7 @@
 
     step.h  step.c  failure.h      the system
     fmus/NAME.h  fmus/NAME.c       each FMU as a part of the program
+    fmus/NAME.source1.c ...        the sources of an FMU of another tool, under names of their own
     fmus/NAME/...                  the files of its sources
 
 Links are direct assignments. Values take the way that FMI's functions give them in a run: a Boolean is 0 or 1.
@@ -46,6 +47,7 @@ def c_sources(plan: Plan) -> dict[str, str]:
         tested = _FINITE_INPUTS if plan.takes_tested_values(fmu) else ""
         found[f"{FOLDER}/{fmu.name}.h"] = fmu.header
         found[f"{FOLDER}/{fmu.name}.c"] = tested + fmu.source
+        found |= {f"{FOLDER}/{name}": text for name, text in fmu.wrappers.items()}
         found |= {f"{FOLDER}/{fmu.name}/{name}": text for name, text in fmu.sources.items()}
     return found
 
@@ -61,7 +63,8 @@ def counts(plan: Plan) -> dict[str, int]:
 
 def compiled_files(plan: Plan) -> list[str]:
     """Return the names of the files that are compiled, each alone."""
-    return ["step.c", *(f"{FOLDER}/{fmu.name}.c" for fmu in plan.fmus)]
+    files = [name for fmu in plan.fmus for name in (f"{fmu.name}.c", *fmu.wrappers)]
+    return ["step.c", *(f"{FOLDER}/{name}" for name in files)]
 
 
 def _passes(plan: Plan) -> Iterator[dict[str, object]]:

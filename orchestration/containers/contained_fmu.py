@@ -5,7 +5,6 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from orchestration.containers.c_text import environment, identifier
-from orchestration.errors import ContainerError
 from orchestration.fmi.description import Description
 from orchestration.fmi.document import Declared, Document, parsed, read_bytes
 from orchestration.sandbox.archive import entry_names, file_hash, read_entries
@@ -42,6 +41,14 @@ class ContainedFmu:
         Whether the state is plain data, so that a copy of it is a snapshot.
     tests_outputs
         Whether a step fails if an output is not finite, so that what takes its value from an output needs no test.
+    wrappers
+        More files beside ``NAME.c`` that are compiled; each includes a source file of an FMU of another tool.
+    needed
+        Functions of the C library that the sources call; none if the FMU is of this project.
+    fmi_headers
+        Whether the compiler must find FMI's header files, which the sources do not bring.
+    saves
+        Whether a state that is not plain data can be saved and restored.
     """
 
     name: str
@@ -55,6 +62,10 @@ class ContainedFmu:
     sources: Mapping[str, str] = field(repr=False)
     plain: bool = True
     tests_outputs: bool = True
+    wrappers: Mapping[str, str] = field(default_factory=dict, repr=False)
+    needed: tuple[str, ...] = ()
+    fmi_headers: bool = False
+    saves: bool = False
 
 
 def contained_fmu(component: Component, taken: Iterable[str]) -> ContainedFmu:
@@ -76,15 +87,11 @@ def contained_fmu(component: Component, taken: Iterable[str]) -> ContainedFmu:
     """
     path = component.path
     names = [name for name in entry_names(path) if name.startswith(SOURCES) and not name.endswith("/")]
-    inner = {name.removeprefix(SOURCES) for name in names}
-    if not inner.issuperset(MARKS):
-        known = "an FMU with sources that adaptimp built" if not inner else "an FMU that adaptimp built"
-        msg = (
-            f"{component.name}: {path.name} brings no sources for a program without FMI;"
-            f" replace the component by {known}, or run the system as it is."
-        )
-        raise ContainerError(msg)
-    return _own(component, names, taken)
+    if {name.removeprefix(SOURCES) for name in names}.issuperset(MARKS):
+        return _own(component, names, taken)
+    from orchestration.containers.foreign_fmu import foreign_fmu
+
+    return foreign_fmu(component, taken)
 
 
 def _own(component: Component, names: list[str], taken: Iterable[str]) -> ContainedFmu:

@@ -72,7 +72,7 @@ def read_header(file: BinaryIO) -> Header:
     except (struct.error, OSError, ValueError, OverflowError) as failed:
         msg = f"its tables are damaged ({failed})"
         raise ElfError(msg) from failed
-    if size != _SEGMENT.size:
+    if count and size != _SEGMENT.size:
         msg = f"its segments have {size} bytes each"
         raise ElfError(msg)
     tables = ((segments, size * count), (sections, length * number if sections else 0))

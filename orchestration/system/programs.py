@@ -82,3 +82,33 @@ class Programs:
         True
         """
         return program_writer("fmu")(self, path, platforms=platforms, algorithm=algorithm)
+
+    def to_wasm(self, path: str | Path, algorithm: "str | Algorithm" = "gauss-seidel") -> Path:
+        """Write the system as a module of WebAssembly that imports nothing, for node and for pages.
+
+        Beside the module ``NAME.wasm`` stand ``NAME.json``, which describes its variables, and ``NAME.mjs``, the host
+        in JavaScript. The three files are written together or not at all. The values of a run are those of
+        `simulate`, to the last bit.
+
+        Parameters
+        ----------
+        path
+            File with the suffix ``.wasm``. Existing files are replaced.
+        algorithm
+            ``gauss-seidel`` or ``jacobi``.
+
+        Raises
+        ------
+        ContainerError
+            As of `to_c`; also if an FMU calls a function of a C library, which a module lacks.
+        SystemDescriptionError
+            As of `to_c`.
+
+        Examples
+        --------
+        >>> from orchestration import scenario
+        >>> module = scenario("fig2").to_wasm("fig2.wasm")
+        >>> sorted(file.name for file in module.parent.glob("fig2.*"))
+        ['fig2.json', 'fig2.mjs', 'fig2.wasm']
+        """
+        return program_writer("wasm")(self, path, algorithm=algorithm)

@@ -2,6 +2,8 @@
  *
  *     driver PLAN NAME LIBRARY GUID [NAME LIBRARY GUID ...]
  *
+ * Compiled with LINKED_UNITS, which names a header, it steps units that are linked into it: LIBRARY is a prefix then.
+ *
  * It reads and writes float64 numbers only. PLAN (tests/conformance/platforms/plan.py writes it): the counts of
  * units, steps, given signals, signals and initialization passes; for each unit the counts of its start
  * values, inputs and outputs, then these as (type, value reference, value or number of the signal); for each
@@ -16,6 +18,10 @@
 #ifdef _WIN32
 #include <fcntl.h>
 #include <io.h>
+#endif
+#if defined LINKED_UNITS
+/* Units that are linked into this program. */
+#elif defined _WIN32
 #include <windows.h>
 #else
 #include <dlfcn.h>
@@ -66,6 +72,24 @@ static void log_message(fmi2ComponentEnvironment environment, fmi2String name, f
 
 static const fmi2CallbackFunctions CALLBACKS = {log_message, calloc, free, NULL, NULL};
 
+#ifdef LINKED_UNITS
+typedef struct {
+    const char *unit, *function;
+    void (*address)(void);
+} Linked;
+
+#include LINKED_UNITS /* defines the array `linked` of all functions of all units; the last row is empty */
+
+/* A unit is called by its prefix where others are by their library. */
+static void *open_library(char *prefix) { return prefix; }
+
+static void *find(void *library, const char *function) {
+    const Linked *row = linked;
+    while (row->unit && (strcmp(row->unit, library) != 0 || strcmp(row->function, function) != 0)) ++row;
+    if (!row->unit) stop("is not linked", library);
+    return (void *)row->address;
+}
+#else
 static void *open_library(const char *path) {
 #ifdef _WIN32
     void *library = (void *)LoadLibraryA(path);
@@ -85,6 +109,7 @@ static void *find(void *library, const char *function) {
     if (address == NULL) stop("is not exported", function);
     return address;
 }
+#endif
 
 static void set(const Unit *unit, const Item *item, double value) {
     fmi2ValueReference reference = (fmi2ValueReference)item->reference;

@@ -1,0 +1,123 @@
+"""A system as a module of WebAssembly that imports nothing, with a description and a host in JavaScript.
+
+The module is made of the same C as the other forms of a system. `templates/exports.c.j2` says what it exports.
+"""
+
+import hashlib
+import importlib.resources
+import re
+from pathlib import Path
+
+from adaptimp_fmu.binary import binary
+from adaptimp_fmu.errors import ToolchainError
+from adaptimp_fmu.files.whole_file import write_together
+from adaptimp_fmu.toolchain import WASM
+from orchestration.containers.c_program import c_sources, compiled_files
+from orchestration.containers.c_text import environment
+from orchestration.containers.plan import GAUSS_SEIDEL, Plan, plan_of
+from orchestration.containers.wasm_description import description
+from orchestration.errors import ContainerError
+from orchestration.fmi.given import a_path
+from orchestration.master.algorithm import Algorithm
+from orchestration.system.system import System
+
+SUFFIX = ".wasm"
+EXPORTS, HOST = "exports.c", "system.mjs"
+_UNDEFINED = re.compile(r"([^/\\\s]+)\.o(?:bj)?: undefined symbol: (\S+)")
+"""What the linker says: the stem of the source that calls a function, and the function."""
+
+
+def write_wasm(system: System, path: str | Path, algorithm: str | Algorithm = GAUSS_SEIDEL) -> Path:
+    """Write a system as a module of WebAssembly.
+
+    Beside the module ``NAME.wasm`` stand ``NAME.json``, which describes its variables, and ``NAME.mjs``, with which
+    node and browsers run it. The three files are written together or not at all.
+
+    Parameters
+    ----------
+    system
+        System with a step. Its start values become those of the module.
+    path
+        File with the suffix ``.wasm``. Existing files are replaced.
+    algorithm
+        ``gauss-seidel`` or ``jacobi``.
+
+    Returns
+    -------
+    Path
+        The path of the module.
+
+    Raises
+    ------
+    ContainerError
+        If the suffix is another one, the system cannot be one program, an FMU calls a function of a C library, which
+        the module lacks, or a file cannot be written.
+    SystemDescriptionError
+        If the system has no step, or a sampling period is not a multiple of it.
+
+    Examples
+    --------
+    >>> from orchestration import scenario
+    >>> from orchestration.containers.wasm import write_wasm
+    >>> module = write_wasm(scenario("fig2"), "fig2.wasm")
+    >>> sorted(file.name for file in module.parent.glob("fig2.*"))
+    ['fig2.json', 'fig2.mjs', 'fig2.wasm']
+    """
+    target = a_path("The file of a module", path)
+    if target.suffix.lower() != SUFFIX:
+        msg = f"{target}: a module of WebAssembly is written as {SUFFIX}, as in {target.stem}{SUFFIX}."
+        raise ContainerError(msg)
+    plan = plan_of(system, algorithm)
+    sources, identity = _sources(plan)
+    module = _module(plan, sources)
+    files = {
+        target: module,
+        target.with_suffix(".json"): description(plan, identity, target.name, module),
+        target.with_suffix(".mjs"): host(),
+    }
+    try:
+        write_together(files)
+    except OSError as error:
+        msg = f"{target}: the module cannot be written: {error.strerror}; choose another place."
+        raise ContainerError(msg) from error
+    return target
+
+
+def host() -> bytes:
+    """Return the program in JavaScript that runs a module in node and in browsers."""
+    return (importlib.resources.files("orchestration.containers") / "templates" / HOST).read_bytes()
+
+
+def _sources(plan: Plan) -> tuple[dict[str, str], str]:
+    """All C sources of the module by name, and its identity: a hash of the sources, which the module tells."""
+    template = environment().get_template(f"{EXPORTS}.j2")
+    sources = c_sources(plan)
+    digest = hashlib.sha256(template.render(name=plan.identifier, identity="").encode())
+    for name, text in sorted(sources.items()):
+        digest.update(f"\0{name}\0{text}".encode("utf-8", "surrogateescape"))
+    identity = digest.hexdigest()[:32]
+    return sources | {EXPORTS: template.render(name=plan.identifier, identity=identity)}, identity
+
+
+def _module(plan: Plan, sources: dict[str, str]) -> bytes:
+    """Compile, or take from the cache."""
+    try:
+        return binary(plan.identifier, sources, WASM, units=[EXPORTS, *compiled_files(plan)])
+    except ToolchainError as error:
+        called = _called(plan, str(error))
+        if not called:
+            raise
+        msg = f"{called}; a module of WebAssembly has no library of C. Export the system as an FMU or as C."
+        raise ContainerError(msg) from error
+
+
+def _called(plan: Plan, said: str) -> str:
+    """Which FMUs call which functions of a library, from what the linker says; empty if none of them does."""
+    functions: dict[str, set[str]] = {}
+    for unit, function in _UNDEFINED.findall(said):
+        functions.setdefault(unit.partition(".")[0], set()).add(function)
+    return "; ".join(
+        f"{member.name}: {member.fmu.path.name} calls {', '.join(sorted(functions[member.fmu.name]))}"
+        for member in plan.members
+        if member.fmu.name in functions
+    )

@@ -1,0 +1,1 @@
+"""Systems as WebAssembly, in node and in a browser, against the same systems in the master."""

@@ -1,0 +1,137 @@
+"""Several runs of one module: side by side, interleaved, with changes in the middle, and their memory."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from orchestration import prepare, scenario, simulate
+from tests.interop.wasm.node import assert_bitwise, kept, module_of, needs_node, node
+
+pytestmark = needs_node
+STOP = 0.2  # s
+JOINED = """
+// Recordings one after another; the first row of each but the first is the last row of the one before.
+const joined = (pieces) => {
+  const column = (name) => pieces.flatMap((rows, i) => [...rows[name].slice(i ? 1 : 0)]);
+  return Object.fromEntries(Object.keys(pieces[0]).map((name) => [name, Float64Array.from(column(name))]));
+};
+"""
+
+
+@pytest.fixture(scope="module")
+def fig5(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Folder with the module of Fig. 5."""
+    return module_of("fig5", tmp_path_factory.mktemp("fig5"))
+
+
+def test_interleaved_runs_are_those_of_the_master(fig5: Path) -> None:
+    """Three runs with other start values, in pieces of other lengths; one of them ends before the others."""
+    system = scenario("fig5")
+    masses = (1.0, 2.5, 4.0)  # kg
+    results = [simulate(system.set({"plant.m[2]": mass}), STOP) for mass in masses]
+    script = """
+    const runs = MASSES.map((mass) => {
+      const run = system.create();
+      run.set({ "plant.m[2]": mass });
+      run.initialize();
+      return { run, left: STEPS, pieces: [] };
+    });
+    while (runs.some((r) => r.left))
+      runs.forEach((r, i) => {
+        const n = Math.min(r.left, 17 + 40 * i);
+        if (!n) return;
+        r.pieces.push(r.run.run(n, { columns: outputs }));
+        r.left -= n;
+        if (!r.left && i === 1) r.run.free();
+      });
+    runs.forEach(({ pieces }, i) => keep(`rows${i}`, joined(pieces)));
+    """
+    steps = len(results[0].time) - 1
+    node(fig5, JOINED + script.replace("MASSES", str(list(masses))).replace("STEPS", str(steps)))
+    for i, result in enumerate(results):
+        assert_bitwise(kept(fig5 / f"rows{i}", 1 + len(result.names)), result)
+    assert not np.array_equal(results[0].rows, results[1].rows)
+
+
+def test_tunable_parameters_in_the_middle(fig5: Path) -> None:
+    with prepare(scenario("fig5"), stop_time=STOP) as ours:
+        ours.run(until=STOP / 2)
+        ours.set({"controller.K[1]": 2000.0, "controller.K[2]": 3000.0})  # N/m
+        ours.run()
+        result = ours.result()
+    script = """
+    const run = system.create();
+    run.initialize();
+    const first = run.run(HALF, { columns: outputs });
+    run.set({ "controller.K[1]": 2000, "controller.K[2]": 3000 });
+    const shown = run.get("controller.K[1]");
+    keep("rows", joined([first, run.run(HALF, { columns: outputs })]));
+    console.log(shown);
+    """
+    assert node(fig5, JOINED + script.replace("HALF", str((len(result.time) - 1) // 2))) == 2000
+    assert_bitwise(kept(fig5 / "rows", 1 + len(result.names)), result)
+
+
+def test_a_reset_run_is_a_new_one(fig5: Path) -> None:
+    script = """
+    const rows = (run) => (run.initialize(), run.run(300, { columns: outputs }));
+    const run = system.create();
+    const fresh = rows(system.create());
+    run.set({ "plant.m[2]": 3, "sensor.noise_std": 0 });
+    const other = rows(run);
+    run.reset();
+    const again = rows(run);
+    const same = (a, b) => outputs.every((n) => Buffer.from(a[n].buffer).equals(Buffer.from(b[n].buffer)));
+    console.log(JSON.stringify([same(fresh, again), same(fresh, other)]));
+    """
+    assert node(fig5, script) == [True, False]
+
+
+def test_every_start_time_counts_from_there(tmp_path: Path) -> None:
+    """The system's own is the default; another one can be given."""
+    later = replace(scenario("fig5"), start_time=2.0)
+    script = """
+    const starts = [undefined, 0.3].map((start) => {
+      const run = system.create();
+      run.initialize(start);
+      return run.run(STEPS, { columns: outputs });
+    });
+    starts.forEach((rows, i) => keep(`rows${i}`, rows));
+    """
+    results = [simulate(replace(later, start_time=start), start + 0.05) for start in (2.0, 0.3)]
+    node(module_of(later, tmp_path), script.replace("STEPS", str(len(results[0].time) - 1)))
+    for i, result in enumerate(results):
+        assert_bitwise(kept(tmp_path / f"rows{i}", 1 + len(result.names)), result)
+
+
+def test_memory_that_was_freed_is_used_again(fig5: Path) -> None:
+    """A thousand runs with their rows, freed in another order than made, need the memory of ten."""
+    script = """
+    const size = () => system.create().wasm.memory.buffer.byteLength;
+    const batch = (n) => {
+      const runs = Array.from({ length: 10 }, () => system.create());
+      runs.forEach((run) => run.initialize());
+      runs.forEach((run, i) => run.run(10 * i + n, { columns: outputs }));
+      [3, 9, 0, 1, 2, 8, 7, 4, 6, 5].forEach((i) => runs[i].free());
+    };
+    for (let n = 0; n < 5; ++n) batch(200);
+    const before = size();
+    for (let n = 0; n < 100; ++n) batch(100 + n);
+    console.log(JSON.stringify([before, size()]));
+    """
+    before, after = node(fig5, script)
+    assert before == after
+
+
+def test_rows_stay_when_the_memory_grows(fig5: Path) -> None:
+    script = """
+    const run = system.create();
+    run.initialize();
+    const rows = run.run(100, { columns: ["plant.x[1]"] });
+    const last = rows["plant.x[1]"][100];
+    run.run(20000, { columns: outputs });
+    console.log(JSON.stringify([rows["plant.x[1]"].length, rows["plant.x[1]"][100] === last]));
+    """
+    assert node(fig5, script) == [101, True]
