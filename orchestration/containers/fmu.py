@@ -40,7 +40,7 @@ MAIN = f"{LAYER}/model.c"
 ALL_PLATFORMS = "all"
 _RUNTIME = (
     *("access.c", "container.c", "container.h", "instance.h", "lifecycle.c", "log.c", "model.h", "no_derivatives.c"),
-    *("numbers.c", "real_numbers.h", "runtime_container.c", "snapshot.c", "state.h", "step.c"),
+    *("functions.h", "numbers.c", "real_numbers.h", "runtime_container.c", "snapshot.c", "state.h", "step.c"),
 )
 """Files of the runtime that a container needs."""
 

@@ -14,7 +14,7 @@ from tests.conformance.platforms.conftest import FOREIGN
 from tests.conformance.platforms.machines import Machine, MachineUnavailableError
 from tests.conformance.platforms.same_bits import __main__ as command
 from tests.conformance.platforms.same_bits import page
-from tests.conformance.platforms.same_bits.programs import PROGRAMS, Program, Rows, driven
+from tests.conformance.platforms.same_bits.programs import PROGRAMS, Digest, Program, driven, sha256
 from tests.conformance.platforms.same_bits.proof import Proof, digest, full_length
 
 SHORT = 500  # steps of a run in the suite
@@ -34,21 +34,21 @@ def systems(portable: Path) -> dict[str, System]:
 
 
 @pytest.fixture(scope="module")
-def master() -> Iterator[Rows]:
+def master() -> Iterator[Digest]:
     """The program that the others are compared with."""
-    with PROGRAMS[0].opened() as rows:
-        yield rows
+    with PROGRAMS[0].opened() as program:
+        yield program
 
 
 @pytest.fixture(scope="module")
-def expected(systems: dict[str, System], master: Rows) -> dict[str, str]:
+def expected(systems: dict[str, System], master: Digest) -> dict[str, str]:
     """Hash of each figure's first rows."""
     return {name: digest(master, system, SHORT) for name, system in systems.items()}
 
 
 @contextmanager
-def available(program: Program) -> Iterator[Rows]:
-    """The rows of a program, or the reason why the test is skipped."""
+def available(program: Program) -> Iterator[Digest]:
+    """The hashes of a program, or the reason why the test is skipped."""
     try:
         with program.opened() as found:
             yield found
@@ -56,17 +56,17 @@ def available(program: Program) -> Iterator[Rows]:
         pytest.skip(f"{program.name}: {error}")
 
 
-def whole_run(rows: Rows, systems: dict[str, System]) -> str:
+def whole_run(program: Digest, systems: dict[str, System]) -> str:
     """Hash of all rows of the run that chatters."""
-    return digest(rows, systems[CHATTERING], full_length(systems[CHATTERING]))
+    return digest(program, systems[CHATTERING], full_length(systems[CHATTERING]))
 
 
 def test_other_platforms_have_the_masters_bits(
     foreign: Machine, systems: dict[str, System], expected: dict[str, str]
 ) -> None:
-    rows = driven(foreign)
-    assert {name: digest(rows, system, SHORT) for name, system in systems.items()} == expected
-    assert whole_run(rows, systems) == page.hashes()[CHATTERING]
+    program = driven(foreign)
+    assert {name: digest(program, system, SHORT) for name, system in systems.items()} == expected
+    assert whole_run(program, systems) == page.hashes()[CHATTERING]
 
 
 def test_one_fmu_has_the_masters_bits_on_other_platforms(foreign: Machine, systems: dict[str, System]) -> None:
@@ -75,34 +75,33 @@ def test_one_fmu_has_the_masters_bits_on_other_platforms(foreign: Machine, syste
 
 @pytest.mark.parametrize("name", ONE_BY_ONE)
 def test_other_programs_have_the_masters_bits(name: str, systems: dict[str, System], expected: dict[str, str]) -> None:
-    with available(HERE[name]) as rows:
-        assert {name: digest(rows, system, SHORT) for name, system in systems.items()} == expected
+    with available(HERE[name]) as program:
+        assert {name: digest(program, system, SHORT) for name, system in systems.items()} == expected
 
 
 @pytest.mark.parametrize("name", HERE)
 def test_every_program_of_this_machine_has_the_bits_on_the_page(name: str, systems: dict[str, System]) -> None:
-    with available(HERE[name]) as rows:
-        assert whole_run(rows, systems) == page.hashes()[CHATTERING]
+    with available(HERE[name]) as program:
+        assert whole_run(program, systems) == page.hashes()[CHATTERING]
 
 
 @pytest.mark.parametrize("figure", SCENARIOS)
-def test_the_page_has_the_hash_of_the_whole_run(figure: str, systems: dict[str, System], master: Rows) -> None:
+def test_the_page_has_the_hash_of_the_whole_run(figure: str, systems: dict[str, System], master: Digest) -> None:
     assert digest(master, systems[figure], full_length(systems[figure])) == page.hashes()[figure]
 
 
-def rows_of_zeros(flipped: int | None = None) -> Rows:
+def hash_of_zeros(flipped: int | None = None) -> Digest:
     """A program that shows zeros, and one bit otherwise in a row."""
 
-    def rows(_system: System, steps: int, _folder: Path) -> Iterator[bytes]:
-        for k in range(steps + 1):
-            yield np.array([5e-324 if k == flipped else 0.0]).tobytes()
+    def digest_of_rows(_system: System, steps: int, _folder: Path) -> str:
+        return sha256(np.array([5e-324 if k == flipped else 0.0]).tobytes() for k in range(steps + 1))
 
-    return rows
+    return digest_of_rows
 
 
 def planted(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, *others: Program) -> Path:
     """Replace the programs by one that shows zeros and by others, and the page by a copy; returns the copy."""
-    zeros = Program("zeros", lambda: opened(rows_of_zeros()))
+    zeros = Program("zeros", lambda: opened(hash_of_zeros()))
     copy = tmp_path / "page.md"
     copy.write_text(page.PAGE.read_text(encoding="utf-8"), encoding="utf-8")
     monkeypatch.setattr(command, "PROGRAMS", (zeros, *others))
@@ -111,12 +110,12 @@ def planted(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, *others: Program) -
 
 
 @contextmanager
-def opened(rows: Rows) -> Iterator[Rows]:
+def opened(program: Digest) -> Iterator[Digest]:
     """A program that needs nothing."""
-    yield rows
+    yield program
 
 
-def not_here() -> AbstractContextManager[Rows]:
+def not_here() -> AbstractContextManager[Digest]:
     """A program that cannot be had."""
     raise MachineUnavailableError("no such processor is here")
 
@@ -124,7 +123,7 @@ def not_here() -> AbstractContextManager[Rows]:
 def test_a_last_bit_in_the_last_row_is_noticed(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    copy = planted(monkeypatch, tmp_path, Program("flipped", lambda: opened(rows_of_zeros(SHORT))))
+    copy = planted(monkeypatch, tmp_path, Program("flipped", lambda: opened(hash_of_zeros(SHORT))))
     assert command.main(["--figures", "fig2", "--steps", str(SHORT - 1)]) == 0
     assert "2 programs, 500 rows, 40 columns: equal" in capsys.readouterr().out
     assert command.main(["--figures", "fig2", "--steps", str(SHORT)]) == 1
