@@ -71,7 +71,7 @@ def plant(n: int = 2, name: str = "Plant") -> ContinuousModel:
     bias = (
         ca.mtimes(arm.coriolis(q, dq, m, l), dq)
         + arm.gravity_torque(q, m, l, gravity)
-        + arm.friction_torque(dq, viscous, coulomb, coulomb_velocity)
+        + _friction(arm, dq, viscous, coulomb, coulomb_velocity)
     )
     ddq = solve_spd(arm.inertia(q, m, l), tau - bias - ca.mtimes(J.T, F_ext))
     model.derivative(q, dq)
@@ -100,6 +100,15 @@ def plant(n: int = 2, name: str = "Plant") -> ContinuousModel:
     )
     group_signals(model)
     return model
+
+
+def _friction(arm: Arm, dq: ca.SX, viscous: ca.SX, coulomb: ca.SX, coulomb_velocity: ca.SX) -> ca.SX:
+    """The arm's friction torque, N.m; without Coulomb friction a joint's tanh is that of 0, which costs nothing."""
+    none = ca.SX.zeros(arm.n, 1)
+    rubbing = ca.if_else(coulomb > 0, dq, 0)
+    return arm.friction_torque(dq, viscous, none, coulomb_velocity) + arm.friction_torque(
+        rubbing, none, coulomb, coulomb_velocity
+    )
 
 
 def _wall(model: ContinuousModel) -> Wall:

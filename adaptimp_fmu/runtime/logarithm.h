@@ -2,29 +2,47 @@
 #ifndef LOGARITHM_H
 #define LOGARITHM_H
 
-/* log(x + low) for a positive finite x and a low that is small beside it, with about 15 bits behind a
- * double's. x = 2^k m, and m r is near 1 for a number r of the table: log(x) = k log(2) - log(r) + log(m r). */
-static inline Pair log_pair(double x, double low) {
-    double m, upper, rest_of_terms;
+/* log(x) = sum of whole, whole_low, rest and -rest^2/2 + terms. */
+typedef struct {
+    Pair rest;
+    double whole, whole_low, terms;
+} Logarithm;
+
+/* The parts of log(x + low) for a positive finite x and a low that is small beside it. x = 2^k m, and m r is
+ * near 1 for a number r of the table: log(x) = k log(2) - log(r) + log(m r). The product m r - 1 is exact. */
+static inline Logarithm log_parts(double x, double low) {
+    double m, upper, r;
     const int exponent = real_exponent(x, &m);
     const int i = (int)((real_bits(m) & REAL_FRACTION) >> 45), k = exponent + (i >= LOG_TURN);
     const double *row = log_rows[i], *c = log_terms;
-    Pair r, square, sum, next;
+    Logarithm parts;
     upper = real_of_bits(real_bits(m) & ~(uint64_t)0x7ffffff);
-    r = pair_of_sum(upper * row[0] - 1, (m - upper) * row[0]);
-    if (low != 0) r = pair_of_sum(r.high, r.low + low * real_power_of_2(-exponent) * row[0]);
-    square = pair_of_product(r.high, r.high);
-    rest_of_terms = square.high * r.high *
-                    (c[0] + r.high * (c[1] + r.high * (c[2] + r.high * (c[3] + r.high * (c[4] + r.high * c[5])))));
-    sum = pair_of_sum(k * LOG_2_HIGH + row[1], r.high);
-    next = pair_of_sum(sum.high, -0.5 * square.high);
-    sum.low += next.low + ((r.low - r.high * r.low - 0.5 * square.low) + rest_of_terms + (k * LOG_2_LOW + row[2]));
-    return pair_of_ordered_sum(next.high, sum.low);
+    parts.rest = pair_of_sum(upper * row[0] - 1, (m - upper) * row[0]);
+    if (low != 0) parts.rest = pair_of_sum(parts.rest.high, parts.rest.low + low * real_power_of_2(-exponent) * row[0]);
+    parts.whole = k * LOG_2_HIGH + row[1];
+    parts.whole_low = k * LOG_2_LOW + row[2];
+    r = parts.rest.high;
+    parts.terms = r * r * r * ((c[0] + r * c[1]) + r * r * ((c[2] + r * c[3]) + r * r * (c[4] + r * c[5])));
+    return parts;
+}
+
+/* log(x + low) with about 15 bits behind a double's. */
+static inline Pair log_pair(double x, double low) {
+    const Logarithm parts = log_parts(x, low);
+    const Pair r = parts.rest, square = pair_of_product(r.high, r.high);
+    const Pair sum = pair_of_sum(parts.whole, r.high), next = pair_of_sum(sum.high, -0.5 * square.high);
+    const double behind = (r.low - r.high * r.low - 0.5 * square.low) + parts.terms + parts.whole_low;
+    return pair_of_ordered_sum(next.high, sum.low + next.low + behind);
 }
 
 static inline double real_log(double x) {
-    if (x > 0 && x <= DBL_MAX) return log_pair(x, 0).high;
-    return x == 0 ? -REAL_INFINITY : x > 0 ? x : real_nan();
+    Logarithm parts;
+    Pair sum;
+    if (!(x > 0 && x <= DBL_MAX)) return x == 0 ? -REAL_INFINITY : x > 0 ? x : real_nan();
+    parts = log_parts(x, 0);
+    sum = pair_of_sum(parts.whole, parts.rest.high);
+    sum.low += parts.rest.low + (parts.whole_low + (parts.terms - 0.5 * parts.rest.high * parts.rest.high));
+    return sum.high + sum.low;
 }
 
 static inline double real_log1p(double x) {

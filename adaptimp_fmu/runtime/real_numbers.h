@@ -62,18 +62,14 @@ static inline double real_copysign(double x, double sign) {
 
 /* The larger number; a number rather than NaN; +0 rather than -0. */
 static inline double real_fmax(double x, double y) {
-    if (x > y) return x;
-    if (y > x) return y;
     if (x == y) return real_of_bits(real_bits(x) & real_bits(y));
-    return x == x ? x : y == y ? y : real_nan();
+    return x > y || real_is_nan(y) ? x : y;
 }
 
 /* The smaller number; a number rather than NaN; -0 rather than +0. */
 static inline double real_fmin(double x, double y) {
-    if (x < y) return x;
-    if (y < x) return y;
     if (x == y) return real_of_bits(real_bits(x) | real_bits(y));
-    return x == x ? x : y == y ? y : real_nan();
+    return x < y || real_is_nan(y) ? x : y;
 }
 
 /* From 2^52 on each double is an integer. Zero keeps the sign of the argument. */

@@ -71,14 +71,13 @@ static inline Angle reduce_angle(double x) {
     const double multiple = (x * TWO_OVER_PI + ROUND_TO_INTEGER) - ROUND_TO_INTEGER;
     Pair rest = pair_of_sum(x - multiple * PI_HALF_1, -(multiple * PI_HALF_2));
     Angle angle;
-    if (real_fabs(rest.high) > 0x1p-20) {
+    if (real_fabs(rest.high) > 0x1p-20 && real_fabs(multiple) < 256) { /* the third part is small beside the low one */
         rest.low -= multiple * (PI_HALF_3 + PI_HALF_4);
     } else {
         const Pair closer = pair_of_sum(rest.high, -(multiple * PI_HALF_3));
-        rest.high = closer.high;
-        rest.low = closer.low + (rest.low - multiple * PI_HALF_4);
+        rest = pair_of_ordered_sum(closer.high, closer.low + (rest.low - multiple * PI_HALF_4));
     }
-    angle.rest = pair_of_ordered_sum(rest.high, rest.low);
+    angle.rest = rest;
     angle.quadrant = (unsigned)(int32_t)multiple & 3u;
     return angle;
 }
@@ -107,7 +106,7 @@ static inline double cos_polynomial(double z) {
 }
 
 static inline double sin_of_rest(Pair x, double z) {
-    return x.high + (x.low * (1 - 0.5 * z) + x.high * (z * sin_polynomial(z)));
+    return x.high + (x.low * (1 - 0.5 * z) + (x.high * z) * sin_polynomial(z));
 }
 
 static inline double cos_of_rest(Pair x, double z) {
@@ -133,10 +132,12 @@ static inline SinCos real_sincos(double x) {
     z = angle.rest.high * angle.rest.high;
     sine = sin_of_rest(angle.rest, z);
     cosine = cos_of_rest(angle.rest, z);
-    both.sin = angle.quadrant & 1u ? cosine : sine;
-    both.cos = angle.quadrant & 1u ? sine : cosine;
-    if (angle.quadrant & 2u) both.sin = -both.sin;
-    if ((angle.quadrant + 1) & 2u) both.cos = -both.cos;
+    switch (angle.quadrant) {
+    case 0: both.sin = sine, both.cos = cosine; break;
+    case 1: both.sin = cosine, both.cos = -sine; break;
+    case 2: both.sin = -sine, both.cos = -cosine; break;
+    default: both.sin = -cosine, both.cos = sine;
+    }
     return both;
 }
 

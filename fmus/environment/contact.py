@@ -50,5 +50,6 @@ class Wall(HalfSpace):
             1 while `gap`, respectively `damping_factor`, is positive, else 0.
         """
         normal_force = in_contact * pushing * self.K_f * self.gap(x) * self.damping_factor(dx)
-        sliding = ca.tanh(self.along_surface(dx) / self.friction_velocity)
+        speed = ca.if_else(self.mu > 0, self.along_surface(dx), 0)  # tanh(0) costs nothing
+        sliding = ca.tanh(speed / self.friction_velocity)
         return normal_force * (self.normal + self.mu * sliding * self.tangent)

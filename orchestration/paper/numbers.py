@@ -42,5 +42,5 @@ GAMMA_MARGIN, GAMMA_EPS = 1.5, 1e-4  # 1 and m/s
 # noise, and 75 % of each joint's largest |tau_cmd| of fig5.
 NOISE_SHARE, TORQUE_SHARE = 0.15, 0.75  # V
 NOISE_BOUND = 91.12  # N
-TORQUE_LIMITS = (513.36, 305.84)  # N.m
+TORQUE_LIMITS = (533.61, 306.83)  # N.m
 NO_TORQUE_LIMIT = 1e9  # N.m, which switches an actuator's limit off

@@ -164,7 +164,7 @@ def compile_c(sources: Sequence[Path], output: Path, *flags: str) -> ctypes.CDLL
     library = output.with_suffix(target.extension)
     command = [
         *(sys.executable, "-m", "ziglang", "cc", "-shared", "-target", target.target),
-        *(*FLAGS, *target.flags, *flags, *map(str, sources), "-o", str(library), "-lm"),
+        *(*FLAGS, *target.flags, *flags, *map(str, sources), "-o", str(library)),
     ]
     run = subprocess.run(command, capture_output=True, text=True, check=False)
     if run.returncode != 0:
