@@ -1,0 +1,1 @@
+"""The C program of a system against the master."""

@@ -1,0 +1,1 @@
+"""Systems as one program."""
