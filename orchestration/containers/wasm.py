@@ -91,12 +91,13 @@ def host() -> bytes:
 def _sources(plan: Plan) -> tuple[dict[str, str], str]:
     """All C sources of the module by name, and its identity: a hash of the sources, which the module tells."""
     template = environment().get_template(f"{EXPORTS}.j2")
+    given = {"name": plan.identifier, "plain": all(fmu.plain for fmu in plan.fmus)}
     sources = c_sources(plan)
-    digest = hashlib.sha256(template.render(name=plan.identifier, identity="").encode())
+    digest = hashlib.sha256(template.render(given, identity="").encode())
     for name, text in sorted(sources.items()):
         digest.update(f"\0{name}\0{text}".encode("utf-8", "surrogateescape"))
     identity = digest.hexdigest()[:32]
-    return sources | {EXPORTS: template.render(name=plan.identifier, identity=identity)}, identity
+    return sources | {EXPORTS: template.render(given, identity=identity)}, identity
 
 
 def _module(plan: Plan, sources: dict[str, str]) -> bytes:

@@ -15,7 +15,7 @@ EXPORTS = {
     "memory": "linear memory; it may grow at each call of create, allocate and record, and views of it end then",
     "identity": "() -> address of a text: the identity in this description",
     "create": f"() -> {RUN} with all values at their starts; 0 if there is no memory",
-    "release": "(address of a run or of a block) frees it; 0 is fine",
+    "destroy": "(run) frees its memory",
     "reset": "(run) puts all values back to their starts",
     "set": "(run, index, value) -> 1, or 0 if the value is refused",
     "get": "(run, index) -> value as a float64; Booleans are 0 and 1",
@@ -23,6 +23,7 @@ EXPORTS = {
     "step": "(run, n) -> 1, or 0 after a failure; makes n steps",
     "time": "(run) -> time, s",
     "allocate": "(bytes) -> address of a block that is aligned for float64; 0 if there is no memory",
+    "release": "(address of a block, or 0) frees it",
     "record": (
         "(run, n, every, indices, number of indices, columns) -> 1, or 0 after a failure; makes n steps. indices is"
         " the address of uint32, columns that of (1 + number of indices) * (floor(n / every) + 1) float64: column by"

@@ -43,7 +43,7 @@ class Run {
 
   /** Frees the memory of this run, which cannot be used afterwards. */
   free() {
-    this.wasm.release(this.#live());
+    this.wasm.destroy(this.#live());
     this.address = 0;
   }
 
