@@ -19,8 +19,6 @@ EXPORT int32_t container_start(void) {
 
 EXPORT int32_t container_run(int64_t steps) { return OF(_step)(&loop, (uint64_t)steps, &failure); }
 
-EXPORT int64_t container_state_size(void) { return (int64_t)sizeof loop; }
-
 /* Makes steps one by one; behind each, all outputs are copied to a row. Booleans are 0 or 1 in a system, too. */
 EXPORT int32_t container_rows(int64_t steps, double *row) {
     const OF(_Variable) *const outputs = OF(_variables) + OF(_N_PARAMETERS) + OF(_N_INPUTS);

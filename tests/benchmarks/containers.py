@@ -11,7 +11,8 @@ records, bit by bit.
 """
 
 import argparse
-from collections.abc import Sequence
+import shutil
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import replace
 from functools import partial
@@ -21,11 +22,14 @@ from typing import Any
 
 import numpy as np
 from rich.console import Console
+from rich.table import Table
 
+from adaptimp_fmu import PLATFORMS
+from orchestration.containers.wasm import write_wasm
 from orchestration.paper.built_fmus import find_scenario, fmus
 from orchestration.system.system import System
 from tests.benchmarks.container import contained
-from tests.benchmarks.forms import CProgram, whole_system
+from tests.benchmarks.forms import CProgram, time_module, whole_system
 from tests.benchmarks.report import (
     Goal,
     Measure,
@@ -39,7 +43,9 @@ from tests.benchmarks.report import (
     write_json,
 )
 from tests.benchmarks.rig import Rig
+from tests.benchmarks.sizes import BINARY_LIMIT, MODULE_LIMIT, sizes
 from tests.benchmarks.variants import Bench
+from tests.untested import needs
 
 MEANING = {
     "bare": "generated functions, no records",
@@ -49,12 +55,14 @@ MEANING = {
     "fmu-1000": "one FMU in loop.run, long steps",
     "ours": "five FMUs in loop.run",
     "fmucontainer": "its FMU in loop.run, plant first",
+    "wasm": "WebAssembly in node, no records",
 }
 RATIOS = (
     *(("c", "bare"), ("fmu-1000", "bare"), ("fmu-1000", "ours"), ("c-rows", "ours"), ("fmu", "ours")),
-    *(("fmucontainer", "ours"), ("fmucontainer", "fmu")),
+    *(("wasm", "c"), ("fmucontainer", "ours"), ("fmucontainer", "fmu")),
 )
-LIMITS = {"c/bare": 1.05, "fmu-1000/bare": 1.05, "fmu-1000/ours": 0.8}
+LIMITS = {"c/bare": 1.05, "fmu-1000/bare": 1.05, "fmu-1000/ours": 0.8, "wasm/c": 1.6}
+NO_NODE = needs("node is not installed", "nodejs")
 LONG = 1000  # inner steps of a long step
 SCENARIOS = ("fig2", "fig5")
 REPETITIONS = 15
@@ -67,15 +75,22 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--json", type=Path, help="file to write")
     parser.add_argument("--repetitions", type=int, default=REPETITIONS, help="at least 9 for a record")
     parser.add_argument("--steps", type=int, help="steps per repetition; the whole run if not given")
+    parser.add_argument("--platform", nargs="+", choices=PLATFORMS, default=list(PLATFORMS), help="binaries to measure")
     given = parser.parse_args(arguments)
-    result, console = run(given.scenario, given.steps, given.repetitions), Console()
+    result, console = run(given.scenario, given.steps, given.repetitions, given.platform), Console()
     print_variants(result, MEANING, console)
+    _print_sizes(result["bytes"], console)
     print_goals(result, console)
     write_json(given.json, result)
     return 0
 
 
-def run(name: str = "fig5", n_steps: int | None = None, repetitions: int = REPETITIONS) -> dict[str, Any]:
+def run(
+    name: str = "fig5",
+    n_steps: int | None = None,
+    repetitions: int = REPETITIONS,
+    platforms: Iterable[str] = tuple(PLATFORMS),
+) -> dict[str, Any]:
     """Check and measure everything.
 
     Parameters
@@ -86,12 +101,14 @@ def run(name: str = "fig5", n_steps: int | None = None, repetitions: int = REPET
         Inner steps per repetition, a multiple of `LONG`; all of the scenario if None.
     repetitions
         Rounds; in each one every variant runs once.
+    platforms
+        Platforms whose binaries are measured.
 
     Returns
     -------
     dict
-        Per variant ns per step (see `statistics`), ``ratios``, ``goals``, ``machine`` and ``versions``. The goals
-        hold for medians of ratios within rounds.
+        Per variant ns per step (see `statistics`), ``ratios``, ``bytes`` (see `sizes`), ``goals``, ``machine`` and
+        ``versions``. The goals of times hold for medians of ratios within rounds.
 
     Raises
     ------
@@ -106,12 +123,15 @@ def run(name: str = "fig5", n_steps: int | None = None, repetitions: int = REPET
         measures = _measures(system, n_steps, folder, stack)
         steps = dict.fromkeys(measures, n_steps)
         seconds = alternate(measures, steps, repetitions)
+        measured = sizes(system, folder, platforms)
     found = ratios(RATIOS, seconds, steps)
     return {
         "scenario": name,
         **{variant: statistics(values, n_steps) for variant, values in seconds.items()},
+        **({} if "wasm" in seconds else {"wasm": {"unavailable": NO_NODE}}),
         "ratios": found,
-        "goals": [Goal(pair, found[pair]["median_of_rounds"], limit).record() for pair, limit in LIMITS.items()],
+        "bytes": measured,
+        "goals": [goal.record() for goal in _goals(found, measured)],
         "machine": machine(),
         "versions": versions(),
     }
@@ -130,6 +150,7 @@ def _measures(system: System, n: int, folder: Path, stack: ExitStack) -> dict[st
     bench.check(ours, "c-rows", rows, n)
     one.check(ours, "fmu", one.time_ours, n)
     long.check(np.ascontiguousarray(ours[::LONG]), "fmu-1000", long.time_ours, n // LONG)
+    module = {"wasm": partial(time_module, write_wasm(system, folder / "speed.wasm"))} if shutil.which("node") else {}
     return {
         "bare": bench.time_bare,
         "c": partial(program.time, rig=bench),
@@ -138,7 +159,23 @@ def _measures(system: System, n: int, folder: Path, stack: ExitStack) -> dict[st
         "fmu-1000": lambda n: long.time_ours(n // LONG),
         "ours": bench.time_ours,
         "fmucontainer": theirs.time_ours,
+        **module,
     }
+
+
+def _goals(found: Mapping[str, Mapping[str, float]], measured: Mapping[str, int]) -> list[Goal]:
+    """Goals of the ratios and sizes that were measured."""
+    goals = [Goal(pair, found[pair]["median_of_rounds"], limit) for pair, limit in LIMITS.items() if pair in found]
+    limits = {"wasm": MODULE_LIMIT} | dict.fromkeys(PLATFORMS, BINARY_LIMIT)
+    return goals + [Goal(f"{what}, bytes", size, limits[what]) for what, size in measured.items() if what in limits]
+
+
+def _print_sizes(measured: Mapping[str, int], console: Console) -> None:
+    """Print the sizes."""
+    table = Table("what", "bytes")
+    for what, size in measured.items():
+        table.add_row(what, str(size))
+    console.print(table)
 
 
 def _plant_first(system: System) -> System:

@@ -1,6 +1,8 @@
-"""A system as one program in the forms that a benchmark calls: the C form as a library in this process, and an FMU."""
+"""A system as one program in the forms that a benchmark calls: an FMU, a library, a module."""
 
 import ctypes
+import json
+import subprocess
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +13,7 @@ from orchestration.containers.plan import plan_of
 from orchestration.fmi.description import read_description
 from orchestration.system.system import Component, System
 from tests.benchmarks.native import HERE, compile_c
-from tests.benchmarks.rig import Rig, require
+from tests.benchmarks.rig import PIECE, Rig, require
 
 
 def whole_system(system: System, folder: Path) -> System:
@@ -19,6 +21,13 @@ def whole_system(system: System, folder: Path) -> System:
     fmu = write_fmu(system, folder / f"{system.name}.fmu")
     component = Component("whole", read_description(fmu))
     return System(f"{system.name}-whole", (component,), step=system.run_step(), stop_time=system.stop_time)
+
+
+def time_module(module: Path, n: int) -> np.ndarray:
+    """Wall times of the pieces of n steps of a module of WebAssembly, s; a new process of node warms up before."""
+    command = ["node", str(HERE / "wasm_speed.mjs"), str(module), str(n), "1", str(PIECE)]
+    run = subprocess.run(command, capture_output=True, text=True, check=True)
+    return np.array(json.loads(run.stdout)["seconds"][0])
 
 
 class CProgram:
@@ -38,12 +47,6 @@ class CProgram:
         sources = [HERE / "container_loop.c", *(folder / name for name in compiled_files(program))]
         given = (f"-I{folder}", f"-DSYSTEM={program.identifier}")
         self._library = compile_c(sources, folder / "container", *given)
-        self._library.container_state_size.restype = ctypes.c_int64
-
-    @property
-    def state_size(self) -> int:
-        """Bytes of the system's state."""
-        return self._library.container_state_size()
 
     def time(self, n: int, rig: Rig) -> np.ndarray:
         """Measure n steps in the pieces of a rig, each made in one call."""
