@@ -42,7 +42,8 @@ static inline double atan2_of_finite(double y, double x) {
     double y_part, x_part;
     const int exponent = real_exponent(y, &y_part) - real_exponent(real_fabs(x), &x_part);
     if (exponent > 60) return PI_HALF_HIGH;
-    if (exponent < -60) return x > 0 ? real_scaled(y_part / x_part, exponent) : pair_pi.high;
+    if (exponent < -60 && x < 0) return pair_pi.high;
+    if (exponent < -60) return exponent < -1080 ? 0 : real_scaled(y_part / x_part, exponent);
     y_part = real_scaled(y_part, exponent);
     if (x > 0) return atan_of_quotient(y_part, x_part).high;
     return pair_sum(pair_pi, pair_negative(atan_of_quotient(y_part, x_part))).high;

@@ -1,0 +1,1 @@
+"""Tests of the runtime's mathematics (adaptimp_fmu/runtime/mathematics.h) against mpmath."""
