@@ -143,7 +143,12 @@ def _settings(description: Description, variables: Sequence[Variable]) -> dict:
 def _groups(role: str, variables: Sequence[Variable], place: Mapping[str, int]) -> list[dict]:
     """Variables of a role by type, as one call of FMI takes them."""
     return [
-        {"role": role, "type": kind, "references": [v.reference for v in group], "places": [place[v.name] for v in group]}
+        {
+            "role": role,
+            "type": kind,
+            "references": [v.reference for v in group],
+            "places": [place[v.name] for v in group],
+        }
         for kind in (REAL, INTEGER, BOOLEAN)
         if (group := [v for v in variables if v.type == kind])
     ]

@@ -75,7 +75,12 @@ def initial_order(system: System, dependencies: Mapping[str, Mapping[str, Collec
             passes.append(Pass(name, copied))
         if len(passes) == before:
             raise _cycle(system, waiting, sources, settled)
-    return tuple(passes)
+    return tuple(one for i, one in enumerate(passes) if one.connections or _last(passes, i))
+
+
+def _last(passes: Sequence[Pass], i: int) -> bool:
+    """Whether no later pass is one of the same component."""
+    return all(other.component != passes[i].component for other in passes[i + 1 :])
 
 
 def _cycle(
