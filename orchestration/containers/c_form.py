@@ -4,8 +4,9 @@ import importlib.resources
 from pathlib import Path
 
 from adaptimp_fmu.files.whole_file import write_whole
-from orchestration.containers.c_program import FOLDER, c_sources, counts
+from orchestration.containers.c_program import FOLDER, c_sources, compiled_files, counts
 from orchestration.containers.c_text import environment
+from orchestration.containers.foreign_fmu import ARENA
 from orchestration.containers.plan import GAUSS_SEIDEL, OUTPUT, Plan, plan_of
 from orchestration.errors import ContainerError
 from orchestration.fmi.given import a_path
@@ -65,6 +66,10 @@ def c_form(plan: Plan) -> dict[str, str]:
         "id": plan.identifier,
         "system": plan.system.name,
         "folder": FOLDER,
+        "sources": compiled_files(plan),
+        "headers": any(fmu.fmi_headers for fmu in plan.fmus),
+        "needed": sorted({function for fmu in plan.fmus for function in fmu.needed}),
+        "arena": ARENA,
         "counts": counts(plan),
         "stop_steps": max(0, round(span / plan.step)),
         "start_time": plan.system.start_time,

@@ -35,6 +35,9 @@ def c_sources(plan: Plan) -> dict[str, str]:
         "system": plan.system.name,
         "folder": FOLDER,
         "plain": all(fmu.plain for fmu in plan.fmus),
+        "saves": bool(plan.foreign) and all(member.fmu.saves for member in plan.foreign),
+        "foreign": plan.foreign,
+        "output_starts": list(_output_starts(plan)),
         "counts": counts(plan),
         "owners": [variable.member for variable in plan.with_role(FIXED, TUNABLE, INPUT)],
         "passes": list(_passes(plan)),
@@ -65,6 +68,14 @@ def compiled_files(plan: Plan) -> list[str]:
     """Return the names of the files that are compiled, each alone."""
     files = [name for fmu in plan.fmus for name in (f"{fmu.name}.c", *fmu.wrappers)]
     return ["step.c", *(f"{FOLDER}/{name}" for name in files)]
+
+
+def _output_starts(plan: Plan) -> Iterator[tuple[str, int, float]]:
+    """Start values that the system gives to outputs: where they are, and the values."""
+    for member in plan.members:
+        for name, value in member.component.start.items():
+            if member.component.variable(name).causality == "output":
+                yield member.field, member.place(name), float(value)
 
 
 def _passes(plan: Plan) -> Iterator[dict[str, object]]:

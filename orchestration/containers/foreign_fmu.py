@@ -12,7 +12,7 @@ from collections.abc import Iterable, Mapping, Sequence
 
 from orchestration.containers.c_text import environment, identifier
 from orchestration.containers.contained_fmu import ContainedFmu, declared_variables
-from orchestration.containers.foreign_names import missing_functions, rename
+from orchestration.containers.foreign_names import rename
 from orchestration.containers.foreign_sources import read_sources
 from orchestration.errors import ContainerError
 from orchestration.fmi.codes import BOOLEAN, INTEGER, REAL, SAVES_STATE, STRING
@@ -24,7 +24,6 @@ from orchestration.system.component import Component
 
 ARENA = 65536
 """Bytes of the array that replaces calloc for an FMU where there is no C library."""
-MOST_PLACES = 65_536
 MOST_NAMES = 4
 _C_TYPES = {
     REAL: {"name": REAL, "c": "double", "convert": ""},
@@ -96,7 +95,7 @@ def _require_functions(component: Component, defined: frozenset[str], variables:
         wanted += _OF_STATES
     if component.description.texts("input"):
         wanted.append("fmi2SetString")
-    if missing := missing_functions(defined, wanted):
+    if missing := [function for function in wanted if function not in defined]:
         msg = (
             f"{component.name}: the sources of {component.path.name} do not define {listed(missing, MOST_NAMES)};"
             " a program calls them, so export the FMU with complete sources."

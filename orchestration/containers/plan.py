@@ -141,6 +141,11 @@ class Plan:
     links: tuple[Link, ...]
     initialization: tuple[Pass, ...]
 
+    @property
+    def foreign(self) -> list[Member]:
+        """Components whose FMUs are of other tools, so that their states are not plain data."""
+        return [member for member in self.members if not member.fmu.plain]
+
     def with_role(self, *roles: str) -> list[ProgramVariable]:
         """Variables of the given roles, in their order."""
         return [variable for variable in self.variables if variable.role in roles]

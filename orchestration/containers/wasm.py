@@ -21,7 +21,7 @@ from orchestration.fmi.given import a_path
 from orchestration.master.algorithm import Algorithm
 from orchestration.system.system import System
 
-SUFFIX = ".wasm"
+SUFFIX, DESCRIPTION, SCRIPT = ".wasm", ".json", ".mjs"
 EXPORTS, HOST = "exports.c", "system.mjs"
 _UNDEFINED = re.compile(r"([^/\\\s]+)\.o(?:bj)?: undefined symbol: (\S+)")
 """What the linker says: the stem of the source that calls a function, and the function."""
@@ -38,7 +38,7 @@ def write_wasm(system: System, path: str | Path, algorithm: str | Algorithm = GA
     system
         System with a step. Its start values become those of the module.
     path
-        File with the suffix ``.wasm``. Existing files are replaced.
+        File with the suffix ``.wasm``. The files of an earlier module are replaced.
     algorithm
         ``gauss-seidel`` or ``jacobi``.
 
@@ -50,8 +50,8 @@ def write_wasm(system: System, path: str | Path, algorithm: str | Algorithm = GA
     Raises
     ------
     ContainerError
-        If the suffix is another one, the system cannot be one program, an FMU calls a function of a C library, which
-        the module lacks, or a file cannot be written.
+        If the suffix is another one, there is a ``NAME.json`` or ``NAME.mjs`` that is of no module, the system cannot
+        be one program, an FMU calls a function of a C library, which the module lacks, or a file cannot be written.
     SystemDescriptionError
         If the system has no step, or a sampling period is not a multiple of it.
 
@@ -67,13 +67,14 @@ def write_wasm(system: System, path: str | Path, algorithm: str | Algorithm = GA
     if target.suffix.lower() != SUFFIX:
         msg = f"{target}: a module of WebAssembly is written as {SUFFIX}, as in {target.stem}{SUFFIX}."
         raise ContainerError(msg)
+    _require_own(target)
     plan = plan_of(system, algorithm)
     sources, identity = _sources(plan)
     module = _module(plan, sources)
     files = {
         target: module,
-        target.with_suffix(".json"): description(plan, identity, target.name, module),
-        target.with_suffix(".mjs"): host(),
+        target.with_suffix(DESCRIPTION): description(plan, identity, target.name, module),
+        target.with_suffix(SCRIPT): host(),
     }
     try:
         write_together(files)
@@ -81,6 +82,14 @@ def write_wasm(system: System, path: str | Path, algorithm: str | Algorithm = GA
         msg = f"{target}: the module cannot be written: {error.strerror}; choose another place."
         raise ContainerError(msg) from error
     return target
+
+
+def _require_own(target: Path) -> None:
+    """Refuse to replace a file beside the module that is not of an earlier module."""
+    others = [path.name for path in map(target.with_suffix, (DESCRIPTION, SCRIPT)) if path.exists()]
+    if others and not target.exists():
+        msg = f"{target}: {others[0]} is there without a module, and would be replaced; choose another name."
+        raise ContainerError(msg)
 
 
 def host() -> bytes:

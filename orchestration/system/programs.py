@@ -93,7 +93,7 @@ class Programs:
         Parameters
         ----------
         path
-            File with the suffix ``.wasm``. Existing files are replaced.
+            File with the suffix ``.wasm``. The files of an earlier module are replaced.
         algorithm
             ``gauss-seidel`` or ``jacobi``.
 

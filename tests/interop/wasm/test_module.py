@@ -141,10 +141,25 @@ def test_the_command_line_writes_the_same_files(
 
 
 def test_no_file_is_written_if_one_cannot_be(tmp_path: Path) -> None:
+    (tmp_path / "fig5.wasm").write_bytes(b"of an earlier module")
     (tmp_path / "fig5.mjs").mkdir()
     with pytest.raises(ContainerError, match="Is a directory"):
         write_wasm(scenario("fig5"), tmp_path / "fig5.wasm")
-    assert [path.name for path in tmp_path.iterdir()] == ["fig5.mjs"]
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["fig5.mjs", "fig5.wasm"]
+    assert (tmp_path / "fig5.wasm").read_bytes() == b"of an earlier module"
+
+
+def test_the_files_of_an_earlier_module_are_replaced_but_no_others(fig5: Path, tmp_path: Path) -> None:
+    (tmp_path / "system.json").write_text("{}")
+    with pytest.raises(ContainerError) as caught:
+        module_of("fig5", tmp_path)
+    assert "system.json is there without a module, and would be replaced" in str(caught.value)
+    assert (tmp_path / "system.json").read_text() == "{}"
+    (tmp_path / "system.wasm").write_bytes(b"earlier")
+    module_of("fig5", tmp_path)
+    assert [path.read_bytes() for path in sorted(tmp_path.iterdir())] == [
+        path.read_bytes() for path in sorted(fig5.glob("system.*"))
+    ]
 
 
 def test_an_fmu_that_calls_a_library_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -125,6 +125,20 @@ def test_memory_that_was_freed_is_used_again(fig5: Path) -> None:
     assert before == after
 
 
+@pytest.mark.parametrize("order", [[0, 1, 2, 3], [3, 2, 1, 0], [1, 3, 0, 2], [0, 2, 3, 1]])
+def test_neighbours_that_were_freed_become_one_block(order: list[int], fig5: Path) -> None:
+    script = """
+    const { wasm } = system.create();
+    const blocks = [0, 1, 2, 3].map(() => wasm.allocate(1e6));
+    const behind = wasm.allocate(1e6);
+    ORDER.forEach((i) => wasm.release(blocks[i]));
+    console.log(JSON.stringify([blocks[0], wasm.allocate(4e6), behind > blocks[3]]));
+    """
+    first, again, in_a_row = node(fig5, script.replace("ORDER", str(order)))
+    assert in_a_row
+    assert again == first
+
+
 def test_rows_stay_when_the_memory_grows(fig5: Path) -> None:
     script = """
     const run = system.create();
