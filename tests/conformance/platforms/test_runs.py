@@ -6,6 +6,7 @@ gets. No function of a platform's C library takes part, so nothing is left in wh
 `same_bits` does the same with all figures.
 """
 
+import os
 from collections.abc import Callable
 from pathlib import Path
 
@@ -20,6 +21,7 @@ from tests.conformance.binary import OK, Binary, Instance
 from tests.conformance.platforms.machines import Machine
 from tests.conformance.platforms.plan import Plan
 from tests.conformance.scenes import STEPS, H, random_inputs, scene
+from tests.property.mathematics.library import HASHED, ZIG, compile_functions, hashes
 
 Outputs = dict[str, np.ndarray]
 SEED = 20
@@ -95,13 +97,20 @@ def test_10_driver_is_ctypes_bit_for_bit(
 
 
 def test_10_platforms_agree_on_fig2(fig2: Plan, fig2_outputs: Outputs, foreign: Machine, tmp_path: Path) -> None:
-    assert differing(foreign.run(fig2, tmp_path), fig2_outputs) == []
+    check(foreign.run(fig2, tmp_path), fig2_outputs)
 
 
 def test_10_platforms_agree_on_each_unit(alone: Plan, alone_outputs: Outputs, foreign: Machine, tmp_path: Path) -> None:
-    assert differing(foreign.run(alone, tmp_path), alone_outputs) == []
+    check(foreign.run(alone, tmp_path), alone_outputs)
 
 
-def differing(found: Outputs, expected: Outputs) -> list[str]:
-    """Names of the outputs that differ in a bit."""
-    return [name for name, values in expected.items() if found[name].tobytes() != values.tobytes()]
+def test_10_platforms_agree_on_the_mathematics(foreign: Machine, tmp_path: Path) -> None:
+    here, there = tmp_path / "here", tmp_path / ("there.exe" if foreign.platform.name == "win64" else "there")
+    compile_functions(here, ZIG, "-O2", f"-DHASHES={HASHED}")
+    compile_functions(there, (*ZIG, "-target", foreign.platform.target), "-O2", f"-DHASHES={HASHED}")
+    assert hashes(there, foreign.launcher, os.environ | foreign.environment) == hashes(here)
+
+
+def check(found: Outputs, expected: Outputs) -> None:
+    """Hold each output against this machine's."""
+    assert [name for name, values in expected.items() if found[name].tobytes() != values.tobytes()] == []
