@@ -91,6 +91,30 @@ static int are_of_kind(const fmi2ValueReference vr[], size_t n, VariableType typ
     return 1;
 }
 
+/* 1 if the references count up by one and are of a kind, in any number of runs: what hosts ask of a container, whose
+ * components lie apart. Other FMUs have one run of each kind. */
+static int are_runs(const fmi2ValueReference vr[], size_t n, VariableType type, int only_inputs) {
+#ifdef MODEL_CONTAINER
+    if (n == 0 || !vr || vr[0] >= MODEL_N_VARIABLES || n > MODEL_N_VARIABLES - vr[0]) return 0;
+    if (memcmp(vr, model_references + vr[0], n * sizeof *vr) != 0) return 0;
+    for (size_t i = 0; i < n; i += model_runs[vr[i]].length)
+        if (!is_of_kind(&model_runs[vr[i]], type, only_inputs)) return 0;
+    return 1;
+#else
+    (void)vr;
+    (void)n;
+    (void)type;
+    (void)only_inputs;
+    return 0;
+#endif
+}
+
+/* Where the run of reference i ends among n references. */
+static size_t end_of_run(const fmi2ValueReference vr[], size_t i, size_t n) {
+    const size_t end = i + model_runs[vr[i]].length;
+    return end < n ? end : n;
+}
+
 /* to[i] = from[i] for i < n <= COPIED_AT_ONCE, with one jump. A loop ends with a branch that the processor
  * mispredicts, a memcpy reads several numbers at once that were written one by one, and waits for all
  * (docs/decisions/009). */
@@ -128,6 +152,14 @@ static int are_of_kind(const fmi2ValueReference vr[], size_t n, VariableType typ
                                                                                                    \
     static APART fmi2Status FUNCTION##_scattered(Instance *instance, const fmi2ValueReference vr[],\
                                                  size_t nvr, const VALUE value[]) {                \
+        if (stepping(instance) && value && are_runs(vr, nvr, TYPE, 1)) {                           \
+            for (size_t i = 0, end; i < nvr; i = end) {                                            \
+                double *own = &SLOT(&instance->state, vr[i]);                                      \
+                end = end_of_run(vr, i, nvr);                                                      \
+                for (size_t k = i; k < end; ++k) *own++ = CONVERT(value[k]);                       \
+            }                                                                                      \
+            return fmi2OK;                                                                         \
+        }                                                                                          \
         if (!stepping(instance) || !value || !are_of_kind(vr, nvr, TYPE, 1))                       \
             return FUNCTION##_checked(instance, vr, nvr, value);                                   \
         for (size_t i = 0; i < nvr; ++i) SLOT(&instance->state, vr[i]) = CONVERT(value[i]);        \
@@ -161,6 +193,14 @@ static int are_of_kind(const fmi2ValueReference vr[], size_t n, VariableType typ
                                                                                                    \
     static APART fmi2Status FUNCTION##_scattered(Instance *instance, const fmi2ValueReference vr[],\
                                                  size_t nvr, VALUE value[]) {                      \
+        if (stepping(instance) && value && are_runs(vr, nvr, TYPE, 0)) {                           \
+            for (size_t i = 0, end; i < nvr; i = end) {                                            \
+                const double *own = &SLOT(&instance->state, vr[i]);                                \
+                end = end_of_run(vr, i, nvr);                                                      \
+                for (size_t k = i; k < end; ++k) value[k] = CONVERT(*own++);                       \
+            }                                                                                      \
+            return fmi2OK;                                                                         \
+        }                                                                                          \
         if (!stepping(instance) || !value || !are_of_kind(vr, nvr, TYPE, 0))                       \
             return FUNCTION##_checked(instance, vr, nvr, value);                                   \
         for (size_t i = 0; i < nvr; ++i) value[i] = CONVERT(SLOT(&instance->state, vr[i]));        \

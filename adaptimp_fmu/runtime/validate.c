@@ -70,7 +70,7 @@ static int integers_valid(const Instance *instance, const double *y, double t) {
 }
 #endif
 
-static int outputs_valid(const Instance *instance, const double *y, double t) {
+static IN_PLACE int outputs_valid(const Instance *instance, const double *y, double t) {
     if (!all_finite(y, MODEL_N_OUTPUTS)) return output_invalid(instance, y, t);
 #ifdef MODEL_INTEGER_OUTPUTS
     return integers_valid(instance, y, t);
@@ -85,7 +85,7 @@ static RARE int state_invalid(const Instance *instance, const double *x, double 
     return 0;
 }
 
-static int states_valid(const Instance *instance, const double *x, double t) {
+static IN_PLACE int states_valid(const Instance *instance, const double *x, double t) {
     return MODEL_N_STATES == 0 || all_finite(x, MODEL_N_STATES) ? 1 : state_invalid(instance, x, t);
 }
 

@@ -39,8 +39,18 @@ LAYER = "fmi"
 MAIN = f"{LAYER}/model.c"
 ALL_PLATFORMS = "all"
 _RUNTIME = (
-    *("access.c", "container.c", "container.h", "instance.h", "lifecycle.c", "log.c", "model.h", "no_derivatives.c"),
-    *("functions.h", "numbers.c", "real_numbers.h", "runtime_container.c", "snapshot.c", "state.h", "step.c"),
+    *(
+        "access.c",
+        "container.c",
+        "container.h",
+        "functions.h",
+        "instance.h",
+        "lifecycle.c",
+        "log.c",
+        "model.h",
+        "no_derivatives.c",
+    ),
+    *("numbers.c", "real_numbers.h", "runtime_container.c", "snapshot.c", "state.h", "step.c"),
 )
 """Files of the runtime that a container needs."""
 

@@ -63,8 +63,8 @@ def compiled(text: str, folder: Path, home: Path) -> Compiled:
     program = [sys.executable, "-m", "ziglang", "cc", "-target", _TARGET, *_FLAGS, "-I", str(fmi_headers())]
     output = ("-MD", "-MF", "wrapper.d", "-c", "wrapper.c", "-o", "wrapper.o")
     outcome = run_limited([*program, *output], folder, home)
-    if outcome.code != 0:
-        msg = f"do not compile by themselves: {_first_error(outcome.errors)}"
+    if outcome.how:
+        msg = f"do not compile by themselves: {_first_error(outcome.errors) or f'the compiler {outcome.how}'}"
         raise UnfitSourcesError(msg)
     included = _included(folder / "wrapper.d", folder)
     _require_own(included, folder)
@@ -107,9 +107,8 @@ def _compiler_folder() -> Path:
 
 
 def _first_error(errors: str) -> str:
-    """The first line of a compiler's output that tells an error."""
-    lines = [line for line in errors.splitlines() if line.strip()]
-    found = next((line for line in lines if "error:" in line), (lines or ["the compiler says nothing"])[0])
+    """The first line of a compiler's output that tells an error; empty if there is none."""
+    found = next((line for line in errors.splitlines() if "error:" in line), "")
     return printable(found.strip().rstrip("."), LONGEST_LINE)
 
 

@@ -21,7 +21,7 @@ RESOURCES = "resources/"
 MOST_BYTES = 50_000_000
 """Bytes of all sources of an FMU, at the most."""
 MOST_NAMES = 4
-_C_FILE = re.compile(r"[\w.+/-]+\.c")
+_INCLUDABLE = re.compile(r"[\w.+/ -]+")
 _ADVICE = "replace the component, or run the system without making a program of it"
 
 
@@ -96,10 +96,13 @@ def _listed_files(component: Component) -> tuple[str, ...]:
 def _require_c(component: Component, name: str, inside: list[str]) -> None:
     if name not in inside:
         raise _refused(component, f"lists the source file {name!r}, which is not in its archive")
-    if PurePosixPath(name).suffix.lower() in (".cpp", ".cc", ".cxx", ".hpp"):
+    suffix = PurePosixPath(name).suffix.lower()
+    if suffix in (".cpp", ".cc", ".cxx", ".c++"):
         raise _refused(component, f"has the source file {name}, which is C++, and a program is made of C")
-    if not _C_FILE.fullmatch(name):
-        raise _refused(component, f"lists the source file {name!r}, whose name no C program can include")
+    if suffix != ".c":
+        raise _refused(component, f"has the source file {name!r}, which is not a file of C")
+    if not _INCLUDABLE.fullmatch(name):
+        raise _refused(component, f"has the source file {name!r}, whose name a program cannot include")
 
 
 def _refused(component: Component, why: str) -> ContainerError:

@@ -277,6 +277,10 @@ def _variable(number: int, member: Member, variable: Variable, role: str) -> Pro
 
 def _links(system: System, members: Sequence[Member]) -> tuple[Link, ...]:
     number = {member.name: i for i, member in enumerate(members)}
+    for c in system.connections:
+        if system.component(c.source).variable(c.output).type == STRING:
+            msg = f"Connection {c}: a program has no Strings; remove the connection, or run the system as it is."
+            raise ContainerError(msg)
     links = [
         Link(
             number[c.source],

@@ -15,22 +15,29 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from orchestration.sandbox.confinement import Limits, end, environment, limit, starting
-from orchestration.sandbox.interpreter import LONGEST_START, command, search_path
+from orchestration.sandbox.interpreter import LONGEST_START, command, death, search_path
 from orchestration.sandbox.landlock import write_only_below
 
-MEMORY = 8 * 1024**3
+MEMORY = 2 * 1024**3
 """Bytes of addresses that the program may take."""
 TIME = 60.0
 """Processor time of the program, s."""
-_OUT_OF_TIME = 124
 _SET_NO_NEW_PRIVILEGES = 38
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """How a program ended: its exit code, 0 for success, and what it wrote to standard error."""
+    """How a program ended.
 
-    code: int
+    Attributes
+    ----------
+    how
+        Empty if the program succeeded, else a part of a sentence, such as ``ends with exit code 1``.
+    errors
+        What the program wrote to standard error.
+    """
+
+    how: str
     errors: str
 
 
@@ -62,13 +69,13 @@ def run_limited(program: Sequence[str], folder: Path, home: Path) -> Outcome:
     try:
         errors = process.communicate(timeout=TIME * 10 + LONGEST_START)[1]
     except subprocess.TimeoutExpired:
-        return Outcome(_OUT_OF_TIME, f"it does not end within {TIME * 10:g} s")
+        return Outcome(f"does not end within {TIME * 10:g} s", "")
     finally:
         end(process.pid)
         if process.poll() is None:
             process.kill()
         process.wait()
-    return Outcome(process.returncode, errors)
+    return Outcome("" if process.returncode == 0 else death(process.returncode, "ends", "dies"), errors)
 
 
 def main() -> None:

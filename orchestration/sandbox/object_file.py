@@ -44,7 +44,7 @@ def read_names(data: bytes) -> Names:
     """
     try:
         symbols = list(_global_symbols(data))
-    except (struct.error, IndexError) as failed:
+    except (struct.error, IndexError, OverflowError) as failed:
         msg = f"its tables are damaged ({failed})"
         raise ElfError(msg) from failed
     return Names(

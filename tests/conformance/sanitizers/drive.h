@@ -12,6 +12,10 @@ static double random_number(uint64_t *seed) {
     return (double)(*seed >> 11) * 0x1p-53;
 }
 
+static void read_values(fmi2Component c, double values[MODEL_N_VARIABLES]) {
+    for (fmi2ValueReference r = 0; r < MODEL_N_VARIABLES; ++r) values[r] = SLOT(&((Instance *)c)->state, r);
+}
+
 /* Real inputs 1 % and 0.01 off the values in `start`, Booleans by a coin. */
 static void set_inputs(fmi2Component c, const double *start, uint64_t *seed) {
     for (fmi2ValueReference r = MODEL_FIRST_INPUT; r < MODEL_FIRST_OUTPUT; ++r) {
@@ -22,7 +26,7 @@ static void set_inputs(fmi2Component c, const double *start, uint64_t *seed) {
 }
 
 static void step(fmi2Component c, uint64_t *seed) {
-    static const double parts[] = {1, 0.5, 0.7, 2, 3.3, 0.25}; /* of 0.1 ms, a tick of every unit */
+    static const double parts[] = PARTS; /* of 0.1 ms, a tick of every unit */
     double t = NAN;
     OK(fmi2GetRealStatus(c, fmi2LastSuccessfulTime, &t));
     OK(fmi2DoStep(c, t, 1e-4 * parts[(int)(random_number(seed) * 6)], fmi2True));

@@ -186,7 +186,14 @@ static fmi2Status on_phase(Instance *instance) {
     }
 }
 
-/* Zero what is derived anew before it is used: constants; in initialization mode outputs and states. */
+/* Zero, or derive anew, what is derived before it is used: constants; in initialization mode outputs and states. */
+#ifdef MODEL_CONTAINER
+static void forget_derived(State *s) {
+    if (s->phase != INITIALIZATION) return;
+    s->system.run.outputs_stale = 1;
+    CONTAINER(show)(&s->system);
+}
+#else
 static void forget_derived(State *s) {
     memset(s->constants, 0, sizeof s->constants);
     s->noise_active = s->constants_stale = s->outputs_stale = 0;
@@ -199,6 +206,7 @@ static void forget_derived(State *s) {
     memset(s->end_inputs, 0, sizeof s->end_inputs);
 #endif
 }
+#endif
 
 static void check_refusal(Instance before, Instance after) {
     CHECK(messages == (before.callbacks.logger && before.logged & LOG_ERROR ? 1 : 0));

@@ -44,9 +44,24 @@ static size_t references(fmi2ValueReference vr[MAX_N], size_t first, size_t n) {
     return count;
 }
 
+/* Of what the unit does by itself within a step. */
+static double shortest_period(const Instance *instance) {
+#ifdef MODEL_CONTAINER
+    double period = CONTAINER(step_size);
+    for (fmi2ValueReference r = 0; r < MODEL_FIRST_INPUT; ++r) {
+        const char *name = strchr(model_variables[r].name, '.') + 1;
+        const double value = SLOT(&instance->state, r);
+        if ((!strcmp(name, "dt_max") || !strcmp(name, "sample_time")) && value < period) period = value;
+    }
+    return period;
+#else
+    return instance->state.values[MODEL_PERIOD];
+#endif
+}
+
 /* A step whose work is bounded, or so large that the unit refuses it. */
 static double bounded_step(const Instance *instance) {
-    const double period = instance->state.values[MODEL_PERIOD];
+    const double period = shortest_period(instance);
     double h = number(one_in(4) ? 20 * period : period), ratio = h / period;
     if (ratio > REFUSED_WORK || !(ratio > 0)) return h;
     if (ratio > 1000) h = 1000 * period, ratio = 1000;

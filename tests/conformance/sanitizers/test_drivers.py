@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.conformance.container import CONTAINER
 from tests.conformance.sanitizers.compiling import SANITIZERS, STRICT, Fault, compile_driver, require_clang, unpack
 from tests.untested import needs
 
@@ -39,7 +40,7 @@ def test_plain_run_is_clean_under_sanitizers(fmu: Path, tmp_path: Path) -> None:
     require_clean(str(program), "2000")
 
 
-@pytest.mark.parametrize("identifier", ["Plant", "CraigAdaptiveImpedance"])
+@pytest.mark.parametrize("identifier", ["Plant", "CraigAdaptiveImpedance", CONTAINER])
 def test_plain_run_is_clean_under_valgrind(fmu: Path, tmp_path: Path) -> None:
     require_clang()
     require_valgrind()
@@ -48,7 +49,7 @@ def test_plain_run_is_clean_under_valgrind(fmu: Path, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("sanitizer", ["", "thread"])
-@pytest.mark.parametrize("identifier", ["Plant", "ForceSensor", "CraigAdaptiveImpedance"])
+@pytest.mark.parametrize("identifier", ["Plant", "ForceSensor", "CraigAdaptiveImpedance", CONTAINER])
 def test_14_threads_of_instances_give_the_lone_bits(fmu: Path, tmp_path: Path, sanitizer: str) -> None:
     """8 threads x 8 instances at once; ThreadSanitizer sees data races that the bits happen not to show."""
     require_clang()

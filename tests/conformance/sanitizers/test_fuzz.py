@@ -14,6 +14,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.conformance.container import CONTAINER
 from tests.conformance.sanitizers.compiling import SANITIZERS, STRICT, Fault, compile_driver, require_clang, unpack
 
 RUNS = int(os.environ.get("ADAPTIMP_FUZZ_RUNS", "10000"))  # executions; some 2,000 in a second
@@ -74,11 +75,11 @@ def fuzz(sources: Path, *inputs: bytes, runs: int = 0) -> subprocess.CompletedPr
     return subprocess.run(command, cwd=sources, capture_output=True, text=True, check=False, errors="replace")
 
 
-@pytest.mark.parametrize("identifier", ["Plant", "CraigAdaptiveImpedance"])
-def test_no_finding(fmu_folder: Path, tmp_path: Path, identifier: str) -> None:
+@pytest.mark.parametrize("identifier", ["Plant", "CraigAdaptiveImpedance", CONTAINER])
+def test_no_finding(fmu: Path, tmp_path: Path, identifier: str) -> None:
     require_clang()
     inputs = (*SEEDS, *map(bytes.fromhex, FINDINGS.values()))
-    run = fuzz(unpack(fmu_folder / f"{identifier}.fmu", tmp_path / identifier), *inputs, runs=RUNS)
+    run = fuzz(unpack(fmu, tmp_path / identifier), *inputs, runs=RUNS)
     assert run.returncode == 0, run.stderr[-6000:]
     done = re.findall(r"^#(\d+).*cov: (\d+) ft: (\d+)", run.stderr, re.MULTILINE)
     executions, coverage, features = map(int, done[-1])

@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 
 from tests.conformance.binary import ERROR, OK, Binary, Instance, array
+from tests.conformance.container import of_models
 
 Create = Callable[..., Instance]
 Load = Callable[[str], Binary]
@@ -53,6 +54,7 @@ def test_10_missing_arrays_of_derivatives_are_refused(load: Load, create: Create
     assert instance.call(function, one, 1, order, value) == OK
 
 
+@of_models
 def test_10_missing_arrays_of_directions_are_refused(binary: Binary, create: Create) -> None:
     instance = create(binary).initialize()
     known = unknown = instance.references(binary.names("output")[0])

@@ -23,7 +23,7 @@ static void run_instances(uint64_t first, State *ends) {
         seeds[i] = first + i;
         components[i] = create(&without_logger);
         set_scene(components[i]);
-        memcpy(start, ((Instance *)components[i])->state.values, sizeof start);
+        read_values(components[i], start);
         initialize(components[i]);
     }
     for (int k = 0; k < STEPS; ++k) {

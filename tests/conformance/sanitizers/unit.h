@@ -3,6 +3,8 @@
 #ifndef UNIT_H
 #define UNIT_H
 
+#include <math.h>
+
 #include "model.c"
 #include "scene.h"
 
@@ -15,6 +17,17 @@
             abort();                                                                               \
         }                                                                                          \
     } while (0)
+
+/* What kinds of FMUs differ in: lengths of steps of a random run, in ticks, and whether inputs continue in a step. */
+#ifdef MODEL_CONTAINER
+#define PARTS {1, 2, 1, 3, 5, 1}
+#define INTERPOLATES 0
+#define DIFFERENTIATES 0
+#else
+#define PARTS {1, 0.5, 0.7, 2, 3.3, 0.25}
+#define INTERPOLATES (!MODEL_SAMPLED)
+#define DIFFERENTIATES 1
+#endif
 
 static int messages;
 

@@ -54,7 +54,7 @@ def only_a_binary(folder: Path) -> Path:
     return path
 
 
-SMALL_C = small_sources()["small.c"]
+SMALL_C: str = small_sources()["small.c"]
 ADVICE = r"; replace the component, or run the system without making a program of it\.$"
 CASES: dict[str, tuple[Make, str]] = {
     "no sources": (without_sources, r"has neither sources nor binaries, and a program is made of C sources" + ADVICE),
@@ -109,11 +109,11 @@ CASES: dict[str, tuple[Make, str]] = {
         r" such names need the prefix Odd_\.$",
     ),
     "a missing function": (
-        made(edit={"small.c": '#define fmi2Terminate ended\n' + SMALL_C}),
+        made(edit={"small.c": SMALL_C.replace("NAMED(fmi2Terminate)", "ended")}),
         r"do not define fmi2Terminate; a program calls them, so export the FMU with complete sources\.$",
     ),
     "functions for states missing": (
-        made(edit={"small.c": '#define fmi2SetFMUstate put\n' + SMALL_C}),
+        made(edit={"small.c": SMALL_C.replace("NAMED(fmi2SetFMUstate)", "put")}),
         r"do not define fmi2SetFMUstate; a program calls them, so export the FMU with complete sources\.$",
     ),
 }
