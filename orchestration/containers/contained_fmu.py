@@ -1,20 +1,11 @@
-"""The FMUs of a system as parts of one program: their sources, and where their variables are in memory."""
+"""An FMU as a part of one program: its sources, and where its variables are in memory."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from orchestration.containers.c_text import environment, identifier
 from orchestration.fmi.description import Description
 from orchestration.fmi.document import Declared, Document, parsed, read_bytes
-from orchestration.sandbox.archive import entry_names, file_hash, read_entries
-from orchestration.system.component import Component
-
-SOURCES = "sources/"
-MOST_BYTES = 50_000_000
-"""Bytes of all sources of an FMU, at the most."""
-MARKS = ("contained.c", "contained.h", "state.h", "sizes.h", "model.c")
-"""Files of the sources that tell an FMU of this project, which a program can contain without FMI's functions."""
 
 
 @dataclass(frozen=True)
@@ -66,54 +57,6 @@ class ContainedFmu:
     needed: tuple[str, ...] = ()
     fmi_headers: bool = False
     saves: bool = False
-
-
-def contained_fmu(component: Component, taken: Iterable[str]) -> ContainedFmu:
-    """Return the FMU of a component as a part of a program.
-
-    Parameters
-    ----------
-    component
-        Component whose FMU is contained; messages name it.
-    taken
-        Identifiers that others have.
-
-    Raises
-    ------
-    ContainerError
-        If the FMU does not bring the sources that a program needs.
-    ArchiveError
-        If the archive is unsafe.
-    """
-    path = component.path
-    names = [name for name in entry_names(path) if name.startswith(SOURCES) and not name.endswith("/")]
-    if {name.removeprefix(SOURCES) for name in names}.issuperset(MARKS):
-        return _own(component, names, taken)
-    from orchestration.containers.foreign_fmu import foreign_fmu
-
-    return foreign_fmu(component, taken)
-
-
-def _own(component: Component, names: list[str], taken: Iterable[str]) -> ContainedFmu:
-    """An FMU of this project, whose runtime has a form without FMI."""
-    path, description = component.path, component.description
-    name = identifier(description.identifier, taken, "Fmu")
-    declared = declared_variables(path)
-    templates = environment()
-    return ContainedFmu(
-        name,
-        path,
-        file_hash(path),
-        description,
-        declared,
-        places={variable.name: variable.reference for variable in declared.values()},
-        header=templates.get_template("fmu.h.j2").render(name=name, model=description.model_name),
-        source=templates.get_template("fmu.c.j2").render(name=name, model=description.model_name),
-        sources={
-            entry.removeprefix(SOURCES): content.decode("utf-8", "surrogateescape")
-            for entry, content in read_entries(path, names, MOST_BYTES)
-        },
-    )
 
 
 def declared_variables(path: Path) -> dict[str, Declared]:
