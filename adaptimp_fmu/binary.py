@@ -21,6 +21,7 @@ def binary(
     platform: Platform,
     *,
     units: Sequence[str],
+    libraries: Sequence[str] = (),
     cache: Path | None = None,
 ) -> bytes:
     """Return the binary of some C sources for a platform.
@@ -34,6 +35,8 @@ def binary(
         the texts, as ``surrogateescape`` makes them.
     units
         Names of the sources to compile, which are the translation units. The other sources are included by these.
+    libraries
+        Names of libraries that the sources need besides the C library, such as ``m``.
     cache
         Folder of compiled binaries; None takes that of `adaptimp_fmu.default_cache`.
 
@@ -42,7 +45,7 @@ def binary(
     ToolchainError
         If the compiler refuses the sources.
     """
-    key = hashlib.sha256(f"{identity()} {platform} {' '.join(units)}".encode())
+    key = hashlib.sha256(f"{identity()} {platform} {' '.join([*units, *libraries])}".encode())
     for source, text in sorted(sources.items()):
         key.update(f"\0{source}\0".encode() + _bytes(text))
     file = f"{name}{platform.extension}"
@@ -57,7 +60,7 @@ def binary(
             (folder / source).parent.mkdir(parents=True, exist_ok=True)
             (folder / source).write_bytes(_bytes(text))
         output = folder / file
-        compile_library([folder / unit for unit in units], output, platform)
+        compile_library([folder / unit for unit in units], output, platform, libraries)
         content = output.read_bytes()
     write_sealed(kept_at, content)
     _LOG.info("compiled %s for %s in %.3g s", name, platform.name, perf_counter() - started)

@@ -143,7 +143,9 @@ def _compiler_cache() -> dict[str, str]:
     return {_COMPILER_CACHE: str(writable_cache("zig"))}
 
 
-def compile_library(sources: Path | Sequence[Path], output: Path, target: Platform) -> None:
+def compile_library(
+    sources: Path | Sequence[Path], output: Path, target: Platform, libraries: Sequence[str] = ()
+) -> None:
     """Compile C files of one folder, and of folders below, into a shared library.
 
     Parameters
@@ -152,6 +154,8 @@ def compile_library(sources: Path | Sequence[Path], output: Path, target: Platfo
         Translation units; the first one stands in the folder in which the compiler runs.
     target
         Platform of the library. `WASM` and `WASM_WITH_LIBRARY` make a module of WebAssembly.
+    libraries
+        Names of libraries that the files need besides the C library.
 
     Raises
     ------
@@ -165,7 +169,8 @@ def compile_library(sources: Path | Sequence[Path], output: Path, target: Platfo
         *FLAGS,
         *WARNINGS,
         *(flag.format(library=output.name) for flag in target.flags),
-        *("-I", str(fmi_headers()), *(str(unit.relative_to(folder)) for unit in units), "-o", str(output.resolve())),
+        *("-I", str(fmi_headers()), *(str(unit.relative_to(folder)) for unit in units)),
+        *("-o", str(output.resolve()), *(f"-l{name}" for name in libraries)),
     ]
     environment = {**os.environ, **_compiler_cache()}
     run = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, check=False)

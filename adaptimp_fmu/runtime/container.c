@@ -5,8 +5,10 @@
 
 #include "instance.h"
 
+#if CONTAINER_IS_PLAIN
 /* Defined with the variables: what no run leaves behind, in words. */
 static const char *position_fault(const State *s);
+#endif
 
 /* 1e7 inner steps take seconds; more than that in one doStep is a mistake, not a step. */
 #define MAX_INNER_STEPS 1e7
@@ -50,9 +52,14 @@ static RARE int fail_in_component(const Instance *instance, const Failure *failu
     return 0;
 }
 
+/* The memory of a new instance is zero; FMUs of other tools keep what they hold. */
 static void start_afresh(State *s) {
+#if CONTAINER_IS_PLAIN
     memset(s, 0, sizeof *s);
+#endif
     CONTAINER(reset)(&s->system);
+    s->start_time = s->stop_time = s->time = s->latest_end = 0;
+    s->stop_time_defined = s->experiment_defined = 0;
     s->phase = INSTANTIATED;
 }
 
@@ -68,6 +75,15 @@ static void begin_at(State *s, double start_time) {
 static void enter_initialization(State *s) {
     CONTAINER(begin)(&s->system, s->start_time);
     s->phase = INITIALIZATION;
+}
+
+/* Gives back what the system holds besides its memory. */
+static void release(State *s) {
+#if CONTAINER_IS_PLAIN
+    (void)s;
+#else
+    CONTAINER(free)(&s->system);
+#endif
 }
 
 /* Stores a value that is_settable has found right. Its component learns of it. */
@@ -100,13 +116,20 @@ static int calibrated(const Instance *instance) {
 
 static void refresh_outputs(State *s) { CONTAINER(show)(&s->system); }
 
-/* The end of initialization mode, of all components or of none; returns 0 after saying what is wrong. */
+/* The end of initialization mode, of all components or of none; returns 0 after saying what is wrong. FMUs of other
+ * tools cannot go back into initialization mode, so that the instance fails with them. */
 static int initialized(Instance *instance) {
+#if CONTAINER_IS_PLAIN
     const State before = instance->state;
+#endif
     Failure failure;
     if (!inputs_valid(instance)) return 0;
     if (!CONTAINER(finish)(&instance->state.system, &failure)) {
+#if CONTAINER_IS_PLAIN
         instance->state = before;
+#else
+        instance->state.phase = FAILED;
+#endif
         return fail_in_component(instance, &failure);
     }
     instance->state.phase = STEP_COMPLETE;

@@ -78,6 +78,7 @@ fmi2Component fmi2Instantiate(fmi2String instanceName, fmi2Type fmuType, fmi2Str
 void fmi2FreeInstance(fmi2Component c) {
     Instance *instance = (Instance *)c;
     if (!instance) return;
+    release(&instance->state);
     free(instance->name);
     free(instance);
 }

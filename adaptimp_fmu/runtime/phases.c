@@ -76,6 +76,9 @@ static int store(Instance *instance, uint32_t reference, double value) {
     return 1;
 }
 
+/* An instance holds nothing besides its memory. */
+static void release(State *s) { (void)s; }
+
 /* A step may have any size. */
 static int step_fits(const Instance *instance, double t, double h) {
     (void)instance;

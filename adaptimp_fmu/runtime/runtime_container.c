@@ -9,4 +9,8 @@
 #include "access.c"
 #include "step.c"
 #include "no_derivatives.c"
+#if CONTAINER_IS_PLAIN
 #include "snapshot.c"
+#else
+#include "snapshot_of_parts.c"
+#endif

@@ -35,7 +35,7 @@ def c_sources(plan: Plan) -> dict[str, str]:
         "system": plan.system.name,
         "folder": FOLDER,
         "plain": all(fmu.plain for fmu in plan.fmus),
-        "saves": bool(plan.foreign) and all(member.fmu.saves for member in plan.foreign),
+        "saves": bool(plan.foreign) and plan.saves,
         "foreign": plan.foreign,
         "output_starts": list(_output_starts(plan)),
         "counts": counts(plan),

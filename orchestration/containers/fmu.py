@@ -10,6 +10,7 @@ Same system, same bytes: the GUID is a hash of the description and the sources.
 """
 
 import hashlib
+import re
 import uuid
 from collections.abc import Iterable, Mapping
 from pathlib import Path
@@ -38,21 +39,9 @@ LAYER = "fmi"
 """Folder below ``sources/`` of the files that implement FMI's functions."""
 MAIN = f"{LAYER}/model.c"
 ALL_PLATFORMS = "all"
-_RUNTIME = (
-    *(
-        "access.c",
-        "container.c",
-        "container.h",
-        "functions.h",
-        "instance.h",
-        "lifecycle.c",
-        "log.c",
-        "model.h",
-        "no_derivatives.c",
-    ),
-    *("numbers.c", "real_numbers.h", "runtime_container.c", "snapshot.c", "state.h", "step.c"),
-)
-"""Files of the runtime that a container needs."""
+_RUNTIME = "runtime_container.c"
+"""File of the runtime that includes all that a container needs."""
+_INCLUDED = re.compile(r'^#include "([^"]+)"', re.MULTILINE)
 
 
 def write_fmu(
@@ -121,8 +110,9 @@ def _platforms(names: Iterable[str] | None) -> list[Platform]:
 
 
 def _compiled(plan: Plan, sources: Mapping[str, str], platform: Platform, units: list[str]) -> bytes:
+    libraries = ["m"] if any(fmu.needed for fmu in plan.fmus) else []
     try:
-        return binary(plan.identifier, sources, platform, units=units)
+        return binary(plan.identifier, sources, platform, units=units, libraries=libraries)
     except (ToolchainError, OSError) as error:
         msg = f"System {plan.system.name} cannot be compiled: {error}"
         raise ContainerError(msg) from error
@@ -154,7 +144,6 @@ def _guid(entries: Mapping[str, bytes]) -> str:
 
 def _layer(plan: Plan) -> dict[str, str]:
     """The sources of the FMI functions, by name."""
-    runtime = runtime_sources()
     templates = environment()
     numbers = {"PARAMETERS": (FIXED, TUNABLE), "INPUTS": (INPUT,), "OUTPUTS": (OUTPUT,)}
     values = {
@@ -167,8 +156,20 @@ def _layer(plan: Plan) -> dict[str, str]:
         f"{LAYER}/{name}": templates.get_template(template).render(values)
         for name, template in (("model.c", "fmu_model.c.j2"), ("sizes.h", "fmu_sizes.h.j2"))
     }
-    shared = {f"{LAYER}/{name}": runtime[name] for name in _RUNTIME}
+    shared = {f"{LAYER}/{name}": text for name, text in _included(_RUNTIME, runtime_sources()).items()}
     return {**generated, **shared, f"{LAYER}/{RUNTIME_LICENSE}": runtime_license()}
+
+
+def _included(name: str, runtime: Mapping[str, str]) -> dict[str, str]:
+    """A file of the runtime, and those that it includes, by name; the model and FMI's headers are no part of it."""
+    found: dict[str, str] = {}
+    waiting = [name]
+    while waiting:
+        name = waiting.pop()
+        if name in runtime and name not in found:
+            found[name] = runtime[name]
+            waiting += _INCLUDED.findall(runtime[name])
+    return dict(sorted(found.items()))
 
 
 def _runs(plan: Plan) -> list[tuple[ProgramVariable, int]]:

@@ -12,14 +12,16 @@ from lxml import etree
 
 from adaptimp_fmu.description import LOG_CATEGORIES, number
 from adaptimp_fmu.variables import Type
-from orchestration.containers.plan import OUTPUT, Plan, ProgramVariable
+from orchestration.containers.plan import FIXED, INPUT, OUTPUT, TUNABLE, Plan, ProgramVariable
 from orchestration.containers.structure import structure
 from orchestration.containers.unit_definitions import UnitDefinitions
-from orchestration.fmi.codes import BOOLEAN, INTEGER, REAL
-from orchestration.fmi.document import Declared, Document, require_valid
+from orchestration.fmi.codes import BOOLEAN, INTEGER, ONE_INSTANCE, REAL
+from orchestration.fmi.document import Document, require_valid
 
 GENERATION_TOOL = "adaptimp"
 _TYPES = {REAL: Type.REAL, INTEGER: Type.INTEGER, BOOLEAN: Type.BOOLEAN}
+_CAUSALITIES = {FIXED: "parameter", TUNABLE: "parameter", INPUT: "input", OUTPUT: "output"}
+_PARAMETERS = {FIXED: "fixed", TUNABLE: "tunable"}
 _KEPT = ("quantity", "relativeQuantity", "min", "max", "nominal", "unbounded")
 """Attributes of a variable or of its declared type that a container hands on as they are."""
 _STRUCTURED = re.compile(r"[A-Za-z_]\w*(\[[1-9]\d*\])?(\.[A-Za-z_]\w*(\[[1-9]\d*(,[1-9]\d*)*\])?)+", re.ASCII)
@@ -71,11 +73,6 @@ def container_description(plan: Plan, documents: Mapping[str, Document], sources
     return etree.tostring(root, xml_declaration=True, encoding="UTF-8", pretty_print=True)
 
 
-def saves_state(plan: Plan) -> bool:
-    """Return whether the state of the container can be saved, restored and serialized."""
-    return all(fmu.plain for fmu in plan.fmus)
-
-
 def summary(plan: Plan) -> str:
     """Return one sentence on what a container holds."""
     members = ", ".join(f"{member.name} ({member.component.description.model_name})" for member in plan.members)
@@ -83,7 +80,7 @@ def summary(plan: Plan) -> str:
 
 
 def _co_simulation(root: Any, plan: Plan, sources: Iterable[str]) -> None:
-    saves = "true" if saves_state(plan) else "false"
+    alone = any(fmu.description.can(ONE_INSTANCE) for fmu in plan.fmus)
     element = etree.SubElement(
         root,
         "CoSimulation",
@@ -91,15 +88,19 @@ def _co_simulation(root: Any, plan: Plan, sources: Iterable[str]) -> None:
         canHandleVariableCommunicationStepSize="true",
         canInterpolateInputs="false",
         maxOutputDerivativeOrder="0",
-        canBeInstantiatedOnlyOncePerProcess="false",
+        canBeInstantiatedOnlyOncePerProcess=_boolean(alone),
         canNotUseMemoryManagementFunctions="true",
-        canGetAndSetFMUstate=saves,
-        canSerializeFMUstate=saves,
+        canGetAndSetFMUstate=_boolean(plan.saves),
+        canSerializeFMUstate=_boolean(plan.serializes),
         providesDirectionalDerivative="false",
     )
     files = etree.SubElement(element, "SourceFiles")
     for name in sources:
         etree.SubElement(files, "File", name=name)
+
+
+def _boolean(value: bool) -> str:
+    return "true" if value else "false"
 
 
 def _experiment(root: Any, plan: Plan) -> None:
@@ -118,13 +119,11 @@ def _variable(
         name=variable.path,
         valueReference=str(reference),
         description=declared.description,
-        causality=declared.causality,
-        variability=_variability(declared),
+        causality=_CAUSALITIES[variable.role],
+        variability=_variability(variable),
     )
-    if declared.causality == "output":
-        element.set("initial", "calculated")
-    elif declared.causality == "parameter":
-        element.set("initial", "exact")
+    if variable.role != INPUT:
+        element.set("initial", "calculated" if variable.role == OUTPUT else "exact")
     typed = etree.SubElement(element, declared.type)
     attributes = document.attributes(declared)
     for name in (name for name in _KEPT if name in attributes):
@@ -134,12 +133,15 @@ def _variable(
         shown = units.display_unit(document, declared.unit, declared.display_unit)
         if shown:
             typed.set("displayUnit", shown)
-    if declared.causality != "output":
+    if variable.role != OUTPUT:
         typed.set("start", number(variable.start, _TYPES[declared.type]))
 
 
-def _variability(declared: Declared) -> str:
+def _variability(variable: ProgramVariable) -> str:
     """Variability in the container; only a Real is continuous, and an output that never changes is still calculated."""
+    declared = variable.declared
+    if variable.role in _PARAMETERS:
+        return _PARAMETERS[variable.role]
     if declared.variability == "constant" or (declared.type != REAL and declared.variability == "continuous"):
         return "discrete"
     return declared.variability

@@ -9,7 +9,7 @@ import jinja2
 from adaptimp_fmu.codegen import RUNTIME_LICENSE, runtime_license, runtime_sources
 from adaptimp_fmu.description import number
 from adaptimp_fmu.variables import Type
-from orchestration.containers.fmu_description import saves_state, summary
+from orchestration.containers.fmu_description import summary
 from orchestration.containers.plan import FIXED, INPUT, OUTPUT, TUNABLE, Member, Plan
 from orchestration.fmi.codes import BOOLEAN, REAL
 from orchestration.fmi.document import Document
@@ -72,7 +72,8 @@ def container_documentation(plan: Plan, documents: Mapping[str, Document], sourc
     page = template.render(
         plan=plan,
         summary=summary(plan),
-        saves_state=saves_state(plan),
+        saves_state=plan.saves,
+        libraries=["m"] if any(fmu.needed for fmu in plan.fmus) else [],
         parts=parts,
         given=_given(plan.system),
         tables={title: _rows(plan, roles) for title, roles in _KINDS.items()},

@@ -112,7 +112,7 @@ def _settings(description: Description, variables: Sequence[Variable]) -> dict:
     types = [
         {
             **_C_TYPES[kind],
-            "given": max(sum(v.type == kind for v in inputs), any(v.type == kind for v in settable)),
+            "given": max(sum(v.type == kind for v in inputs), int(any(v.type == kind for v in settable))),
             "shown": sum(v.type == kind for v in outputs),
             "startable": any(v.type == kind for v in settable),
         }

@@ -147,6 +147,16 @@ class Plan:
         """Components whose FMUs are of other tools, so that their states are not plain data."""
         return [member for member in self.members if not member.fmu.plain]
 
+    @property
+    def saves(self) -> bool:
+        """Whether the states of all components can be saved and restored."""
+        return all(member.fmu.plain or member.fmu.saves for member in self.members)
+
+    @property
+    def serializes(self) -> bool:
+        """Whether the states of all components are plain data, which mean the same in another process."""
+        return not self.foreign
+
     def with_role(self, *roles: str) -> list[ProgramVariable]:
         """Variables of the given roles, in their order."""
         return [variable for variable in self.variables if variable.role in roles]

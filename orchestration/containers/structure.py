@@ -24,7 +24,7 @@ class Structure:
     in_step
         After initialization: inputs that reach the output at the same communication point.
     initial
-        During initialization: parameters and inputs.
+        During initialization: parameters, inputs and local variables, some of which a container shows as parameters.
     """
 
     in_step: Mapping[Name, frozenset[Name]]
@@ -53,7 +53,7 @@ def structure(system: System, documents: Mapping[str, Document]) -> Structure:
 
     return Structure(
         through(_rows(documents, OUTPUTS, ("input",))),
-        through(_rows(documents, INITIAL_UNKNOWNS, ("input", "parameter"))),
+        through(_rows(documents, INITIAL_UNKNOWNS, ("input", "parameter", "local"))),
     )
 
 

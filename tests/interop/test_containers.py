@@ -195,10 +195,8 @@ def test_parameters_are_set_as_those_of_the_system(container: Container, system_
     assert_same_rows(simulate(of_one, FEW * step, step), expected, 1)
 
 
-def test_a_container_is_a_component_beside_others(
-    fmu_folder: Path, system_of: Callable[[str], System], tmp_path: Path
-) -> None:
-    """The arm with its actuator and sensor as one FMU, the controller and the trajectory as they are: Jacobi's order."""
+def test_a_container_is_a_component_beside_others(system_of: Callable[[str], System], tmp_path: Path) -> None:
+    """The arm with its actuator and its sensor as one FMU, the controller and the trajectory as they are."""
     fig5 = system_of("fig5")
     inside = ("sensor", "actuator", "plant")
     parts = System.of({name: fig5[name] for name in inside}, "arm")

@@ -18,7 +18,9 @@ from tests.conformance.sanitizers.compiling import FLAGS
 COUNTERS = ("-fprofile-instr-generate", "-fcoverage-mapping")
 
 
-def compile_instrumented(sources: Sequence[Path], output: Path, _target: Platform) -> None:
+def compile_instrumented(
+    sources: Sequence[Path], output: Path, _target: Platform, _libraries: Sequence[str] = ()
+) -> None:
     """As `adaptimp_fmu.toolchain.compile_library`, for this machine only."""
     command = [
         *("clang", *FLAGS, *COUNTERS, "-shared", "-fPIC", "-fvisibility=hidden", "-I", str(fmi_headers())),

@@ -4,6 +4,7 @@ import subprocess
 import zipfile
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 from adaptimp_fmu.toolchain import fmi_headers, host_platform
 from tests.interop.foreign.builders import HERE, hand_written
@@ -11,7 +12,8 @@ from tests.strangers.contained.program import QUICKEST
 from tests.strangers.fmus import HEAD
 
 SOURCES = Path(__file__).with_name("sources")
-_UNITS = '<UnitDefinitions><Unit name="m"><BaseUnit m="1"/></Unit><Unit name="mm"><BaseUnit m="1" factor="0.001"/></Unit>'
+_UNITS = '<UnitDefinitions><Unit name="m"><BaseUnit m="1"/></Unit>'
+_UNITS += '<Unit name="mm"><BaseUnit m="1" factor="0.001"/></Unit>'
 _UNITS += '<Unit name="degC"><BaseUnit K="1" offset="273.15"/></Unit><Unit name="K"><BaseUnit K="1"/></Unit>'
 _UNITS += "</UnitDefinitions>"
 _MODES = '<TypeDefinitions><SimpleType name="Mode"><Enumeration><Item name="slow" value="1"/>'
@@ -119,7 +121,8 @@ def small_description(
         exact = f' initial="{initial}"' if initial else ""
         if exact_output and variable == "x":
             causality = "output"
-        head = f'name="{variable}" valueReference="{reference}" causality="{causality}" variability="{variability}"{exact}'
+        head = f'name="{variable}" valueReference="{reference}" causality="{causality}"'
+        head += f' variability="{variability}"{exact}'
         rows.append(f"<ScalarVariable {head}><{type_}{inner}/></ScalarVariable>")
     listed = "".join(f'<File name="{file}"/>' for file in files)
     sources = f"<SourceFiles>{listed}</SourceFiles>" if files else ""
@@ -168,10 +171,10 @@ def small(
     before: str = "",
     binary: bool = True,
     edit: Mapping[str, str] | None = None,
-    **description: object,
+    **description: Any,
 ) -> Path:
     """A small FMU with its sources; `edit` replaces files, and the rest is as `small_description` says."""
-    xml = small_description(name, **description)  # type: ignore[arg-type]
+    xml = small_description(name, **description)
     sources = small_sources(spelling, gain, before) | dict(edit or {})
     files = ("small.c", "parts/helper.c")
     library = library_of(folder / f"{name}.library", sources, files) if binary else None

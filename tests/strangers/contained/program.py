@@ -5,7 +5,7 @@ import re
 import shutil
 import subprocess
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -152,7 +152,7 @@ class Program:
             rows.append(self.outputs())
         return dict(zip(self.output_names, np.transpose(rows), strict=True))
 
-    def _require(self, function: ctypes._CFuncPtr, *arguments: float) -> None:
+    def _require(self, function: Callable[..., int], *arguments: float) -> None:
         failure = _Failure()
         if function(self.state, *arguments, ctypes.byref(failure)) != 1:
             raise FailedError(str(failure))

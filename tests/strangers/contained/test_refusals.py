@@ -1,10 +1,11 @@
-"""What a program cannot contain is refused by one sentence that says which component, which file, why, and what to do."""
+"""What a program cannot contain is refused by one sentence: which component, which file, why, and what to do."""
 
 import re
 import zipfile
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -15,7 +16,7 @@ from tests.strangers.contained.fmus import packed_sources, small, small_descript
 Make = Callable[[Path], Path]
 
 
-def made(*, description: dict[str, object] | None = None, edit: dict[str, str] | None = None) -> Make:
+def made(*, description: dict[str, Any] | None = None, edit: dict[str, str] | None = None) -> Make:
     """Makes a small FMU without a binary; `edit` replaces files."""
     return lambda folder: small(folder, "Odd", binary=False, edit=edit or {}, **(description or {}))
 
@@ -105,8 +106,8 @@ CASES: dict[str, tuple[Make, str]] = {
     ),
     "a name that no macro reaches": (
         made(edit={"parts/helper.c": 'int hidden __asm__("bare") = 1;\ndouble helper(double u) { return u; }\n'}),
-        r"define bare in parts/helper\.c by means that a macro does not reach, so other components could clash with that;"
-        r" such names need the prefix Odd_\.$",
+        r"define bare in parts/helper\.c by means that a macro does not reach, so other components could clash with"
+        r" that; such names need the prefix Odd_\.$",
     ),
     "a missing function": (
         made(edit={"small.c": SMALL_C.replace("NAMED(fmi2Terminate)", "ended")}),

@@ -220,4 +220,3 @@ def test_the_sources_are_unchanged(tmp_path: Path, compiled: Compiled) -> None:
     folder = tmp_path / "program0" / "fmus" / "Small"
     assert (folder / "notes.txt").read_bytes() == latin
     assert not re.search("Small_", (folder / "small.c").read_text(encoding="utf-8"))
-

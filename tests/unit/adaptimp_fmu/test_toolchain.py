@@ -32,7 +32,7 @@ def compiled(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     """Platforms the compiler is called for; it writes a file that only looks like a binary."""
     calls: list[str] = []
 
-    def compile_nothing(sources: list[Path], output: Path, target: toolchain.Platform) -> None:
+    def compile_nothing(sources: list[Path], output: Path, target: toolchain.Platform, _libraries: object) -> None:
         calls.append(target.name)
         output.write_bytes(f"{target.name} {sources[0].read_text()}".encode())
 
