@@ -209,7 +209,9 @@ def test_a_component_that_fails_says_what_the_fmu_says(small: dict[str, Path], t
 
 def test_a_conversion_that_overflows_is_refused_as_by_the_fmu(small: dict[str, Path], tmp_path: Path) -> None:
     two = system(small, {"source": "Source", "plant": "Integrator"})
-    tested = two.connect(Connection("source", "u", "plant", "u", factor=4e307))  # 3, 4, then 5 times 4e307
+    tested = two.connect(
+        Connection("source", "u", "plant", "u", factor=5e307, offset=-1.5e308)
+    )  # 0, then 4 times 5e307
     name, sentence = failure_of_master(tested)
     assert (
         failure_of_program(tested, tmp_path, STEPS)
