@@ -13,7 +13,6 @@
 #define MODEL_PERIOD 0 /* value reference of dt_max */
 
 #include "model.h"
-#include "casadi_names.h"
 
 /* CasADi's functions come with companions and arguments that nobody uses. */
 #if defined(__GNUC__)
@@ -22,7 +21,9 @@
 #pragma GCC diagnostic ignored "-Wunused-parameter"
 #endif
 #define CASADI_SYMBOL_EXPORT static
+#include "casadi_names.h"
 #include "equations.h"
+#include "casadi_names_end.h"
 #if defined(__GNUC__)
 #pragma GCC diagnostic pop
 #endif
