@@ -16,8 +16,8 @@ from adaptimp_fmu.toolchain import fmi_headers, host_platform
 from fmus.catalog import MODELS
 from orchestration import Component, System
 from orchestration.fmi.description import read_description
-from tests.conformance.container import of_models
 from tests.conformance.binary import FUNCTIONS, Binary
+from tests.conformance.container import of_models
 from tests.conformance.platforms.machines import DRIVER, Machine
 from tests.conformance.platforms.plan import Plan
 from tests.conformance.scenes import STEPS, H, random_inputs, scene

@@ -27,8 +27,8 @@ from fmus.catalog import MODELS
 from orchestration import Component, System, simulate
 from orchestration.fmi.description import read_description
 from orchestration.paper.scenarios import SCENARIOS
-from tests.conformance.container import of_models
 from tests.conformance.binary import OK, Binary, Instance
+from tests.conformance.container import of_models
 from tests.conformance.platforms.condition import rounding_effects
 from tests.conformance.platforms.machines import Machine
 from tests.conformance.platforms.plan import Plan
