@@ -75,14 +75,14 @@ PLATFORMS = {
     )
 }
 
-WASM = Platform(
-    "wasm",
-    "wasm32-wasi",
-    ".wasm",
-    # The headers of a C library, but none of its functions: those would import a file system.
-    form=("-mexec-model=reactor", "-nostdlib", "-Wl,--no-entry"),
-)
-"""WebAssembly without imports, which is not a platform of FMUs."""
+# Functions are called from outside, in any order; the stack has 1 MiB.
+_REACTOR = ("-mexec-model=reactor", "-Wl,--no-entry", "-Wl,-z,stack-size=1048576")
+
+WASM = Platform("wasm", "wasm32-wasi", ".wasm", form=(*_REACTOR, "-nostdlib"))
+"""WebAssembly without a C library; not a platform of FMUs."""
+
+WASM_WITH_LIBRARY = Platform("wasm-libc", "wasm32-wasi", ".wasm", form=_REACTOR)
+"""WebAssembly with a C library, whose files and clocks a module imports; not a platform of FMUs."""
 
 
 def host_platform() -> Platform:
@@ -153,7 +153,7 @@ def compile_library(
     sources
         Translation units; the first one stands in the folder in which the compiler runs.
     target
-        Platform of the library. `WASM` makes a module of WebAssembly.
+        Platform of the library. `WASM` and `WASM_WITH_LIBRARY` make a module of WebAssembly.
     libraries
         Names of libraries that the files need besides the C library.
 

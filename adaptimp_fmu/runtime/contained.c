@@ -22,9 +22,8 @@ int PREFIXED(step)(State *s, double t, double h, Failure *failure) {
 #ifndef INPUTS_ARE_FINITE
     if (!inputs_valid(&instance)) return 0;
 #endif
-    if (!calibrated(&instance) || !advance(&instance, t, h)) return 0;
-    s->time = t + h;
-    return 1;
+    s->time = t + h;   /* a program in which a step fails does not go on */
+    return calibrated(&instance) && advance(&instance, t, h);
 }
 
 void PREFIXED(changed)(State *s) { note_change(s, 1); }

@@ -188,16 +188,28 @@ static void constants_changed(State *s) {
     model_prepare(s->states, parameters(s), s->constants, s->shared);
 }
 
+/* The inputs when the step ends. */
+static const double *inputs_at_end(const State *s) {
+#ifdef CONTAINED
+    return s->values + MODEL_FIRST_INPUT;
+#else
+    return s->end_inputs;
+#endif
+}
+
 static void show_outputs(State *s, double t, double *checks) {
-    model_output(t, s->states, s->end_inputs, parameters(s), s->constants, s->modes, s->shared,
+    model_output(t, s->states, inputs_at_end(s), parameters(s), s->constants, s->modes, s->shared,
                  outputs(s), checks);
 }
 
 static void show_initial_outputs(State *s, double *checks) {
+#ifndef CONTAINED
     memcpy(s->end_inputs, inputs(s), sizeof s->end_inputs);
+#endif
     show_outputs(s, s->time, checks);
 }
 
+#ifndef CONTAINED
 /* Where the inputs are, and how they move, when the step ends; derivatives serve one step only. */
 static void end_inputs(State *s, double t) {
     double continued[AT_LEAST_ONE(MODEL_N_INPUTS)];
@@ -211,6 +223,7 @@ static void end_inputs(State *s, double t) {
     memset(s->input_rates, 0, sizeof s->input_rates);
     s->rates_given = 0;
 }
+#endif
 
 static int advance(Instance *instance, double t, double h) {
     State *s = STATE_OF(instance);
@@ -232,7 +245,9 @@ static int advance(Instance *instance, double t, double h) {
     } else if (!substep(instance, t, h, &events_left)) {   /* not waiting for a division */
         return 0;
     }
+#ifndef CONTAINED
     end_inputs(s, t + h);
+#endif
     show_outputs(s, t + h, checks);
     return checks_pass(instance, checks, MODEL_N_CHECKS, model_checks) &&
            outputs_valid(instance, outputs(s), t + h);

@@ -53,7 +53,9 @@ typedef struct {
     Failure *failure;
 } Instance;
 #define STATE_OF(instance) ((instance)->state)
+#define IN_PLACE INLINED                           /* in a contained model, which has one step of one length */
 #else
+#define IN_PLACE
 #ifdef MODEL_CONTAINER
 #include "container.h"
 #else

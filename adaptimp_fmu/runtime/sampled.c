@@ -82,16 +82,24 @@ static RARE void show_initial_outputs(State *s, double *checks) {
     compute_tick(s, outputs(s), next, checks);
 }
 
+/* A tick that is refused leaves the outputs as they were. Those of a contained model need not be copied:
+ * nobody shows them before the whole program has made its step. */
 static INLINED int run_tick(Instance *instance) {
     State *s = STATE_OF(instance);
-    double y[AT_LEAST_ONE(MODEL_N_OUTPUTS)], next[AT_LEAST_ONE(MODEL_N_STATES)];
-    double checks[AT_LEAST_ONE(MODEL_N_CHECKS)];
+    double next[AT_LEAST_ONE(MODEL_N_STATES)], checks[AT_LEAST_ONE(MODEL_N_CHECKS)];
+#ifdef CONTAINED
+    double *y = outputs(s);
+#else
+    double y[AT_LEAST_ONE(MODEL_N_OUTPUTS)];
+#endif
     if (s->tick == 0) initialize_states(s);
     compute_tick(s, y, next, checks);
     if (!checks_pass(instance, checks, MODEL_N_CHECKS, model_checks)) return 0;
     if (!outputs_valid(instance, y, tick_time(s))) return 0;
     if (!states_valid(instance, next, tick_time(s))) return 0;
+#ifndef CONTAINED
     memcpy(outputs(s), y, MODEL_N_OUTPUTS * sizeof *y);
+#endif
     memcpy(s->states, next, MODEL_N_STATES * sizeof *next);
     ++s->tick;
     return 1;

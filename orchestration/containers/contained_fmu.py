@@ -1,20 +1,11 @@
-"""The FMUs of a system as parts of one program: their sources, and where their variables are in memory."""
+"""An FMU as a part of one program: its sources, and where its variables are in memory."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from orchestration.containers.c_text import environment, identifier
 from orchestration.fmi.description import Description
 from orchestration.fmi.document import Declared, Document, parsed, read_bytes
-from orchestration.sandbox.archive import entry_names, file_hash, read_entries
-from orchestration.system.component import Component
-
-SOURCES = "sources/"
-MOST_BYTES = 50_000_000
-"""Bytes of all sources of an FMU, at the most."""
-MARKS = ("contained.c", "contained.h", "state.h", "sizes.h", "model.c")
-"""Files of the sources that tell an FMU of this project, which a program can contain without FMI's functions."""
 
 
 @dataclass(frozen=True)
@@ -66,50 +57,6 @@ class ContainedFmu:
     needed: tuple[str, ...] = ()
     fmi_headers: bool = False
     saves: bool = False
-
-
-def brings_runtime(component: Component) -> bool:
-    """Whether the FMU of a component is of this project, with sources that a program contains without FMI."""
-    return set(_source_names(component)).issuperset(SOURCES + mark for mark in MARKS)
-
-
-def _source_names(component: Component) -> list[str]:
-    return [name for name in entry_names(component.path) if name.startswith(SOURCES) and not name.endswith("/")]
-
-
-def own_fmu(component: Component, taken: Iterable[str]) -> ContainedFmu:
-    """Return the FMU of a component as a part of a program, whose runtime has a form without FMI.
-
-    Parameters
-    ----------
-    component
-        Component with an FMU of this project, see `brings_runtime`.
-    taken
-        Identifiers that others have.
-
-    Raises
-    ------
-    ArchiveError
-        If the archive is unsafe.
-    """
-    path, description = component.path, component.description
-    name = identifier(description.identifier, taken, "Fmu")
-    declared = declared_variables(path)
-    templates = environment()
-    return ContainedFmu(
-        name,
-        path,
-        file_hash(path),
-        description,
-        declared,
-        places={variable.name: variable.reference for variable in declared.values()},
-        header=templates.get_template("fmu.h.j2").render(name=name, model=description.model_name),
-        source=templates.get_template("fmu.c.j2").render(name=name, model=description.model_name),
-        sources={
-            entry.removeprefix(SOURCES): content.decode("utf-8", "surrogateescape")
-            for entry, content in read_entries(path, _source_names(component), MOST_BYTES)
-        },
-    )
 
 
 def declared_variables(path: Path) -> dict[str, Declared]:

@@ -11,10 +11,10 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from adaptimp_fmu.variables import range_in_words
+from adaptimp_fmu.variables import range_in_words, whole_range_in_words
 from orchestration.containers.c_text import identifier
-from orchestration.containers.contained_fmu import ContainedFmu, brings_runtime, document_of, own_fmu
-from orchestration.containers.foreign_fmu import foreign_fmu
+from orchestration.containers.contained_fmu import ContainedFmu, document_of
+from orchestration.containers.containment import contained_fmu
 from orchestration.containers.initial_order import Pass, initial_dependencies, initial_order
 from orchestration.errors import ContainerError
 from orchestration.fmi.codes import BOOLEAN, INTEGER, ONE_INSTANCE, STRING
@@ -166,9 +166,20 @@ class Plan:
         return [link for link in self.links if link.target == member]
 
     def takes_tested_values(self, fmu: ContainedFmu) -> bool:
-        """Whether every linked input of an FMU's components is an output, unscaled, that was found to be finite."""
+        """Whether every linked input of an FMU's components is an output, unscaled, that was found to be finite.
+
+        A linked input that stands for a Boolean or an Integer must be an output that stands for the same.
+        """
         links = [link for link in self.links if self.members[link.target].fmu is fmu]
-        return all(link.scale.trivial and self.members[link.source].fmu.tests_outputs for link in links)
+        return all(
+            link.scale.trivial and self.members[link.source].fmu.tests_outputs and self._stands_for_the_same(link)
+            for link in links
+        )
+
+    def _stands_for_the_same(self, link: Link) -> bool:
+        source, target = self.members[link.source].component, self.members[link.target].component
+        ends = source.variable(link.connection.output), target.variable(link.connection.input)
+        return ends[1].stands_for in ("", ends[0].stands_for)
 
 
 def plan_of(system: System, algorithm: str | Algorithm = GAUSS_SEIDEL) -> Plan:
@@ -226,8 +237,7 @@ def _fmus(system: System, name: str) -> dict[str, ContainedFmu]:
         alone = component.name if component.description.can(ONE_INSTANCE) else ""
         key = (file_hash(component.path), alone)
         if key not in by_content:
-            contained = own_fmu if brings_runtime(component) else foreign_fmu
-            by_content[key] = contained(component, {name, *(fmu.name for fmu in by_content.values())})
+            by_content[key] = contained_fmu(component, {name, *(fmu.name for fmu in by_content.values())})
         found[component.name] = by_content[key]
     return found
 
@@ -283,7 +293,9 @@ def _variable(number: int, member: Member, variable: Variable, role: str) -> Pro
         start,
         minimum,
         maximum,
-        range_in_words(minimum, maximum, variable.unit),
+        whole_range_in_words(minimum, maximum)
+        if variable.stands_for
+        else range_in_words(minimum, maximum, variable.unit),
     )
 
 

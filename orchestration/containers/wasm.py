@@ -11,11 +11,12 @@ from pathlib import Path
 from adaptimp_fmu.binary import binary
 from adaptimp_fmu.errors import ToolchainError
 from adaptimp_fmu.files.whole_file import write_together
-from adaptimp_fmu.toolchain import WASM
+from adaptimp_fmu.toolchain import WASM, WASM_WITH_LIBRARY
 from orchestration.containers.c_program import c_sources, compiled_files
 from orchestration.containers.c_text import environment
 from orchestration.containers.plan import GAUSS_SEIDEL, Plan, plan_of
 from orchestration.containers.wasm_description import description
+from orchestration.containers.wasm_imports import imported_names
 from orchestration.errors import ContainerError
 from orchestration.fmi.given import a_path
 from orchestration.master.algorithm import Algorithm
@@ -51,7 +52,7 @@ def write_wasm(system: System, path: str | Path, algorithm: str | Algorithm = GA
     ------
     ContainerError
         If the suffix is another one, there is a ``NAME.json`` or ``NAME.mjs`` that is of no module, the system cannot
-        be one program, an FMU calls a function of a C library, which the module lacks, or a file cannot be written.
+        be one program, an FMU calls what a module lacks, such as files, or a file cannot be written.
     SystemDescriptionError
         If the system has no step, or a sampling period is not a multiple of it.
 
@@ -100,7 +101,7 @@ def host() -> bytes:
 def _sources(plan: Plan) -> tuple[dict[str, str], str]:
     """All C sources of the module by name, and its identity: a hash of the sources, which the module tells."""
     template = environment().get_template(f"{EXPORTS}.j2")
-    given = {"name": plan.identifier, "plain": all(fmu.plain for fmu in plan.fmus)}
+    given = {"name": plan.identifier, "library": bool(plan.foreign)}
     sources = c_sources(plan)
     digest = hashlib.sha256(template.render(given, identity="").encode())
     for name, text in sorted(sources.items()):
@@ -111,18 +112,27 @@ def _sources(plan: Plan) -> tuple[dict[str, str], str]:
 
 def _module(plan: Plan, sources: dict[str, str]) -> bytes:
     """Compile, or take from the cache."""
+    platform = WASM_WITH_LIBRARY if plan.foreign else WASM
     try:
-        return binary(plan.identifier, sources, WASM, units=[EXPORTS, *compiled_files(plan)])
+        module = binary(plan.identifier, sources, platform, units=[EXPORTS, *compiled_files(plan)])
     except ToolchainError as error:
         called = _called(plan, str(error))
         if not called:
             raise
-        msg = f"{called}; a module of WebAssembly has no library of C. Export the system as an FMU or as C."
+        msg = f"{called}, which a module of WebAssembly lacks; export the system as an FMU or as C."
         raise ContainerError(msg) from error
+    if names := imported_names(module):
+        users = "; ".join(f"{m.name}: {m.fmu.path.name} calls {', '.join(m.fmu.needed)}" for m in plan.foreign)
+        msg = (
+            f"{users}: for one of these a module of WebAssembly would import {', '.join(names)} of an operating system;"
+            " export the system as an FMU or as C."
+        )
+        raise ContainerError(msg)
+    return module
 
 
 def _called(plan: Plan, said: str) -> str:
-    """Which FMUs call which functions of a library, from what the linker says; empty if none of them does."""
+    """Which FMUs call which functions that the linker does not find; empty if none of them does."""
     functions: dict[str, set[str]] = {}
     for unit, function in _UNDEFINED.findall(said):
         functions.setdefault(unit.partition(".")[0], set()).add(function)

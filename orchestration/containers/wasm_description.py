@@ -37,6 +37,8 @@ EXPORTS = {
     "failed_number": "(run, i) -> an argument that is a number, as a float64",
 }
 """What a module exports, by name."""
+WITH_LIBRARY = {"_initialize": "() must be called first"}
+"""What a module with a C library exports besides."""
 
 
 def description(plan: Plan, identity: str, file: str, module: bytes) -> bytes:
@@ -63,7 +65,7 @@ def description(plan: Plan, identity: str, file: str, module: bytes) -> bytes:
         "components": [_component(member) for member in plan.members],
         "connections": [str(connection) for connection in system.connections],
         "variables": [_variable(index, variable) for index, variable in enumerate(plan.variables)],
-        "exports": EXPORTS,
+        "exports": WITH_LIBRARY | EXPORTS if plan.foreign else EXPORTS,
     }
     return (json.dumps(facts, indent=1, ensure_ascii=False, allow_nan=False) + "\n").encode("utf-8", "replace")
 

@@ -10,14 +10,14 @@ from pathlib import Path
 
 import pytest
 
-from fmus.catalog import MODELS
 from orchestration import System
 from orchestration.containers.fmu import write_fmu
+from tests.conformance.units import UNITS
 
 CONTAINER = "ActuatedArm"
-FMUS = [*MODELS, CONTAINER]
+FMUS = [*UNITS, CONTAINER]
 """Names of all FMUs that are tested, the container last."""
-of_models = pytest.mark.parametrize("identifier", list(MODELS))
+of_models = pytest.mark.parametrize("identifier", UNITS)
 """Marks a test of each FMU but the container, which has no equations, no derivatives and no reference of its own."""
 PARTS = {"actuator": "Actuator", "plant": "Plant", "sensor": "ForceSensor"}
 STEP, STOP = 1e-4, 1.0  # s

@@ -124,7 +124,8 @@ def test_algorithm_1_agrees_as_well_as_the_reference_with_itself(name: str) -> N
     """The run differs from the reference by no more than the reference from itself after a tiny change of its start.
 
     F_hat is compared only at ticks at which both runs feel the wall, or neither does, because F_hat jumps by its noise
-    at the others. The last bits of the libm decide at which tick, 2e-5 s earlier or later, contact ends.
+    at the others. The last bits, which the reference computes with a C library, decide at which tick, 2e-5 s earlier or
+    later, contact ends.
     """
     expected, given, result = reference(name), setup(RUNS[name]), run(RUNS[name])
     bounds: dict[str, float] = {}

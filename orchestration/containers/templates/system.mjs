@@ -26,6 +26,7 @@ export class SystemError extends Error {
 export async function load(module, description) {
   const compiled = module instanceof WebAssembly.Module ? module : await WebAssembly.compile(module);
   const { exports } = await WebAssembly.instantiate(compiled);
+  exports._initialize?.(); // of modules with a C library
   const { name, abi } = description;
   must(abi === ABI, `${name}: the description has version ${abi} of the interface, the host version ${ABI}.`);
   const identity = textAt(exports.memory, exports.identity());

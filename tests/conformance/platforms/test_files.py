@@ -16,7 +16,14 @@ AARCH64 = 183  # e_machine of ELF
 DARWIN = {"darwin64": macho.X86_64, "aarch64-darwin": macho.ARM64}
 # zig's linker lists the addresses of the library's own header, which others never look up.
 DARWIN_HEADER = {"__mh_dylib_header", "___dso_handle"}
-MATHEMATICS = {"floor", "cos", "exp", "log", "pow", "sin", "sincos", "tanh", "__sincos_stret"}
+# The functions of <math.h>, those that compilers make of them included.
+MATHEMATICS = {
+    *("acos", "acosh", "asin", "asinh", "atan", "atan2", "atanh", "cbrt", "ceil", "copysign", "cos", "cosh", "erf"),
+    *("erfc", "exp", "exp2", "expm1", "fabs", "fdim", "floor", "fma", "fmax", "fmin", "fmod", "frexp", "hypot"),
+    *("ilogb", "ldexp", "lgamma", "llrint", "llround", "log", "log10", "log1p", "log2", "logb", "lrint", "lround"),
+    *("modf", "nan", "nearbyint", "nextafter", "pow", "remainder", "remquo", "rint", "round", "scalbln", "scalbn"),
+    *("sin", "sincos", "__sincos_stret", "sinh", "sqrt", "tan", "tanh", "tgamma", "trunc", "_fdclass", "_dclass"),
+}
 MEMORY = {"bcmp", "calloc", "free", "malloc", "memcmp", "memcpy", "memmove", "memset", "bzero", "__bzero"}
 TEXT = {"snprintf", "strcmp", "strcpy", "strlen", "strncmp", "strncpy", "strspn", "vsnprintf"}
 # The C runtime of Windows 10 by its parts: of those that exist no files, network, processes or environment. The
@@ -55,7 +62,7 @@ def test_08_darwin_needs_the_system_only(content: Content, identifier: str, plat
     assert library.needed == ("/usr/lib/libSystem.B.dylib",)
     assert library.install_name == f"@rpath/{identifier}.dylib"
     assert library.search_paths == ()
-    assert without_underscore(library.imported - {"dyld_stub_binder"}) <= MATHEMATICS | MEMORY | TEXT
+    assert without_underscore(library.imported - {"dyld_stub_binder"}) <= MEMORY | TEXT
 
 
 def test_08_apple_processors_find_it_signed(content: Content, identifier: str) -> None:
@@ -99,7 +106,24 @@ def test_08_linux_on_arm_needs_libc_of_glibc_2_17(content: Content, identifier: 
     assert set(library.needed) <= {"libc.so.6"}
     assert library.search_paths == ()
     assert library.versions == {"GLIBC_2.17"}
-    assert library.imported <= MATHEMATICS | MEMORY | TEXT
+    assert library.imported <= MEMORY | TEXT
+
+
+@pytest.mark.parametrize("platform", ["linux64", "win64", "darwin64", "aarch64-linux", "aarch64-darwin"])
+def test_08_mathematics_is_its_own(content: Content, identifier: str, platform: str, tmp_path: Path) -> None:
+    """A function of the C library would give each system results of its own."""
+    assert names_imported(content(identifier, platform), platform, tmp_path) & MATHEMATICS == set()
+
+
+def names_imported(data: bytes, platform: str, folder: Path) -> set[str]:
+    """C names of all functions that a library needs."""
+    if platform == "win64":
+        return {name for names in pe.read(data).imported.values() for name in names}
+    if platform in DARWIN:
+        return without_underscore(macho.read(data).imported)
+    file = folder / "library.so"
+    file.write_bytes(data)
+    return set(elf.read(file).imported)
 
 
 def arm_library(content: Content, identifier: str, folder: Path) -> elf.Library:

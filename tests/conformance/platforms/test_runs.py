@@ -1,22 +1,12 @@
-"""The FMUs step on every platform that runs here, and show the same numbers up to rounding.
+"""The FMUs step on every platform that runs here, and show the same bits.
 
-A C driver steps them: on this machine bit for bit what Python gets. Elsewhere the C library's functions
-differ by a unit in the last place: with MinGW, which brings sin, cos, exp and log with it, in 1 to 4 % of
-the values of VirtualTrajectory; glibc on ARM and on x86-64 gave the same bits throughout. In Fig. 2 contact
-multiplies a position's rounding by K_f = 1e5 N/m. Measured, win64 against linux64 and aarch64-linux against
-linux64, largest over the 2 s of Fig. 2, contact included, and over 500 random steps of each FMU alone:
-
-    Fig. 2    x 2e-15 m of 1.5, q 9e-16 rad of 5.6, dx 9e-14 m/s of 4.7, F_ext 9e-11 N of 557,
-              tau 7e-11 N.m of 327, e 2e-15 m of 1.3e-4: 5 units of rounding; ARM: 0
-    alone     e 7e-16 m of 0.2, tau_cmd of the controllers 6e-10 N.m of 3e4: 1.3 units; ARM: 0
-
-A unit is what a 2^-52 in every function changes, see `condition`; ROUNDINGS of them are allowed.
-
-That holds for loops that forget a rounding error. The loop of Fig. 5 does not: its robust force switches within
-gamma_eps and chatters on the sensor's noise, and after contact the two platforms' torques are as far apart as
-they are large, e by 5e-6 m of 2.4e-3 m. Before contact they agree as above (tau within 4e-12 N.m).
+A C driver steps them: on this machine bit for bit what Python gets, on other platforms bit for bit what this machine
+gets. No function of a platform's C library takes part, so nothing is left in which two platforms could differ
+(docs/same-bits.md). Each FMU alone gets random inputs and steps of several lengths; Fig. 2 couples five of them.
+`same_bits` does the same with all figures.
 """
 
+import os
 from collections.abc import Callable
 from pathlib import Path
 
@@ -29,17 +19,14 @@ from orchestration.fmi.description import read_description
 from orchestration.paper.scenarios import SCENARIOS
 from tests.conformance.binary import OK, Binary, Instance
 from tests.conformance.container import of_models
-from tests.conformance.platforms.condition import rounding_effects
 from tests.conformance.platforms.machines import Machine
 from tests.conformance.platforms.plan import Plan
 from tests.conformance.scenes import STEPS, H, random_inputs, scene
+from tests.property.mathematics.library import HASHED, ZIG, compile_functions, hashes
 
 Outputs = dict[str, np.ndarray]
 SEED = 20
 ROWS = 500  # of each FMU alone
-# Units of rounding allowed: x, and with it e = x - x_t, is a sum of products of two sines and two cosines each in
-# plant and controller, of RK4's four stages; two results that are within one unit each differ by two.
-ROUNDINGS = 16
 
 
 @pytest.fixture(scope="module")
@@ -88,22 +75,6 @@ def alone_outputs(run: Callable[[Plan], Outputs], alone: Plan) -> Outputs:
     return run(alone)
 
 
-@pytest.fixture(scope="module")
-def fig2_rounding(
-    fig2: Plan, fig2_outputs: Outputs, native: Machine, tmp_path_factory: pytest.TempPathFactory
-) -> dict[str, float]:
-    """What one unit of rounding changes in Fig. 2."""
-    return rounding_effects(fig2, fig2_outputs, native, tmp_path_factory.mktemp("fig2"))
-
-
-@pytest.fixture(scope="module")
-def alone_rounding(
-    alone: Plan, alone_outputs: Outputs, native: Machine, tmp_path_factory: pytest.TempPathFactory
-) -> dict[str, float]:
-    """What one unit of rounding changes in each unit alone."""
-    return rounding_effects(alone, alone_outputs, native, tmp_path_factory.mktemp("alone"))
-
-
 def test_10_driver_is_the_master_bit_for_bit(fig2: Plan, fig2_outputs: Outputs) -> None:
     result = simulate(fig2.system)
     assert np.abs(fig2_outputs["plant.F_ext[1]"]).max() > 100, "no contact"
@@ -127,19 +98,21 @@ def test_10_driver_is_ctypes_bit_for_bit(
         assert alone_outputs[f"{identifier}.{name}"].tobytes() == values.tobytes(), name
 
 
-def test_10_platforms_agree_on_fig2(
-    fig2: Plan, fig2_outputs: Outputs, fig2_rounding: dict[str, float], foreign: Machine, tmp_path: Path
-) -> None:
-    check(foreign.run(fig2, tmp_path), fig2_outputs, fig2_rounding)
+def test_10_platforms_agree_on_fig2(fig2: Plan, fig2_outputs: Outputs, foreign: Machine, tmp_path: Path) -> None:
+    check(foreign.run(fig2, tmp_path), fig2_outputs)
 
 
-def test_10_platforms_agree_on_each_unit(
-    alone: Plan, alone_outputs: Outputs, alone_rounding: dict[str, float], foreign: Machine, tmp_path: Path
-) -> None:
-    check(foreign.run(alone, tmp_path), alone_outputs, alone_rounding)
+def test_10_platforms_agree_on_each_unit(alone: Plan, alone_outputs: Outputs, foreign: Machine, tmp_path: Path) -> None:
+    check(foreign.run(alone, tmp_path), alone_outputs)
 
 
-def check(found: Outputs, expected: Outputs, rounding: dict[str, float]) -> None:
+def test_10_platforms_agree_on_the_mathematics(foreign: Machine, tmp_path: Path) -> None:
+    here, there = tmp_path / "here", tmp_path / ("there.exe" if foreign.platform.name == "win64" else "there")
+    compile_functions(here, ZIG, "-O2", f"-DHASHES={HASHED}")
+    compile_functions(there, (*ZIG, "-target", foreign.platform.target), "-O2", f"-DHASHES={HASHED}")
+    assert hashes(there, foreign.launcher, os.environ | foreign.environment) == hashes(here)
+
+
+def check(found: Outputs, expected: Outputs) -> None:
     """Hold each output against this machine's."""
-    apart = {name: float(np.abs(found[name] - values).max()) for name, values in expected.items()}
-    assert {name: d for name, d in apart.items() if not d <= ROUNDINGS * rounding[name]} == {}
+    assert [name for name, values in expected.items() if found[name].tobytes() != values.tobytes()] == []

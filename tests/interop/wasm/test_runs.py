@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from orchestration import prepare, scenario, simulate
+from orchestration import System, TimeSeries, prepare, scenario, simulate
 from tests.interop.wasm.node import assert_bitwise, kept, module_of, needs_node, node
 
 pytestmark = needs_node
@@ -72,6 +72,56 @@ def test_tunable_parameters_in_the_middle(fig5: Path) -> None:
     """
     assert node(fig5, JOINED + script.replace("HALF", str((len(result.time) - 1) // 2))) == 2000
     assert_bitwise(kept(fig5 / "rows", 1 + len(result.names)), result)
+
+
+def test_booleans_and_integers_are_numbers(fig5: Path) -> None:
+    script = """
+    const run = system.create();
+    const shown = () => ["sensor.contact_gated", "sensor.seed"].map((name) => run.get(name));
+    const before = shown();
+    run.set({ "sensor.contact_gated": false, "sensor.seed": 7 });
+    const off = shown();
+    run.set({ "sensor.contact_gated": true });
+    console.log(JSON.stringify([before, off, shown()]));
+    """
+    before, off, on = node(fig5, script)
+    assert before == [float(scenario("fig5")["sensor"][name]) for name in ("contact_gated", "seed")]
+    assert [off, on] == [[0, 7], [1, 7]]
+
+
+@pytest.mark.filterwarnings("ignore::orchestration.UnconnectedInputWarning")
+def test_inputs_without_a_source_are_set_between_steps(tmp_path: Path) -> None:
+    """A torque that changes after each of 20 steps, as a held series changes it in the master."""
+    plant = replace(System.of({"plant": scenario("fig2")["plant"]}), step=1e-4, stop_time=2e-3)
+    torques = [(-1.0) ** k * k for k in range(20)]  # N.m
+    times = np.arange(20) * 1e-4  # s
+    held = TimeSeries(times, np.array(torques), interpolation="held", outside="hold")
+    result = simulate(plant, inputs={"plant.tau[1]": held})
+    script = """
+    const run = system.create();
+    run.initialize();
+    const pieces = TORQUES.map((torque) => (run.set({ "plant.tau[1]": torque }), run.run(1, { columns: outputs })));
+    keep("rows", joined(pieces));
+    run.set({ "plant.tau[1]": NaN });
+    console.log(JSON.stringify([refusal(() => run.run(1)), description.variables.filter((v) => v.role === "input")]));
+    """
+    said, inputs = node(module_of(plant, tmp_path), JOINED + script.replace("TORQUES", str(torques)))
+    assert_bitwise(kept(tmp_path / "rows", 1 + len(result.names)), result)
+    assert said == "plant: Input tau[1] is nan; it must be finite."
+    assert [variable["name"] for variable in inputs] == ["plant.tau[1]", "plant.tau[2]"]
+
+
+def test_row_0_can_be_read_one_by_one(fig5: Path) -> None:
+    script = """
+    const run = system.create();
+    run.initialize();
+    const read = outputs.map((name) => run.get(name));
+    const rows = run.run(0, { columns: outputs });
+    console.log(JSON.stringify([read, outputs.map((name) => rows[name][0]), rows.time.length]));
+    """
+    read, row, length = node(fig5, script)
+    assert read == row
+    assert length == 1
 
 
 def test_a_reset_run_is_a_new_one(fig5: Path) -> None:
