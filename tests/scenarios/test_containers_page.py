@@ -54,6 +54,12 @@ def test_nothing_on_the_page_is_left_out() -> None:
     assert len(set(files)) == len(files) == 6
 
 
+def test_the_hash_is_that_of_all_other_programs(followed: tuple[Path, dict[int, Printed]]) -> None:
+    table = (ROOT / "docs" / "same-bits.md").read_text(encoding="utf-8")
+    (known,) = re.findall(r"^\| fig5 \|.*`([0-9a-f]{64})` \|$", table, re.MULTILINE)
+    assert known in [printed.real.strip() for printed in followed[1].values()]
+
+
 def test_programs_are_small(followed: tuple[Path, dict[int, Printed]]) -> None:
     folder, _ = followed
     assert (folder / "fig5.wasm").stat().st_size < MOST["fig5.wasm"]
