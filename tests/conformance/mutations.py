@@ -41,7 +41,7 @@ COPIED_FILES = (
     *("LICENSE", "pyproject.toml"),
     *(
         f"tests/{name}.py"
-        for name in ("__init__", "closing_line", "conftest", "driver", "selection", "sharing", "untested")
+        for name in ("__init__", "bytecode", "closing_line", "conftest", "driver", "selection", "sharing", "untested")
     ),
 )
 NOT_COPIED = shutil.ignore_patterns("__pycache__", "platforms", "sanitizers", "mutations.py", "mutants.py")
