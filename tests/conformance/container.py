@@ -4,6 +4,7 @@ The commands of the torques are inputs of the container. It has tunable paramete
 contact and an output that an input reaches through another component in initialization.
 """
 
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -29,6 +30,6 @@ def container_system(fmu_folder: Path) -> System:
     return replace(connected, step=STEP, stop_time=STOP)
 
 
-def write_container(fmu_folder: Path, folder: Path) -> Path:
-    """Write the container for this machine."""
-    return write_fmu(container_system(fmu_folder), folder / f"{CONTAINER}.fmu")
+def write_container(fmu_folder: Path, folder: Path, platforms: Sequence[str] | None = None) -> Path:
+    """Write the container, for this machine or for the platforms of the given names."""
+    return write_fmu(container_system(fmu_folder), folder / f"{CONTAINER}.fmu", platforms=platforms)
