@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 
 from adaptimp_fmu.toolchain import fmi_headers
+from orchestration.containers.foreign_sources import INCLUDABLE
 from orchestration.errors import printable
 from orchestration.sandbox.limited import run_limited
 from orchestration.sandbox.object_file import ElfError, Names, read_names
@@ -69,6 +70,9 @@ def compiled(text: str, folder: Path, home: Path) -> Compiled:
     included = _included(folder / "wrapper.d", folder)
     _require_own(included, folder)
     headers = [_place(path, folder) for path in included if path.name == HEADER]
+    if headers and not INCLUDABLE.fullmatch(headers[0]):
+        msg = f"have FMI's header in {printable(headers[0], LONGEST_LINE)!r}, a name that a program cannot include"
+        raise UnfitSourcesError(msg)
     try:
         names = read_names((folder / "wrapper.o").read_bytes())
     except ElfError as error:

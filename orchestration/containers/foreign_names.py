@@ -6,6 +6,7 @@ source file keeps static functions and macros of two files apart, as the strange
 from a first compilation; a second one shows that no other name is left.
 """
 
+import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import lru_cache
@@ -21,6 +22,7 @@ from orchestration.system.component import Component
 
 MOST_NAMES = 4
 _STEP = "fmi2DoStep"
+_IDENTIFIER = re.compile(r"[^\W\d]\w*")
 _OF_COMPILER = frozenset({"memcpy", "memset", "memmove", "memcmp", "_GLOBAL_OFFSET_TABLE_"})
 
 
@@ -116,9 +118,12 @@ def _prefix(defined: frozenset[str], identifier: str) -> str:
 
 
 def _renames(defined: Iterable[str], prefix: str, name: str) -> dict[str, str]:
-    """New names by old ones. Names without prefix are among them, since FMI's headers may add the prefix."""
+    """New names by old ones. Names without prefix are among them, since FMI's headers may add the prefix.
+
+    An assembler's name can be any text. Only identifiers may stand in the C text of a program.
+    """
     found = {}
-    for old in sorted(defined):
+    for old in filter(_IDENTIFIER.fullmatch, sorted(defined)):
         function = old.removeprefix(prefix) if old.startswith(f"{prefix}fmi2") else old
         found[old] = found[function] = f"{name}_{function}"
     return found

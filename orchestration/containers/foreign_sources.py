@@ -21,7 +21,8 @@ RESOURCES = "resources/"
 MOST_BYTES = 50_000_000
 """Bytes of all sources of an FMU, at the most."""
 MOST_NAMES = 4
-_INCLUDABLE = re.compile(r"[\w.+/ -]+")
+INCLUDABLE = re.compile(r"[\w.+/ -]+")
+"""Paths that may stand between the quotation marks of an ``#include`` line."""
 _ADVICE = "replace the component, or run the system without making a program of it"
 
 
@@ -101,7 +102,7 @@ def _require_c(component: Component, name: str, inside: list[str]) -> None:
         raise _refused(component, f"has the source file {name}, which is C++, and a program is made of C")
     if suffix != ".c":
         raise _refused(component, f"has the source file {name!r}, which is not a file of C")
-    if not _INCLUDABLE.fullmatch(name):
+    if not INCLUDABLE.fullmatch(name):
         raise _refused(component, f"has the source file {name!r}, whose name a program cannot include")
 
 

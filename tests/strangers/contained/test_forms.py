@@ -86,7 +86,9 @@ def test_an_fmu_saves_only_if_all_parts_do(pair: tuple[Path, Path], tmp_path: Pa
 def test_messages_of_parts_reach_the_host(pair: tuple[Path, Path], tmp_path: Path) -> None:
     system = replace(System.of({"tank": pair[0]}).set({"tank.fault": 3}), step=STEP)
     path = system.to_fmu(tmp_path / "tank.fmu")
-    with pytest.raises(Exception, match=r"tank: fmi2DoStep returned fmi2Error; its last message: .*the tank is 3 % full"):
+    with pytest.raises(
+        Exception, match=r"tank: fmi2DoStep returned fmi2Error; its last message: .*the tank is 3 % full"
+    ):
         simulate(alone(path, STEP), stop_time=100 * STEP)
 
 
@@ -128,7 +130,9 @@ def test_the_makefile_builds_sources_of_other_tools(pair: tuple[Path, Path], tmp
     assert run.returncode == 0, run.stderr
     printed = subprocess.run(["./system", "--steps", "50"], cwd=tmp_path, check=True, capture_output=True, text=True)
     header, *rows = printed.stdout.splitlines()
-    columns = dict(zip(header.replace('"', "").split(","), np.array([r.split(",") for r in rows], float).T, strict=True))
+    columns = dict(
+        zip(header.replace('"', "").split(","), np.array([r.split(",") for r in rows], float).T, strict=True)
+    )
     result = simulate(system, stop_time=50 * STEP)
     assert {name for name in result.names if _bytes(columns[name]) != _bytes(result[name])} == set()
     page = (tmp_path / "README.md").read_text(encoding="utf-8")

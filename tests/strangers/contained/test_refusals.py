@@ -109,6 +109,10 @@ CASES: dict[str, tuple[Make, str]] = {
         r"define bare in parts/helper\.c by means that a macro does not reach, so other components could clash with"
         r" that; such names need the prefix Odd_\.$",
     ),
+    "a name that is C text": (
+        made(edit={"parts/helper.c": 'int f(void) __asm__("a\\n#error b");\nint f(void) { return 1; }\n'}),
+        r"define a\\n#error b in parts/helper\.c by means that a macro does not reach",
+    ),
     "a missing function": (
         made(edit={"small.c": SMALL_C.replace("NAMED(fmi2Terminate)", "ended")}),
         r"do not define fmi2Terminate; a program calls them, so export the FMU with complete sources\.$",
