@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from adaptimp_fmu.toolchain import fmi_headers
-from orchestration import ContainerError, Result, System, prepare, scenario, simulate
+from orchestration import Result, System, prepare, scenario, simulate
 from orchestration.check import check
 from orchestration.check.static.elf import read
 from orchestration.fmi.description import read_description
@@ -134,16 +134,6 @@ def test_the_makefile_builds_sources_of_other_tools(pair: tuple[Path, Path], tmp
     page = (tmp_path / "README.md").read_text(encoding="utf-8")
     assert "`strcmp`, `strlen`, `strncpy`" in page
     assert "an array of 65536 bytes" in page
-
-
-def test_a_module_tells_which_functions_it_lacks(pair: tuple[Path, Path], tmp_path: Path) -> None:
-    message = (
-        r"^a: First\.fmu calls strcmp, strlen, strncpy; b: Second\.fmu calls strcmp, strlen, strncpy;"
-        r" c: First\.fmu calls strcmp, strlen, strncpy; a module of WebAssembly has no library of C\."
-    )
-    with pytest.raises(ContainerError, match=message):
-        coupled(*pair).to_wasm(tmp_path / "coupled.wasm")
-    assert list(tmp_path.iterdir()) == []
 
 
 def free_of_library() -> dict[str, str]:
