@@ -94,6 +94,7 @@ def generate(model: Model) -> dict[str, str]:
         period=model.reference(model.period_name),
         divisor=_divisor_reference(model),
         integer_outputs=any(v.type is Type.INTEGER for v in model.with_role(Role.OUTPUT)),
+        whole_reals=any(v.stands_for is not None for v in model.variables),
     )
     main = templates.get_template("model.c.j2").render(
         model=model,
@@ -105,6 +106,7 @@ def generate(model: Model) -> dict[str, str]:
         functions=[_adapter(function) for function in lowered.functions],
         unneeded=_UNNEEDED_CONTAINED,
         seed=_seed_reference(model),
+        whole=[v.stands_for is not None for v in model.ordered_variables()],
     )
     equations = equations_text(lowered.functions)
     return {MAIN_SOURCE: main, SIZES_SOURCE: sizes, EQUATIONS_SOURCE: equations, **runtime_sources()}

@@ -29,6 +29,11 @@ _EXPERIMENT = {
     "step_size": "stepSize",
     "tolerance": "tolerance",
 }
+STANDS_FOR = {
+    Type.BOOLEAN: ("BooleanAsReal", "0 for false, 1 for true"),
+    Type.INTEGER: ("IntegerAsReal", "A whole number"),
+}
+"""Declared type, with its description, of the Reals that stand for Booleans or Integers."""
 _CAUSALITY = {
     Role.FIXED_PARAMETER: "parameter",
     Role.TUNABLE_PARAMETER: "parameter",
@@ -85,7 +90,7 @@ def number(value: float, type: Type) -> str:
     """Return a value as a text of XML Schema."""
     if type is Type.BOOLEAN:
         return "true" if value else "false"
-    if type is Type.INTEGER or value.is_integer():
+    if type is Type.INTEGER or float(value).is_integer():
         return str(int(value)) if abs(value) < 1e15 else repr(value)
     return repr(value)
 
@@ -132,6 +137,11 @@ def _types(root: Any, variables: Iterable[Variable]) -> None:
     for unit in sorted({variable.unit for variable in variables} & QUANTITIES.keys()):
         simple = etree.SubElement(definitions, "SimpleType", name=QUANTITIES[unit])
         etree.SubElement(simple, "Real", quantity=QUANTITIES[unit], unit=unit)
+    for type, (name, text) in STANDS_FOR.items():
+        if all(variable.stands_for is not type for variable in variables):
+            continue
+        simple = etree.SubElement(definitions, "SimpleType", name=name, description=text)
+        etree.SubElement(simple, "Real")
     if len(definitions):  # the schema has no empty list
         root.append(definitions)
 
@@ -160,6 +170,8 @@ def _variable(listing: Any, variable: Variable, reference: int, *, sampled: bool
     typed = etree.SubElement(element, variable.type.value)
     if variable.unit in QUANTITIES:
         typed.set("declaredType", QUANTITIES[variable.unit])
+    if variable.stands_for is not None:
+        typed.set("declaredType", STANDS_FOR[variable.stands_for][0])
     if variable.unit:
         typed.set("unit", variable.unit)
     if variable.display_unit:
@@ -177,7 +189,7 @@ def _variability(variable: Variable, *, sampled: bool) -> str:
         return "fixed"
     if variable.role is Role.TUNABLE_PARAMETER:
         return "tunable"
-    if variable.type is not Type.REAL or (sampled and variable.role is Role.OUTPUT):
+    if variable.type is not Type.REAL or variable.stands_for or (sampled and variable.role is Role.OUTPUT):
         return "discrete"
     return "continuous"
 

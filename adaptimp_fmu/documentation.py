@@ -85,6 +85,7 @@ def documentation(model: Model, related: Sequence[RelatedFile] = ()) -> dict[str
         model=model,
         sampled=isinstance(model, SampledModel),
         noisy=isinstance(model, SampledModel) and model.noise is not None,
+        whole=any(variable.stands_for for variable in model.variables),
         divisor=model.divisor_name if isinstance(model, SampledModel) else None,
         events=[event.name for event in model.events] if isinstance(model, ContinuousModel) else [],
         tables={
@@ -127,7 +128,7 @@ def _row(variable: Variable) -> Row:
     bounded = variable.type is not Type.BOOLEAN
     return Row(
         name=variable.name,
-        type=variable.type.value,
+        type=variable.type.value if not variable.stands_for else f"Real, {variable.range}",
         unit=variable.unit,
         start="" if variable.start is None else number(variable.start, variable.type),
         minimum=_bound(variable.minimum, variable.type) if bounded else "",

@@ -28,6 +28,7 @@ from adaptimp_fmu.files.cache_folder import cache_folder
 from adaptimp_fmu.files.whole_file import write_whole
 from adaptimp_fmu.icon import png
 from adaptimp_fmu.model import Model
+from adaptimp_fmu.reals import as_reals
 from adaptimp_fmu.related_files import archive_entries, related_files
 from adaptimp_fmu.terminals import terminals_entry
 from adaptimp_fmu.toolchain import Platform, host_platform
@@ -55,6 +56,8 @@ def build(
     folder: Path | None = None,
     platforms: Iterable[Platform] | None = None,
     cache: Path | None = None,
+    *,
+    reals: bool = False,
 ) -> Path:
     """Build the file ``NAME.fmu`` from a model.
 
@@ -66,6 +69,10 @@ def build(
         Platforms with a binary in the FMU; the host's if None.
     cache
         Folder of compiled binaries by content hash, see `default_cache`.
+    reals
+        Whether Booleans are Reals of 0 and 1, and Integers Reals of whole numbers, for tools that know Reals only.
+        The file has the same name as without, so it belongs into another folder. Other values are refused: of a
+        parameter when it is set, of an input when initialization ends and at each step.
 
     Returns
     -------
@@ -84,7 +91,15 @@ def build(
     >>> clock.output("t", clock.time, unit="s", description="Time")
     >>> build(clock, Path("built")).as_posix()
     'built/Clock.fmu'
+
+    A switch as a Boolean, and for tools without Booleans as a Real of 0 and 1:
+
+    >>> from adaptimp_fmu import Type
+    >>> on = clock.input("on", 1, type=Type.BOOLEAN, description="Switch")
+    >>> build(clock, Path("built/reals"), reals=True).as_posix()
+    'built/reals/Clock.fmu'
     """
+    model = as_reals(model) if reals else model
     sources, description = definition(model)
     entries = {"modelDescription.xml": description, "model.png": png(model.icon)}
     for platform in sorted(platforms or [host_platform()], key=lambda p: p.name):

@@ -68,6 +68,25 @@ class ReferenceRun:
             raise DefinitionError(msg)
 
     @classmethod
+    def from_columns(
+        cls,
+        name: str,
+        experiment: Experiment,
+        results: Mapping[str, np.ndarray],
+        inputs: Mapping[str, np.ndarray] | None = None,
+        description: str = "",
+    ) -> "ReferenceRun":
+        """Make a run from arrays; the tables hold all digits.
+
+        Parameters
+        ----------
+        results, inputs
+            Columns by name, shape (n,) each. The first column is ``time``, in s.
+        """
+        driven = b"" if inputs is None else _table(inputs)
+        return cls(name, experiment, _table(results), driven, description)
+
+    @classmethod
     def read(cls, folder: Path, name: str, description: str = "") -> "ReferenceRun":
         """Read a run in the form of the FMI cross-check.
 
@@ -140,6 +159,13 @@ class ParameterSet:
             numbers = np.asarray(value, dtype=float)
             shape = numbers.size if numbers.ndim else None
             yield from zip(element_names(name, shape), np.atleast_1d(numbers).tolist(), strict=True)
+
+
+def _table(columns: Mapping[str, np.ndarray]) -> bytes:
+    """Columns as CSV, with numbers that read back as they are."""
+    rows = zip(*(np.asarray(column, dtype=float).tolist() for column in columns.values()), strict=True)
+    lines = [",".join(f'"{name}"' for name in columns), *(",".join(map(repr, row)) for row in rows)]
+    return "".join(f"{line}\n" for line in lines).encode()
 
 
 def finite(text: str, where: str) -> float:

@@ -150,7 +150,7 @@ class SampledModel(Model):
         if not variable.role.is_parameter:
             msg = f"{self.name}: {demand}; {name} is an {'input' if variable.role is Role.INPUT else 'output'}."
             raise DefinitionError(msg)
-        if variable.type is not Type.INTEGER:
+        if variable.type is not Type.INTEGER and variable.stands_for is not Type.INTEGER:
             msg = f"{self.name}: {demand}; {name} is a {variable.type.value}."
             raise DefinitionError(msg)
         return variable

@@ -75,6 +75,8 @@ class Variable:
         Closed range in `unit`, infinite where there is no bound.
     display_unit
         Unit in which tools show the value, such as ``deg`` for rad; empty if it is `unit`.
+    stands_for
+        Type of the values that a Real may have: Booleans, which are 0 and 1, or Integers. None for all numbers.
 
     Raises
     ------
@@ -99,6 +101,7 @@ class Variable:
     minimum: float = -math.inf
     maximum: float = math.inf
     display_unit: str = ""
+    stands_for: Type | None = None
 
     def __post_init__(self) -> None:
         """Refuse what FMI 2.0 or a reader could not use."""
@@ -127,7 +130,9 @@ class Variable:
 
     @property
     def range(self) -> str:
-        """What the value must be, such as ``at least 0 N/m``; empty if there is no bound."""
+        """What the value must be, such as ``at least 0 N/m``; empty if it can be any."""
+        if self.stands_for is not None:
+            return whole_range_in_words(self.minimum, self.maximum)
         return range_in_words(self.minimum, self.maximum, self.unit)
 
     def _require_units(self) -> None:
@@ -169,6 +174,14 @@ def range_in_words(minimum: float, maximum: float, unit: str) -> str:
     if math.isfinite(minimum):
         return f"at least {least}{with_unit}"
     return f"at most {most}{with_unit}" if math.isfinite(maximum) else ""
+
+
+def whole_range_in_words(minimum: float, maximum: float) -> str:
+    """Return what a Real that stands for a Boolean or an Integer must be, such as ``0 or 1``."""
+    if (minimum, maximum) == (0, 1):
+        return "0 or 1"
+    least, most = max(minimum, -INTEGER_LIMIT - 1), min(maximum, INTEGER_LIMIT)
+    return f"a whole number from {least:.0f} to {most:.0f}"
 
 
 def _short(value: float) -> str:

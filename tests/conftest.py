@@ -48,6 +48,17 @@ def fmu_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return made_once(tmp_path_factory, "fmus", build_all)
 
 
+@pytest.fixture(scope="session")
+def reals_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Folder with the FMU of every model, with Reals in the place of Booleans and Integers."""
+
+    def build_all(folder: Path) -> None:
+        for declare in MODELS.values():
+            build(declare(), folder, reals=True)
+
+    return made_once(tmp_path_factory, "reals", build_all)
+
+
 @pytest.fixture
 def open_fmu(fmu_folder: Path) -> Iterator[Callable[..., Driver]]:
     """Opens ``NAME.fmu`` as a `Driver`; everything opened is freed after the test."""

@@ -34,7 +34,7 @@ static int is_settable(const Instance *instance, const ModelVariable *variable, 
         fail(instance, "%s: %s = %s is not finite.", function, variable->name, not_finite(value));
         return 0;
     }
-    if (!(value >= variable->min && value <= variable->max)) {
+    if (!(value >= variable->min && value <= variable->max) || !may_be(variable, value)) {
         fail(instance, "%s: %s = %.17g must be %s.", function, variable->name, value, variable->range);
         return 0;
     }

@@ -9,8 +9,13 @@
 
 static int is_real_input(const Instance *instance, fmi2ValueReference reference, const char *function) {
     if (!is_variable(instance, reference, TYPE_REAL, function)) return 0;
-    if (model_variables[reference].role == ROLE_INPUT) return 1;
-    fail(instance, "%s: %s is not an input.", function, model_variables[reference].name);
+    if (model_variables[reference].role != ROLE_INPUT) {
+        fail(instance, "%s: %s is not an input.", function, model_variables[reference].name);
+        return 0;
+    }
+    if (!is_whole_real(reference)) return 1;
+    fail(instance, "%s: %s must be %s, so it has no derivative.", function,
+         model_variables[reference].name, model_variables[reference].range);
     return 0;
 }
 

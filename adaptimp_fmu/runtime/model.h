@@ -1,9 +1,9 @@
 /* The interface between a generated model and the runtime.
  *
  * The generated file sizes.h defines the sizes MODEL_N_*, the index MODEL_PERIOD and MODEL_SAMPLED (and the
- * index MODEL_DIVISOR, if there are slow states, and MODEL_INTEGER_OUTPUTS, if there are any). The generated
- * file model.c includes this header and defines the tables and functions that are declared here. The model
- * never sees FMI, the runtime never sees physics. What no contained model needs stands behind CONTAINED.
+ * index MODEL_DIVISOR, if there are slow states, and MODEL_INTEGER_OUTPUTS and MODEL_WHOLE_REALS, if there are
+ * any). The generated file model.c includes this header and defines the tables and functions that are declared
+ * here. The model never sees FMI, the runtime never sees physics. What no contained model needs stands behind CONTAINED.
  *
  * A variable's value reference is its index in model_variables; parameters come first, then
  * inputs, then outputs, so each group is one run of doubles. Booleans and Integers are stored as
@@ -74,6 +74,11 @@ typedef struct {
 
 static const ModelRun model_runs[MODEL_N_VARIABLES];
 static const uint32_t model_references[MODEL_N_VARIABLES]; /* 0, 1, 2, ... */
+#endif
+
+#ifdef MODEL_WHOLE_REALS
+/* 1 for the Reals that stand for Booleans and Integers: they hold whole numbers only. */
+static const unsigned char model_whole[MODEL_N_VARIABLES];
 #endif
 
 #ifndef MODEL_CONTAINER

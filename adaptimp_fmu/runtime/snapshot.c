@@ -42,7 +42,7 @@ static int parameter_valid(const ModelVariable *variable, double value) {
     if (variable == &model_variables[MODEL_DIVISOR] && !(value >= 1)) return 0;
 #endif
     if (variable->type == TYPE_INTEGER && !is_integer(value)) return 0;
-    return value >= variable->min && value <= variable->max && real_is_finite(value);
+    return value >= variable->min && value <= variable->max && real_is_finite(value) && may_be(variable, value);
 }
 
 /* What no run leaves behind. The checksum finds corruption; bytes that somebody has made up pass it, and

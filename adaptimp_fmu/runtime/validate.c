@@ -30,9 +30,28 @@ static RARE int input_invalid(const Instance *instance, const double *u) {
     return 0;
 }
 
+#ifdef MODEL_WHOLE_REALS
+/* 1 if each of n neighbours from a reference on may have its value; else says which may not. */
+static int wholes_valid(const Instance *instance, size_t first, size_t n, const double *values,
+                        const char *kind) {
+    for (size_t i = 0; i < n; ++i)
+        if (!may_be(&model_variables[first + i], values[i])) {
+            fail(instance, "%s %s is %.17g; it must be %s.", kind, model_variables[first + i].name,
+                 values[i], model_variables[first + i].range);
+            return 0;
+        }
+    return 1;
+}
+#endif
+
 static int inputs_valid(const Instance *instance) {
     const double *u = STATE_OF(instance)->values + MODEL_FIRST_INPUT;
-    return all_finite(u, MODEL_N_INPUTS) ? 1 : input_invalid(instance, u);
+    if (!all_finite(u, MODEL_N_INPUTS)) return input_invalid(instance, u);
+#ifdef MODEL_WHOLE_REALS
+    return wholes_valid(instance, MODEL_FIRST_INPUT, MODEL_N_INPUTS, u, "Input");
+#else
+    return 1;
+#endif
 }
 
 static RARE int check_fails(const Instance *instance, double check, const char *sentence) {
@@ -72,7 +91,9 @@ static int integers_valid(const Instance *instance, const double *y, double t) {
 
 static IN_PLACE int outputs_valid(const Instance *instance, const double *y, double t) {
     if (!all_finite(y, MODEL_N_OUTPUTS)) return output_invalid(instance, y, t);
-#ifdef MODEL_INTEGER_OUTPUTS
+#if defined(MODEL_WHOLE_REALS)
+    return wholes_valid(instance, MODEL_FIRST_OUTPUT, MODEL_N_OUTPUTS, y, "Output");
+#elif defined(MODEL_INTEGER_OUTPUTS)
     return integers_valid(instance, y, t);
 #else
     return 1;

@@ -162,7 +162,7 @@ def _compare(variable: Declared, signal: Signal, causality: str, document: Docum
     what = f"{variable.name} of the {name}"
     if variable.causality != causality:
         yield error(ROLE, f"{what} has causality {variable.causality}; {causality} is needed.")
-    if variable.type != signal.type:
+    if signal.type not in (variable.type, variable.stands_for):
         yield error(ROLE, f"{what} is of type {variable.type}; {signal.type} is needed.")
     elif signal.unit is not None and signal.type == REAL:
         yield from _compare_units(variable, signal.unit, document, what)

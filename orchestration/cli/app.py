@@ -273,12 +273,16 @@ def export(
     step: Step = None,
     sample_time: SampleTime = None,
     platform: ProgramPlatform = None,
+    reals: Annotated[
+        bool,
+        typer.Option("--reals", help="Take FMUs of a scenario that know Reals only, as 'build --reals' makes them."),
+    ] = False,
 ) -> None:
     """Write a system as an SSP package, or as one program, for this and for other tools."""
     from orchestration.cli.export import ExportRequest, export_system
     from orchestration.cli.systems import SystemRequest
 
-    asked = SystemRequest(system, controller, tuple(map_ or ()), tuple(set_ or ()), sample_time, variant)
+    asked = SystemRequest(system, controller, tuple(map_ or ()), tuple(set_ or ()), sample_time, variant, reals)
     export_system(ExportRequest(asked, out, form, step, order, algorithm, tuple(platform or ())))
 
 
@@ -289,9 +293,16 @@ def build(
         list[Path] | None,
         typer.Argument(metavar="FILE.py", help="Python files that declare models.", show_default="every model"),
     ] = None,
-    out: Annotated[Path, typer.Option("--out", "-o", metavar="FOLDER", help="Folder for the .fmu files.")] = Path(
-        "build/fmus"
-    ),
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            "--out",
+            "-o",
+            metavar="FOLDER",
+            help="Folder for the .fmu files.",
+            show_default="build/fmus; build/reals with --reals",
+        ),
+    ] = None,
     platform: Annotated[
         list[str] | None,
         typer.Option(
@@ -300,11 +311,19 @@ def build(
             show_default="this machine",
         ),
     ] = None,
+    reals: Annotated[
+        bool,
+        typer.Option(
+            "--reals",
+            help="Make Booleans Reals of 0 and 1, and Integers Reals of whole numbers, for tools that know Reals only;"
+            " the files have the same names.",
+        ),
+    ] = False,
 ) -> None:
     """Build the FMUs of the catalog or of your own models; binaries that exist already come from the cache."""
     from orchestration.cli.commands import build_fmus
 
-    build_fmus(files or [], out, platform or [])
+    build_fmus(files or [], out or Path("build/reals" if reals else "build/fmus"), platform or [], reals=reals)
 
 
 @app.command(

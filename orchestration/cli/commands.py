@@ -16,7 +16,7 @@ from orchestration.master.progress import RUNNING
 IMAGES = ("png", "svg")
 
 
-def build_fmus(files: Sequence[Path], out: Path, platforms: Sequence[str]) -> None:
+def build_fmus(files: Sequence[Path], out: Path, platforms: Sequence[str], *, reals: bool = False) -> None:
     """Build the models of Python files into a folder, or every model of the catalog if no file is given."""
     from adaptimp_fmu import PLATFORMS
     from fmus.catalog import MODELS
@@ -34,7 +34,7 @@ def build_fmus(files: Sequence[Path], out: Path, platforms: Sequence[str]) -> No
         for model in models:
             before = _stamp(out / f"{model.name}.fmu")
             line.begin(f"building {model.name}")
-            path = built_model(model, out, chosen)
+            path = built_model(model, out, chosen, reals=reals)
             line.end()
             replaced = ", replaced" if before is not None and _stamp(path) != before else ""
             output.say(f"{path}  {path.stat().st_size / 1024:.0f} kB{replaced}")

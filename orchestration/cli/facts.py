@@ -7,8 +7,9 @@ from typing import Any
 from orchestration.cli.signals import signal_record
 from orchestration.fmi.codes import CAPABILITIES, STRING
 from orchestration.fmi.description import read_description
-from orchestration.fmi.document import Declared, Document, parsed, read_bytes
+from orchestration.fmi.document import Declared, Document, DocumentError, parsed, read_bytes
 from orchestration.fmi.library import host_folders
+from orchestration.fmi.related_files import related_files
 from orchestration.results.extremes import extremes_of_file
 from orchestration.sandbox.archive import entry_names
 from orchestration.system.component import Component
@@ -40,6 +41,7 @@ def fmu_facts(path: Path) -> dict[str, Any]:
         "runs_here": any(folder in platforms for folder in host_folders()[0]),
         "capabilities": [name for name in CAPABILITIES if description.can(name)],
         "experiment": {ours: document.experiment(theirs) for ours, theirs in EXPERIMENT.items()},
+        **_references(path),
         "variables": [_variable(variable) for variable in document.variables],
     }
 
@@ -84,6 +86,19 @@ def result_facts(path: Path) -> dict[str, Any]:
         "metadata": dict(found.metadata),
         "signals": signal_record(found),
     }
+
+
+def _references(path: Path) -> dict[str, Any]:
+    """What an FMU carries beside its definition; a damaged manifest is a notice, because no tool needs it."""
+    try:
+        found = related_files(path)
+    except DocumentError as error:
+        return {"references": [], "notices": [str(error)]}
+    references = [
+        {"file": one.source, "role": one.role, "description": one.description, "labels": list(one.labels)}
+        for one in found
+    ]
+    return {"references": references, "notices": []}
 
 
 def _variable(declared: Declared) -> dict[str, Any]:

@@ -80,6 +80,8 @@ def _fmu_text(facts: Mapping[str, Any], width: int) -> Iterator[str]:
         "can": ", ".join(text for name, text in ABILITIES.items() if name in facts["capabilities"]),
         "cannot": "be instantiated twice in a process" if ONE_INSTANCE in facts["capabilities"] else "",
         "default experiment": _times(experiment),
+        "carries": ", ".join(map(_carried, facts["references"])),
+        "notice": " ".join(facts["notices"]),
     }
     yield f"{printable(facts['name'])}: FMI 2.0 FMU for co-simulation"
     yield definitions([(key, value) for key, value in about.items() if value], width, "  ")
@@ -88,6 +90,12 @@ def _fmu_text(facts: Mapping[str, Any], width: int) -> Iterator[str]:
         if rows:
             yield f"\n{_plural(causality)}"
             yield _without_empty(("name", "unit", "start", "description"), rows, width)
+
+
+def _carried(reference: Mapping[str, Any]) -> str:
+    """A file beside the definition, with its role, and with the cases that it is for."""
+    variants = [label.removeprefix("variant:") for label in reference["labels"]]
+    return f"{reference['file']} ({reference['role']}{' for ' if variants else ''}{', '.join(variants)})"
 
 
 def _without_empty(head: Sequence[str], rows: Sequence[Sequence[str]], width: int, together: int = 2) -> str:

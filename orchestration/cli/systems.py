@@ -30,6 +30,8 @@ class SystemRequest:
         Communication step and every sampling period, s.
     variant
         Name of another .ssd file of a package.
+    reals
+        Whether the shipped FMUs have Reals in the place of Booleans and Integers.
     """
 
     name: str
@@ -38,6 +40,7 @@ class SystemRequest:
     settings: Sequence[str] = ()
     sample_time: float | None = None
     variant: str | None = None
+    reals: bool = False
 
     def system(self) -> System:
         """Make the system; FMUs that are not there yet are built.
@@ -50,10 +53,10 @@ class SystemRequest:
         if self.mapping and self.controller is None:
             msg = "--map says what --controller calls our variables; give one."
             raise SystemDescriptionError(msg)
-        system = named_system(self.name, self.variant)
+        system = named_system(self.name, self.variant, reals=self.reals)
         if self.controller is not None:
             names: Mapping[str, str] = dict(map(setting_of("--map"), self.mapping))
-            system = system.replace("controller", named_fmu(self.controller), names)
+            system = system.replace("controller", named_fmu(self.controller, reals=self.reals), names)
         system = system.set(dict(start_value(text, system) for text in self.settings))
         return system if self.sample_time is None else system.with_sample_time(self.sample_time)
 
@@ -67,9 +70,12 @@ def is_package(name: str) -> bool:
     return Path(name).is_dir() and name not in SCENARIOS and name not in VARIANTS
 
 
-def named_system(name: str, variant: str | None = None) -> System:
+def named_system(name: str, variant: str | None = None, *, reals: bool = False) -> System:
     """The system of a file or folder, or a scenario by name."""
     path = Path(name)
+    if reals and (is_package(name) or path.suffix):
+        msg = f"--reals: {name} has FMUs of its own; only a scenario such as fig5 can take ours. Leave the option out."
+        raise SystemDescriptionError(msg)
     if is_package(name):
         return System.read(path, variant)
     if variant is not None:
@@ -86,10 +92,10 @@ def named_system(name: str, variant: str | None = None) -> System:
         raise SystemDescriptionError(msg)
     from orchestration.paper.ready import scenario
 
-    return scenario(name)
+    return scenario(name, reals=reals)
 
 
-def named_fmu(name: str) -> Path:
+def named_fmu(name: str, *, reals: bool = False) -> Path:
     """The FMU of a file, or a shipped one by its model identifier."""
     from fmus.catalog import MODELS
     from orchestration.paper.built_fmus import built
@@ -99,4 +105,4 @@ def named_fmu(name: str) -> Path:
     if name not in MODELS:
         msg = f"--controller: there is no model {name}; {suggestion(name, MODELS)}"
         raise SystemDescriptionError(msg)
-    return built(name)
+    return built(name, reals=reals)

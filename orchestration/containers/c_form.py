@@ -13,8 +13,8 @@ from orchestration.fmi.given import a_path
 from orchestration.master.algorithm import Algorithm
 from orchestration.system.system import System
 
-MARK = "step.h"
-"""File that tells a folder which an earlier program stands in, and may be replaced."""
+MARK, MARKED = "step.h", "as one program. Generated"
+"""File, and words in it, that tell a folder with an earlier program, which may be replaced."""
 
 
 def write_c(system: System, folder: str | Path, algorithm: str | Algorithm = GAUSS_SEIDEL) -> Path:
@@ -44,7 +44,7 @@ def write_c(system: System, folder: str | Path, algorithm: str | Algorithm = GAU
     if place.exists() and not place.is_dir():
         msg = f"{place} is a file; a folder for the C program is needed."
         raise ContainerError(msg)
-    if place.is_dir() and any(place.iterdir()) and not (place / MARK).exists():
+    if place.is_dir() and any(place.iterdir()) and not _is_program(place):
         msg = f"{place} has files that are not of a C program; choose an empty folder, or another name."
         raise ContainerError(msg)
     try:
@@ -54,6 +54,12 @@ def write_c(system: System, folder: str | Path, algorithm: str | Algorithm = GAU
         msg = f"{place}: the C program cannot be written: {error.strerror}; choose another place."
         raise ContainerError(msg) from error
     return place
+
+
+def _is_program(folder: Path) -> bool:
+    """Whether a folder has an earlier program; its mark is the first file that is written."""
+    mark = folder / MARK
+    return mark.is_file() and MARKED in mark.read_text(encoding="utf-8", errors="replace")[:1000]
 
 
 def c_form(plan: Plan) -> dict[str, str]:

@@ -40,6 +40,7 @@ def c_sources(plan: Plan) -> dict[str, str]:
         "output_starts": list(_output_starts(plan)),
         "counts": counts(plan),
         "owners": [variable.member for variable in plan.with_role(FIXED, TUNABLE, INPUT)],
+        "wholes": [i for i, v in enumerate(plan.variables) if v.variable.stands_for and v.role != OUTPUT],
         "passes": list(_passes(plan)),
         "sampled": any(member.period for member in plan.members),
         "step": list(_inner_step(plan)),

@@ -11,7 +11,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from adaptimp_fmu.variables import range_in_words
+from adaptimp_fmu.variables import range_in_words, whole_range_in_words
 from orchestration.containers.c_text import identifier
 from orchestration.containers.contained_fmu import ContainedFmu, document_of
 from orchestration.containers.containment import contained_fmu
@@ -166,9 +166,20 @@ class Plan:
         return [link for link in self.links if link.target == member]
 
     def takes_tested_values(self, fmu: ContainedFmu) -> bool:
-        """Whether every linked input of an FMU's components is an output, unscaled, that was found to be finite."""
+        """Whether every linked input of an FMU's components is an output, unscaled, that was found to be finite.
+
+        A linked input that stands for a Boolean or an Integer must be an output that stands for the same.
+        """
         links = [link for link in self.links if self.members[link.target].fmu is fmu]
-        return all(link.scale.trivial and self.members[link.source].fmu.tests_outputs for link in links)
+        return all(
+            link.scale.trivial and self.members[link.source].fmu.tests_outputs and self._stands_for_the_same(link)
+            for link in links
+        )
+
+    def _stands_for_the_same(self, link: Link) -> bool:
+        source, target = self.members[link.source].component, self.members[link.target].component
+        ends = source.variable(link.connection.output), target.variable(link.connection.input)
+        return ends[1].stands_for in ("", ends[0].stands_for)
 
 
 def plan_of(system: System, algorithm: str | Algorithm = GAUSS_SEIDEL) -> Plan:
@@ -282,7 +293,9 @@ def _variable(number: int, member: Member, variable: Variable, role: str) -> Pro
         start,
         minimum,
         maximum,
-        range_in_words(minimum, maximum, variable.unit),
+        whole_range_in_words(minimum, maximum)
+        if variable.stands_for
+        else range_in_words(minimum, maximum, variable.unit),
     )
 
 

@@ -5,6 +5,9 @@ from enum import IntEnum
 REAL, INTEGER, BOOLEAN, STRING = "Real", "Integer", "Boolean", "String"
 """Types of variables; an Enumeration is treated as an Integer."""
 ENUMERATION = "Enumeration"
+STANDS_FOR = {"BooleanAsReal": BOOLEAN, "IntegerAsReal": INTEGER}
+"""Names of declared types whose Reals are 0 or 1, or whole numbers, and what these stand for; see
+`adaptimp_fmu.build`."""
 
 SAVES_STATE, SERIALIZES_STATE = "canGetAndSetFMUstate", "canSerializeFMUstate"
 INTERPOLATES, DIFFERENTIATES = "canInterpolateInputs", "providesDirectionalDerivative"

@@ -101,6 +101,8 @@ class Variable:
         How the FMU begins with the variable: exact, approx or calculated; None for an input.
     items
         Numbers by name of an Enumeration's items; empty for other types.
+    stands_for
+        Type whose values a Real may have: Boolean for 0 and 1, or Integer for whole numbers; empty for all others.
     """
 
     name: str
@@ -116,6 +118,7 @@ class Variable:
     declared: str = ""
     initial: str | None = None
     items: Mapping[str, int] = field(default_factory=dict)
+    stands_for: str = ""
 
     @property
     def fmu_name(self) -> str:
@@ -347,6 +350,7 @@ def _variable(declared: Declared, *, direct: bool) -> Variable:
         relative=declared.relative,
         initial=declared.initial,
         items=declared.items,
+        stands_for=declared.stands_for if declared.stands_for != declared.type else "",
     )
 
 

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from orchestration.errors import ArchiveError
-from orchestration.fmi.codes import BOOLEAN, ENUMERATION, INTEGER, REAL, STRING
+from orchestration.fmi.codes import BOOLEAN, ENUMERATION, INTEGER, REAL, STANDS_FOR, STRING
 from orchestration.fmi.fmpy_files import fmpy_file
 from orchestration.fmi.units import BASE_UNITS, Unit
 from orchestration.sandbox.archive import entry_names, read_entries
@@ -71,6 +71,11 @@ class Declared:
     relative: bool
     description: str
     items: Mapping[str, int] = field(default_factory=dict)
+
+    @property
+    def stands_for(self) -> str:
+        """Type whose values a Real may have, Boolean or Integer, by the name of its declared type; else its own."""
+        return STANDS_FOR.get(self.declared_type, self.type) if self.type == REAL else self.type
 
     @property
     def number(self) -> float | None:

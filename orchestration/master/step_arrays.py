@@ -211,7 +211,8 @@ def _links(
             source = system.component(assembly.real_connections[j].source)
             links.component[j] = i
             links.fresh[j] = algorithm.exchange == SEQUENTIAL and position[source.name] < i
-            if ratios.get(source.name, 1) == 1 and source.continuous and _moves(target, ratios):
+            held = source.variable(assembly.real_connections[j].output).stands_for
+            if ratios.get(source.name, 1) == 1 and source.continuous and _moves(target, ratios) and not held:
                 smooth.append(j)
         assumed = algorithm.correction is not None or algorithm.order > 0
         links.assumed[rows] = assumed and target.continuous and (links.fresh[rows] == 0)

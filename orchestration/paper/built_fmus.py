@@ -27,19 +27,25 @@ def find_scenario(name: str) -> Scenario:
     return known[name]
 
 
-def fmus(identifiers: Iterable[str]) -> Mapping[str, Path]:
+def fmus(identifiers: Iterable[str], *, reals: bool = False) -> Mapping[str, Path]:
     """FMU files for this machine by model identifier; those that are not in the cache are built."""
-    return {identifier: built(identifier) for identifier in dict.fromkeys(identifiers)}
+    return {identifier: built(identifier, reals=reals) for identifier in dict.fromkeys(identifiers)}
 
 
-def built(identifier: str) -> Path:
+def built(identifier: str, *, reals: bool = False) -> Path:
     """The FMU file for this machine of a model identifier; errors are those of `built_model`."""
     from fmus.catalog import MODELS
 
-    return built_model(MODELS[identifier]())
+    return built_model(MODELS[identifier](), reals=reals)
 
 
-def built_model(model: "Model", folder: Path | None = None, platforms: "Iterable[Platform] | None" = None) -> Path:
+def built_model(
+    model: "Model",
+    folder: Path | None = None,
+    platforms: "Iterable[Platform] | None" = None,
+    *,
+    reals: bool = False,
+) -> Path:
     """The FMU file of a model; the arguments are those of `adaptimp_fmu.build`.
 
     Raises
@@ -50,7 +56,7 @@ def built_model(model: "Model", folder: Path | None = None, platforms: "Iterable
     from adaptimp_fmu import DefinitionError, ToolchainError, build
 
     try:
-        return build(model, folder, platforms)
+        return build(model, folder, platforms, reals=reals)
     except (DefinitionError, ToolchainError, OSError) as error:
         msg = f"{model.name}.fmu cannot be built: {error}"
         raise OrchestrationError(msg) from error

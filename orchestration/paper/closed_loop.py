@@ -21,6 +21,8 @@ from orchestration.check.dynamic.supervision import most_memory, reaching_out
 from orchestration.check.findings import Finding, error, note, shown, warning
 from orchestration.check.rules import LOOP
 from orchestration.errors import OrchestrationError
+from orchestration.fmi.codes import BOOLEAN
+from orchestration.fmi.description import read_description
 from orchestration.paper.built_fmus import fmus
 from orchestration.paper.numbers import TORQUE_LIMITS
 from orchestration.paper.ride import DURATION, JOB, Ride
@@ -45,10 +47,13 @@ class Loop:
         With components trajectory, plant and controller; the tried controller is compared with this one.
     limits
         Largest torque of each joint, N.m.
+    reals
+        Makes the same system of FMUs with Reals in the place of Booleans, for a controller that has such Reals.
     """
 
     system: System
     limits: Sequence[float]
+    reals: Callable[[], System] | None = None
 
 
 def in_loop(loop_for: Callable[[int], Loop | None]) -> Trial:
@@ -80,8 +85,7 @@ def paper_loop(joints: int) -> Loop | None:
     positive real.
     """
     if joints == 2:
-        chosen = VARIANTS["ideal"]
-        return Loop(chosen.system(fmus(chosen.models.values())).with_sample_time(STEP), TORQUE_LIMITS)
+        return Loop(_planar(), TORQUE_LIMITS, lambda: _planar(reals=True))
     if joints == 3:
         models = {
             "trajectory": "VirtualTrajectory",
@@ -97,6 +101,12 @@ def paper_loop(joints: int) -> Loop | None:
     return None
 
 
+def _planar(*, reals: bool = False) -> System:
+    """The loop with the arm of two joints."""
+    chosen = VARIANTS["ideal"]
+    return chosen.system(fmus(chosen.models.values(), reals=reals)).with_sample_time(STEP)
+
+
 def try_loop(
     path: Path, loop: Loop, mapping: Mapping[str, str], timeout: float = TIMEOUT
 ) -> tuple[list[Finding], list[str]]:
@@ -109,7 +119,8 @@ def try_loop(
         if our not in known
     ]
     try:
-        candidate = loop.system.replace("controller", path, known)
+        others = loop.reals() if loop.reals is not None and _has_reals_for_booleans(path) else loop.system
+        candidate = others.replace("controller", path, known)
     except OrchestrationError as refused:
         return [*ignored, error(LOOP, f"The controller does not fit into the loop: {refused}")], []
     with temporary_folder() as folder:
@@ -131,6 +142,11 @@ def try_loop(
     if ride is None:
         return findings, []
     return [*findings, *judge(ride, loop, usual)], list(_side_by_side(ride, usual))
+
+
+def _has_reals_for_booleans(path: Path) -> bool:
+    """Whether an input of an FMU is a Real that stands for a Boolean."""
+    return any(variable.stands_for == BOOLEAN for variable in read_description(path).of_causality("input"))
 
 
 def _ride(system: System, folder: Path, timeout: float, cache: Path) -> Ending:

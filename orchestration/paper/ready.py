@@ -6,7 +6,7 @@ from orchestration.paper.built_fmus import built, find_scenario, fmus
 from orchestration.system.system import System
 
 
-def scenario(name: str, *, controller: str | Path | None = None) -> System:
+def scenario(name: str, *, controller: str | Path | None = None, reals: bool = False) -> System:
     """A scenario of the paper as a system; its FMUs are built when they are not there yet.
 
     Parameters
@@ -16,6 +16,9 @@ def scenario(name: str, *, controller: str | Path | None = None) -> System:
     controller
         Another controller: the path of an FMU, or the model identifier of a shipped one such as
         ``SlotineLiAdaptiveImpedance``. Default: that of the scenario.
+    reals
+        Whether the shipped FMUs have Reals in the place of Booleans and Integers, as `adaptimp_fmu.build` makes them
+        for tools that know Reals only.
 
     Raises
     ------
@@ -30,11 +33,14 @@ def scenario(name: str, *, controller: str | Path | None = None) -> System:
     >>> system = scenario("fig2", controller="SlotineLiAdaptiveImpedance")
     >>> system["controller"].description.model_name, system.stop_time
     ('SlotineLiAdaptiveImpedance', 2.0)
+    >>> scenario("fig2", reals=True)["actuator"].variable("saturated[1]").type
+    'Real'
     """
     from fmus.catalog import MODELS
 
     found = find_scenario(name)
-    system = found.system(fmus(found.models.values()))
+    system = found.system(fmus(found.models.values(), reals=reals))
     if controller is None:
         return system
-    return system.replace("controller", built(str(controller)) if str(controller) in MODELS else controller)
+    own = str(controller) in MODELS
+    return system.replace("controller", built(str(controller), reals=reals) if own else controller)

@@ -328,7 +328,7 @@ def start_value(path: str, variable: Variable, value: float | bool | str) -> flo
         return float(variable.items[value.strip()])
     found = math.nan
     with suppress(ValueError, KeyError, TypeError):
-        found = math.nan if variable.type == STRING else parse_value(value, variable.type)
+        found = math.nan if variable.type == STRING else parse_value(value, variable.stands_for or variable.type)
     if math.isnan(found):
         msg = f"{path} = {shown(value)}: {_needed(variable, value)}."
         raise SystemDescriptionError(msg)
@@ -339,12 +339,14 @@ def _needed(variable: Variable, value: Any) -> str:
     """What a variable needs instead of a value that does not fit."""
     if variable.type == BOOLEAN:
         return "true or false is needed, since the variable is a Boolean"
+    if variable.stands_for == BOOLEAN:
+        return "0 or 1 is needed, since the variable stands for a Boolean"
     if variable.type == STRING:
         return "a text is needed, since the variable is a String"
     if variable.items:
         named = ", ".join(f"{name} ({number})" for name, number in list(variable.items.items())[:MOST_ITEMS])
         return f"an item of the Enumeration is needed, such as {named}"
-    if variable.type == INTEGER:
+    if INTEGER in (variable.type, variable.stands_for):
         return f"an integer of 32 bits is needed, a whole number of at most {2**31 - 1}"
     in_unit = f" in {variable.unit}" if variable.unit else ""
     text = str(value).strip()

@@ -71,7 +71,7 @@ class BareUnits:
             (member / "runtime.c").write_bytes((HERE / "bare_unit.c").read_bytes())
             (folder / f"{name}.c").write_text(_UNIT.format(name=name), encoding="utf-8")
         sources = [HERE / "bare.c", *(folder / f"{name}.c" for name in COMPONENTS)]
-        self._library = _compile(sources, folder / "bare", f"-DCONTROLLER_SEES_SATURATION={saturation:d}")
+        self._library = compile_c(sources, folder / "bare", f"-DCONTROLLER_SEES_SATURATION={saturation:d}")
         self._library.bare_outputs.restype = ctypes.POINTER(_F64)
 
     def start(self, values: Mapping[str, np.ndarray], t0: float) -> None:
@@ -151,14 +151,14 @@ class CLoop:
 def _loop_library() -> ctypes.CDLL:
     """loop.c, compiled once per process; it stays loaded when its file is gone."""
     with TemporaryDirectory(prefix="benchmark-", ignore_cleanup_errors=True) as folder:
-        return _compile([HERE / "loop.c"], Path(folder) / "loop")
+        return compile_c([HERE / "loop.c"], Path(folder) / "loop")
 
 
 def _address(array: np.ndarray) -> Any:
     return ctypes.c_void_p(array.ctypes.data)
 
 
-def _compile(sources: Sequence[Path], output: Path, *flags: str) -> ctypes.CDLL:
+def compile_c(sources: Sequence[Path], output: Path, *flags: str) -> ctypes.CDLL:
     """Compile C files into one library, as the toolchain does with an FMU, and load it."""
     target = host_platform()
     library = output.with_suffix(target.extension)

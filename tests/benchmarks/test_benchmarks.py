@@ -8,9 +8,12 @@ from typing import Any
 import numpy as np
 import pytest
 
+from adaptimp_fmu import host_platform
 from orchestration.paper.built_fmus import find_scenario, fmus
-from tests.benchmarks import isolation, master, overhead, scale, scaling, start
+from tests.benchmarks import containers, isolation, master, overhead, scale, scaling, start
+from tests.benchmarks.forms import CProgram
 from tests.benchmarks.rig import BenchmarkError, Rig
+from tests.benchmarks.sizes import BINARY_LIMIT, MODULE_LIMIT
 from tests.benchmarks.trivial import ring
 from tests.benchmarks.variants import Bench
 from tests.untested import PROPERTY
@@ -122,6 +125,31 @@ def test_master_writes_its_numbers(name: str, tmp_path: Path, record_property: R
         assert parts["sum"] == pytest.approx(sum(parts[part] or 0.0 for part in PARTS))
         assert parts["left"] == pytest.approx(parts["whole"] - parts["sum"])
     assert {"ratios", "goals", "machine", "versions"} <= result.keys()
+
+
+def test_containers_writes_its_numbers(tmp_path: Path, record_property: Record) -> None:
+    file, steps, here = tmp_path / "containers.json", str(containers.LONG), host_platform().name
+    arguments = ["--scenario", "fig2", "--steps", steps, "--repetitions", "1", "--platform", here, "--json", str(file)]
+    assert containers.main(arguments) == 0
+    result = json.loads(file.read_text(encoding="utf-8"))
+    assert_measured(result, containers.MEANING, record_property)
+    assert {"c/bare", "fmu-1000/ours", "fmucontainer/ours"} <= result["ratios"].keys()
+    assert result["bytes"]["wasm"] < MODULE_LIMIT
+    assert result["bytes"][here] < BINARY_LIMIT
+    assert {goal["what"] for goal in result["goals"]} >= {"fmu-1000/bare", "wasm, bytes", f"{here}, bytes"}
+
+
+def test_a_form_that_computes_something_else_is_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
+    real = CProgram.time_rows
+
+    def wrong(program: CProgram, n: int, rig: Rig) -> np.ndarray:
+        seconds = real(program, n, rig)
+        rig.rows[n, 0] = np.nextafter(rig.rows[n, 0], np.inf)
+        return seconds
+
+    monkeypatch.setattr(CProgram, "time_rows", wrong)
+    with pytest.raises(BenchmarkError, match=f"c-rows differ from ours, first in row {containers.LONG}"):
+        containers.run("fig2", containers.LONG, 1, ())
 
 
 def test_overhead_writes_its_numbers(tmp_path: Path, record_property: Record) -> None:

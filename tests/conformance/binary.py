@@ -147,12 +147,15 @@ class Binary:
         return self["fmi2Instantiate"](*(arguments | options).values())
 
     def names(self, *causalities: str, type: str | None = None, variability: str | None = None) -> list[str]:
-        """Names of the variables of these causalities, and of that type and variability."""
+        """Names of the variables of these causalities, and of that type and variability.
+
+        Reals that stand for Booleans or Integers are of no type.
+        """
         return [
             v.name
             for v in self.variables.values()
             if v.causality in causalities
-            and (type is None or v.type == type)
+            and (type is None or v.type == type == kind(v))
             and (variability is None or v.variability == variability)
         ]
 
@@ -293,6 +296,12 @@ class Instance:
         reference = array(ct.c_uint, [variable.valueReference])
         require_ok(self.call(f"fmi2Get{variable.type}", reference, 1, ct.byref(number)), self)
         return float(number.value)
+
+
+def kind(variable: Any) -> str:
+    """Type of a variable, or the type that a Real stands for."""
+    declared = str(variable.declaredType.name) if variable.declaredType is not None else ""
+    return {"BooleanAsReal": "Boolean", "IntegerAsReal": "Integer"}.get(declared, str(variable.type))
 
 
 def array(c_type: Any, values: Iterable[Any]) -> Any:

@@ -8,16 +8,17 @@ import pytest
 
 from tests.conformance.binary import Binary, Instance
 from tests.conformance.container import CONTAINER, FMUS, write_container
+from tests.conformance.units import file_of_unit
 from tests.sharing import made_once
 
 
 @pytest.fixture(scope="session")
-def file_of(fmu_folder: Path, tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
+def file_of(fmu_folder: Path, reals_folder: Path, tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
     """Finds the file of an FMU, which may be the container, by its name."""
 
     def find(name: str) -> Path:
         if name != CONTAINER:
-            return fmu_folder / f"{name}.fmu"
+            return file_of_unit(name, fmu_folder, reals_folder)
         folder = made_once(tmp_path_factory, "container", lambda place: write_container(fmu_folder, place))
         return folder / f"{CONTAINER}.fmu"
 
@@ -31,7 +32,7 @@ def load(file_of: Callable[[str], Path], tmp_path_factory: pytest.TempPathFactor
 
     def load_once(name: str) -> Binary:
         if name not in loaded:
-            loaded[name] = Binary(file_of(name), tmp_path_factory.mktemp(name))
+            loaded[name] = Binary(file_of(name), tmp_path_factory.mktemp(Path(name).name))
         return loaded[name]
 
     return load_once

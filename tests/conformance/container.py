@@ -4,19 +4,20 @@ The commands of the torques are inputs of the container. It has tunable paramete
 contact and an output that an input reaches through another component in initialization.
 """
 
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
-from fmus.catalog import MODELS
 from orchestration import System
 from orchestration.containers.fmu import write_fmu
+from tests.conformance.units import UNITS
 
 CONTAINER = "ActuatedArm"
-FMUS = [*MODELS, CONTAINER]
+FMUS = [*UNITS, CONTAINER]
 """Names of all FMUs that are tested, the container last."""
-of_models = pytest.mark.parametrize("identifier", list(MODELS))
+of_models = pytest.mark.parametrize("identifier", UNITS)
 """Marks a test of each FMU but the container, which has no equations, no derivatives and no reference of its own."""
 PARTS = {"actuator": "Actuator", "plant": "Plant", "sensor": "ForceSensor"}
 STEP, STOP = 1e-4, 1.0  # s
@@ -29,6 +30,6 @@ def container_system(fmu_folder: Path) -> System:
     return replace(connected, step=STEP, stop_time=STOP)
 
 
-def write_container(fmu_folder: Path, folder: Path) -> Path:
-    """Write the container for this machine."""
-    return write_fmu(container_system(fmu_folder), folder / f"{CONTAINER}.fmu")
+def write_container(fmu_folder: Path, folder: Path, platforms: Sequence[str] | None = None) -> Path:
+    """Write the container, for this machine or for the platforms of the given names."""
+    return write_fmu(container_system(fmu_folder), folder / f"{CONTAINER}.fmu", platforms=platforms)

@@ -1,21 +1,22 @@
 """Faults for `tests.conformance.mutations` as data: the changed text, and the tests that ought to notice first.
 
-Every old text occurs exactly once in its file under ``adaptimp_fmu/``. None of the faults is equivalent:
+Every old text occurs exactly once in its file. None of the faults is equivalent:
 each changes what a host can see. Faults that do not compile, or that the exporter refuses, are not listed.
 """
 
 from typing import NamedTuple
 
-DESCRIPTION, STATE, ORDER = "modelDescription", "state", "call order"
+DESCRIPTION, STATE, ORDER, CONTAINER = "modelDescription", "state", "call order", "container"
 
 
 class Group(NamedTuple):
-    """Faults in one file: their kind, the test modules to run first, and (old, new) by name."""
+    """Faults in one file of a package: kind, the test modules to run first, and (old, new) by name."""
 
     kind: str
     file: str
     first: tuple[str, ...]
     faults: dict[str, tuple[str, str]]
+    package: str = "adaptimp_fmu"
 
 
 GROUPS = (
@@ -31,7 +32,10 @@ GROUPS = (
                 'element.set("initial", "exact")',
             ),
             "descriptions are missing": ("description=variable.description", 'description=""'),
-            "units of gains are missing": ("if variable.unit:\n", "if variable.unit in QUANTITIES:\n"),
+            "units of gains are missing": (
+                "if variable.unit:\n        typed.set",
+                "if variable.unit in QUANTITIES:\n        typed.set",
+            ),
             "minimum is not declared": (
                 '(("min", variable.minimum), ("max", variable.maximum))',
                 '(("max", variable.maximum),)',
@@ -147,8 +151,11 @@ GROUPS = (
         "runtime/sampled.c",
         ("test_ticks", "test_state", "test_reference_data"),
         {
-            "ticks are not rounded to": ("if (fabs(end - nearest) <= 1e-9 + 4", "if (fabs(end - nearest) <= 1e-14 + 4"),
-            "late clocks lose ticks": (" + 4 * DBL_EPSILON * fabs(t + h) / period)", " + 0 * DBL_EPSILON * t)"),
+            "ticks are not rounded to": (
+                "if (real_fabs(end - nearest) <= 1e-9 + 4",
+                "if (real_fabs(end - nearest) <= 1e-14 + 4",
+            ),
+            "late clocks lose ticks": (" + 4 * DBL_EPSILON * real_fabs(t + h) / period)", " + 0 * DBL_EPSILON * t)"),
             "a tick at the start runs twice": ("- ceil_of(s->tick_fraction))", "- floor_of(s->tick_fraction))"),
             "the time of a tick is the step's": ("return s->start_time + (double)s->tick", "return s->time + 0.0"),
             "every step is a tick": ("return h == STATE_OF(instance)->values[MODEL_PERIOD]", "return h > 0"),
@@ -207,7 +214,7 @@ GROUPS = (
         {
             "a refused array is stored in part": (
                 "parameter_changed |= vr[i] < MODEL_FIRST_INPUT;",
-                "parameter_changed |= vr[i] < MODEL_FIRST_INPUT, instance->state.values[vr[i]] = CONVERT(value[i]);",
+                "parameter_changed |= vr[i] < MODEL_FIRST_INPUT, SLOT(&instance->state, vr[i]) = CONVERT(value[i]);",
             ),
         },
     ),
@@ -224,7 +231,7 @@ GROUPS = (
                 "if (!instance->state.experiment_defined)",
                 "if (instance->state.experiment_defined > 1)",
             ),
-            "stop before start": ("stopTime >= startTime && isfinite(stopTime)", "isfinite(stopTime)"),
+            "stop before start": ("stopTime >= startTime && real_is_finite(stopTime)", "real_is_finite(stopTime)"),
             "any GUID": ("!fmuGUID || strcmp(fmuGUID, model_guid) != 0", "!fmuGUID || !*fmuGUID"),
             "a category off is all off": ("instance->logged & ~mask;", "0;"),
         },
@@ -234,15 +241,18 @@ GROUPS = (
         "runtime/step.c",
         ("test_steps_and_experiment", "test_call_order", "test_numbers"),
         {
-            "any communication point": ("continues = fabs(t - s->time) <=", "continues = 0 * fabs(t - s->time) <="),
+            "any communication point": (
+                "continues = real_fabs(t - s->time) <=",
+                "continues = 0 * real_fabs(t - s->time) <=",
+            ),
             "any communication point, quickly": (
-                "h > 0 && fabs(t - s->time) <=",
-                "h > 0 && 0 * fabs(t - s->time) <=",
+                "h > 0 && real_fabs(t - s->time) <=",
+                "h > 0 && 0 * real_fabs(t - s->time) <=",
             ),
             "clocks must be exact": ("return 1e-6 * h + CLOCK_TOLERANCE * scale;", "return 1e-16 * h * scale;"),
             "steps past the stop time": ("t + h > s->stop_time", "t > s->stop_time"),
             "steps past the stop time, quickly": ("t + h <= s->latest_end", "t <= s->latest_end"),
-            "steps back": ("if (h > 0 && fabs", "if (fabs"),
+            "steps back": ("if (h > 0 && real_fabs", "if (real_fabs"),
             "inputs that are not finite": ("if (!inputs_valid(instance) || !cal", "if (!cal"),
             "a failed step leaves no error state": ("        instance->state.phase = FAILED;\n", ""),
             "no text as pending status": ('*value = "";', "*value = NULL;"),
@@ -306,5 +316,84 @@ GROUPS = (
             "huge numbers are not finite": ("? 1 : each_finite(values, n)", "? 1 : 0 * each_finite(values, n)"),
             "a check that is NaN passes": ("if (!(checks[i] > 0))", "if (checks[i] <= 0)"),
         },
+    ),
+    Group(
+        CONTAINER,
+        "runtime/container.c",
+        ("test_container", "test_steps_and_experiment", "test_call_order"),
+        {
+            "steps need not be multiples": ("fabs(ratio - nearest) <= rounding", "fabs(ratio - nearest) <= 1"),
+            "clocks of a container must be exact": ("1e-9 + 4 * DBL_EPSILON *", "0 * DBL_EPSILON *"),
+            "a step of no inner step is taken": ("nearest >= 1 &&", "nearest >= 0 &&"),
+            "inner steps are cut off": ("(uint64_t)(ratio + 0.5)", "(uint64_t)ratio"),
+            "a failed initialization stays half done": (
+                "        instance->state = before;\n",
+                "        (void)before;\n",
+            ),
+            "the component is not named": ("if (failure->component)", "if (!failure->component)"),
+            "numbers of a failure are cut": ("digits ? digits : DEFAULT_DIGITS", "DEFAULT_DIGITS"),
+            "a container takes inputs that are not finite": ("if (real_is_finite(value)) continue;", "continue;"),
+            "outputs of a container are not refreshed": ("{ CONTAINER(show)(&s->system); }", "{ (void)s; }"),
+        },
+    ),
+    Group(
+        CONTAINER,
+        "runtime/access.c",
+        ("test_access", "test_container"),
+        {
+            "runs of components are copied as one": ("return end < n ? end : n;", "return n;"),
+            "runs of another type are copied": (
+                "if (!is_of_kind(&model_runs[vr[i]], type, only_inputs)) return 0;\n    return 1;\n#else",
+                "if (is_of_kind(&model_runs[vr[i]], type, 2 * only_inputs)) continue;\n    return 1;\n#else",
+            ),
+        },
+    ),
+    Group(
+        CONTAINER,
+        "runtime/snapshot.c",
+        ("test_container", "test_state"),
+        {
+            "positions within a state are not looked at": (
+                "return position_fault(s);",
+                "return (void)position_fault(s), NULL;",
+            ),
+        },
+    ),
+    Group(
+        CONTAINER,
+        "containers/structure.py",
+        ("test_container", "test_description"),
+        {
+            "dependencies end at connections": ("                waiting.append(source)\n", ""),
+            "parameters do not reach outputs initially": ('("input", "parameter", "local")', '("input",)'),
+        },
+        "orchestration",
+    ),
+    Group(
+        CONTAINER,
+        "containers/fmu_description.py",
+        ("test_container", "test_description"),
+        {
+            "limits of components are lost": ('"relativeQuantity", "min", "max",', '"relativeQuantity",'),
+            "tunables of components are fixed": ('TUNABLE: "tunable"}', 'TUNABLE: "fixed"}'),
+            "the step is not declared": ('"stopTime": plan.system.stop_time, "stepSize": plan.step', '"stopTime": 1.0'),
+        },
+        "orchestration",
+    ),
+    Group(
+        CONTAINER,
+        "containers/fmu.py",
+        ("test_container", "test_description", "test_access"),
+        {
+            "the GUID does not cover the sources": (
+                'return "{" + str(uuid.UUID(bytes=digest.digest()[:16]))',
+                'return "{" + str(uuid.UUID(int=7))',
+            ),
+            "components that lie apart are neighbours": (
+                "return variable.member, variable.declared.type, variable.role, variable.place + ahead",
+                "return variable.declared.type, variable.role",
+            ),
+        },
+        "orchestration",
     ),
 )

@@ -41,7 +41,7 @@ COPIED_FILES = (
     *("LICENSE", "pyproject.toml"),
     *(
         f"tests/{name}.py"
-        for name in ("__init__", "closing_line", "conftest", "driver", "selection", "sharing", "untested")
+        for name in ("__init__", "bytecode", "closing_line", "conftest", "driver", "selection", "sharing", "untested")
     ),
 )
 NOT_COPIED = shutil.ignore_patterns("__pycache__", "platforms", "sanitizers", "mutations.py", "mutants.py")
@@ -51,7 +51,7 @@ MODULES = tuple(
     for subject in (
         *("description", "instantiation_and_logging", "call_order", "steps_and_experiment", "numbers"),
         *("access", "settable", "derivatives", "state", "reference_data"),
-        *("documentation", "archive", "ticks", "rebuild"),
+        *("container", "documentation", "archive", "ticks", "rebuild"),
     )
 )
 # What names other units, or needs them all; and the processors, which these faults do not concern.
@@ -65,8 +65,9 @@ DESELECTED = (
     "test_07_same_definition_on_another_processor",
 )
 WARM_UP = (
-    "from adaptimp_fmu import build\nfrom fmus.catalog import MODELS\n"
-    "for declare in MODELS.values():\n    build(declare())"
+    "from pathlib import Path\nfrom adaptimp_fmu import build\nfrom fmus.catalog import MODELS\n"
+    "from tests.conformance.container import write_container\nfolder = Path('warm')\n"
+    "for declare in MODELS.values():\n    build(declare(), folder)\nwrite_container(folder, folder)"
 )
 
 
@@ -76,7 +77,7 @@ class MutationError(Exception):
 
 @dataclass(frozen=True)
 class Mutant:
-    """One fault: the file under ``adaptimp_fmu/``, what is replaced by what, and modules to run first."""
+    """One fault: the file, what is replaced by what, and modules to run first."""
 
     name: str
     kind: str = ""
@@ -121,7 +122,7 @@ def mutants() -> Iterator[Mutant]:
     """
     seen: set[str] = set()
     for group in GROUPS:
-        text = (ROOT / "adaptimp_fmu" / group.file).read_text(encoding="utf-8")
+        text = (ROOT / group.package / group.file).read_text(encoding="utf-8")
         for name, (old, new) in group.faults.items():
             if text.count(old) != 1 or name in seen:
                 msg = (
@@ -129,7 +130,7 @@ def mutants() -> Iterator[Mutant]:
                 )
                 raise MutationError(msg)
             seen.add(name)
-            yield Mutant(name, group.kind, group.file, old, new, group.first)
+            yield Mutant(name, group.kind, f"{group.package}/{group.file}", old, new, group.first)
 
 
 def run(planted: Sequence[Mutant]) -> list[Outcome]:
@@ -148,7 +149,7 @@ def outcome(mutant: Mutant, tree: Path, warm: Path) -> Outcome:
     started = time.monotonic()
     shutil.copytree(warm, tree)
     if mutant.file:
-        path = tree / "adaptimp_fmu" / mutant.file
+        path = tree / mutant.file
         path.write_text(path.read_text(encoding="utf-8").replace(mutant.old, mutant.new), encoding="utf-8")
     try:
         rest = [module for module in MODULES if module not in mutant.first]

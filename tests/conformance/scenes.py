@@ -5,7 +5,7 @@ An FMU that is not listed is tested with its defaults.
 
 import numpy as np
 
-from tests.conformance.binary import OK, Binary, Instance
+from tests.conformance.binary import OK, Binary, Instance, kind
 from tests.conformance.container import CONTAINER, PARTS
 
 H = 1e-4  # s, one tick of every FMU
@@ -72,7 +72,7 @@ def random_inputs(binary: Binary, rng: np.random.Generator) -> dict[str, float]:
     starts = binary.starts("input") | {n: v for n, v in scene(binary).items() if n in binary.names("input")}
     return {
         name: float(rng.integers(2))
-        if binary.variables[name].type == "Boolean"
+        if kind(binary.variables[name]) == "Boolean"
         else value * (1 + 0.01 * rng.standard_normal()) + 0.01 * rng.standard_normal()
         for name, value in starts.items()
     }

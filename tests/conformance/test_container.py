@@ -40,7 +40,7 @@ def description(fmu: Path) -> etree._Element:
         return etree.fromstring(archive.read("modelDescription.xml"))
 
 
-@pytest.mark.parametrize("ratio", [0.5, 0.999, 1.5, 1 + 1e-8, 1e-3, 2.5])
+@pytest.mark.parametrize("ratio", [0.5, 0.999, 1.5, 1 + 1e-8, 1e-3, 1e-10, 2.5])
 def test_a_step_that_is_no_multiple_is_refused_with_both_values(binary: Binary, create: Create, ratio: float) -> None:
     instance = create(binary, start=scene(binary)).initialize(t0=0.125)
     assert instance.step(3 * H) == OK
@@ -68,6 +68,22 @@ def test_one_large_step_is_many_small_ones(binary: Binary, create: Create) -> No
     assert one.step(40 * H) == OK
     np.testing.assert_array_equal(one.outputs(), many.outputs())
     assert len(set(forces)) > 30, "noise, while the tip is in the wall"
+
+
+@pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf])
+def test_an_input_that_is_not_finite_is_stored_then_refused(binary: Binary, create: Create, value: float) -> None:
+    name = "actuator.tau_cmd[2]"
+    instance = create(binary).enter()
+    assert instance.set({name: value}) == OK
+    assert instance.call("fmi2ExitInitializationMode") == ERROR
+    assert instance.last == f"Input {name} is {value:g}; it must be finite."
+    assert instance.set({name: 0.0}) == OK
+    assert instance.call("fmi2ExitInitializationMode") == OK
+    assert instance.set({name: value}) == OK
+    before = instance.blob()
+    assert_refused(instance, instance.step(H), before, f"Input {name} is {value:g}")
+    assert instance.set({name: 0.0}) == OK
+    assert instance.step(H) == OK
 
 
 def test_a_failing_component_is_named_and_an_earlier_state_leads_back(binary: Binary, create: Create) -> None:
@@ -107,7 +123,7 @@ def test_an_initialization_that_fails_changes_nothing(binary: Binary, create: Cr
 def test_a_sample_time_that_is_no_multiple_is_refused(binary: Binary, create: Create, period: float) -> None:
     instance = create(binary, start={"sensor.sample_time": period}).enter()
     assert instance.call("fmi2ExitInitializationMode") == ERROR
-    assert instance.last == f"sensor: Its sample time {period:.17g} s is not a multiple of the step {H:.17g} s."
+    assert instance.last == f"sensor: sample_time = {period:.17g} s is not a multiple of the step {H:.17g} s."
     assert instance.set({"sensor.sample_time": 2 * H}) == OK
     assert instance.call("fmi2ExitInitializationMode") == OK
     assert instance.step(H) == OK

@@ -1,7 +1,7 @@
 """Tests of the references inside each FMU: form of FMI-LS-REF, and another tool repeats the runs from the file alone.
 
 The schema of the standard's manifest is a draft and comes with no package, so its rules are written out here. The
-files were validated against the draft's schema, too (docs/interop.md).
+files were validated against the draft's schema, too (docs/components.md).
 """
 
 import importlib.resources
@@ -37,6 +37,9 @@ TYPES = {
     "result": "text/csv",
     "testcase": "text/csv",
 }
+
+
+LARGEST = 16_000  # bytes by which an FMU grows, as docs/components.md says
 
 
 class Inside:
@@ -183,6 +186,13 @@ def test_fmus_of_no_run_have_no_parameter_sets(inside: Inside, identifier: str) 
     used = {model for one in (*SCENARIOS.values(), *VARIANTS.values()) for model in one.models.values()}
     assert bool(inside.sources("parameter")) == (identifier in used)
     assert used < set(MODELS)
+
+
+def test_an_fmu_grows_by_little(fmu: Path) -> None:
+    with zipfile.ZipFile(fmu) as archive:
+        entries = [e for e in archive.infolist() if e.filename.startswith(f"{FOLDER}/") or "ls-ref" in e.filename]
+    heads = 46 + 30  # bytes of each entry in the archive's directory and before its content, besides its name
+    assert 4000 < sum(e.compress_size + 2 * len(e.filename) + heads for e in entries) < LARGEST
 
 
 def test_the_documentation_explains_the_files(inside: Inside) -> None:

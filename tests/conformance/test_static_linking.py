@@ -17,6 +17,7 @@ from fmus.catalog import MODELS
 from orchestration import Component, System
 from orchestration.fmi.description import read_description
 from tests.conformance.binary import FUNCTIONS, Binary
+from tests.conformance.container import of_models
 from tests.conformance.platforms.machines import DRIVER, Machine
 from tests.conformance.platforms.plan import Plan
 from tests.conformance.scenes import STEPS, H, random_inputs, scene
@@ -112,6 +113,7 @@ def visible_names(object_file: Path) -> set[str]:
 
 
 @pytest.mark.skipif(shutil.which("nm") is None, reason=needs("nm is not installed", "binutils"))
+@of_models
 def test_a_unit_defines_nothing_but_fmi_functions_with_its_prefix(fmu: Path, tmp_path: Path) -> None:
     object_file = compiled(command("zig cc"), fmu, "Some_", tmp_path)
     assert visible_names(object_file) == {f"Some_{function}" for function in FUNCTIONS}

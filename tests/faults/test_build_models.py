@@ -95,3 +95,21 @@ def test_two_models_of_one_name_are_refused(adaptimp: Command, tmp_path: Path) -
     outcome = adaptimp("build", "a.py", "b.py", "--out", "built")
     assert outcome.code == 2
     assert outcome.sentence == "Two models are called Gain, in a.py and in b.py; rename one."
+
+
+SWITCH = """from adaptimp_fmu import SampledModel, Type
+
+model = SampledModel("Switch", "Shows a switch")
+model.output("y", model.input("on", 1, type=Type.BOOLEAN, description="In"), description="Out", scalar=True)
+"""
+
+
+def test_reals_take_the_place_of_booleans_in_a_folder_of_their_own(adaptimp: Command, tmp_path: Path) -> None:
+    (tmp_path / "switch.py").write_text(SWITCH, encoding="utf-8")
+    for options, folder, type in (((), "fmus", "Boolean"), (("--reals",), "reals", "Real")):
+        outcome = adaptimp("build", "switch.py", *options)
+        assert (outcome.code, outcome.err) == (0, "")
+        with Fmu(tmp_path / "build" / folder / "Switch.fmu", on=0) as unit:
+            assert unit.variables["on"].type == type
+            assert unit.outputs()["y"] == 0.0
+    assert adaptimp("build", "switch.py", "--reals", "-o", "build/fmus").out.endswith("kB, replaced\n")

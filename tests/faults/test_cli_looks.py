@@ -7,6 +7,7 @@ import re
 import subprocess
 import sys
 import sysconfig
+import zipfile
 from pathlib import Path
 
 import pytest
@@ -90,6 +91,23 @@ def test_info_of_an_fmu(adaptimp: Command, fmu_folder: Path) -> None:
         "max": None,
         "description": "Target stiffness",
     }
+    carried = " ".join(outcome.out.split())
+    assert "HoganImpedance.exp (experiment/smoke-test), HoganImpedance_in.csv (testcase)" in carried
+    assert "fig2.ssv (parameter for fig2, fig3)" in carried
+    assert found["references"][0]["file"] == "HoganImpedance.exp"
+    assert found["notices"] == []
+
+
+def test_info_of_an_fmu_whose_references_are_damaged(adaptimp: Command, fmu_folder: Path) -> None:
+    """No tool needs the manifest of references, so the rest is shown."""
+    with zipfile.ZipFile(fmu_folder / "Actuator.fmu") as whole, zipfile.ZipFile("x.fmu", "w") as damaged:
+        for name in whole.namelist():
+            damaged.writestr(name, b"<fmiReferences" if name.endswith("manifest.xml") else whole.read(name))
+    outcome = adaptimp("info", "x.fmu")
+    assert outcome.code == 0
+    text = " ".join(outcome.out.split())
+    assert "notice extra/org.fmi-standard.fmi-ls-ref/fmi-ls-manifest.xml is not" in text
+    assert "tau_max[2] N.m" in text
 
 
 def test_info_of_a_system(adaptimp: Command, packages: dict[str, Path], fig2: System) -> None:
@@ -150,6 +168,18 @@ def test_export_takes_what_run_takes(adaptimp: Command, fig2: System, tmp_path: 
     assert adaptimp("export", "spong-ortega", "-o", "z.ssp").code == 0
     assert "a system is written as .ssp" in adaptimp("export", "fig2", "-o", "x.zip").sentence
     assert "--map says what --controller" in adaptimp("export", "fig2", "--map", "a=b", "-o", "x.ssp").sentence
+
+
+def test_export_of_a_scenario_with_reals_only(adaptimp: Command, tmp_path: Path) -> None:
+    swapped = ("--controller", "SlotineLiAdaptiveImpedance")
+    assert adaptimp("export", "fig5", "--reals", *swapped, "-o", "x.ssp").code == 0
+    read = System.read(tmp_path / "x.ssp")
+    assert read["controller"].description.model_name == "SlotineLiAdaptiveImpedance"
+    assert {v.type for c in read.components for v in c.description.variables.values()} == {"Real"}
+    for name in ("x.ssp", "plant.fmu"):
+        outcome = adaptimp("export", name, "--reals", "-o", "y.ssp")
+        assert outcome.code == 2
+        assert outcome.sentence.startswith(f"--reals: {name} has FMUs of its own; only a scenario such as fig5")
 
 
 def test_replacing_a_file_is_said(adaptimp: Command, tmp_path: Path) -> None:

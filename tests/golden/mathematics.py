@@ -7,9 +7,12 @@ A polynomial interpolates its function at Chebyshev's nodes, so its error is clo
 import argparse
 from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import Any
 
 import mpmath
 from mpmath import mp, mpf
+
+Real = Any  # of mpmath, which gives most results the type of a real or complex number
 
 FILE = Path("adaptimp_fmu/runtime/mathematics_tables.h")
 HEAD = """\
@@ -52,7 +55,7 @@ def _pi() -> list[str]:
 
 
 def _exponential() -> list[str]:
-    step = mp.log(2) / EXP_ENTRIES
+    step = mpmath.log(2) / EXP_ENTRIES
     first, rest = _split(step, [33, 53])
     powers = [mpf(2) ** (mpf(i) / EXP_ENTRIES) for i in range(EXP_ENTRIES)]
     return [
@@ -71,10 +74,10 @@ def _logarithm() -> list[str]:
     reciprocals = [mpmath.nint(512 / c) / 512 for c in centres]
     reciprocals[0], reciprocals[-1] = mpf(1), mpf(1) / 2
     turn = next(i for i, c in enumerate(centres) if c > mpmath.sqrt(2))
-    first, rest = _split(mp.log(2), [38, 53])
+    first, rest = _split(mpmath.log(2), [38, 53])
     rows = []
     for i, r in enumerate(reciprocals):
-        value = -mp.log(r if i < turn else 2 * r)
+        value = -mpmath.log(r if i < turn else 2 * r)
         high = mpmath.nint(value * mpf(2) ** 40) / mpf(2) ** 40
         rows.append(f"    {{{_hex(r)}, {_hex(high)}, {_hex(_double(value - high))}}},\n")
     return [
@@ -93,7 +96,7 @@ def _logarithm() -> list[str]:
 
 def _polynomials() -> list[str]:
     quarter = (mp.pi / 4) ** 2 * mpf("1.0001")
-    largest = mp.log(2) / EXP_ENTRIES / 2 * mpf("1.001")
+    largest = mpmath.log(2) / EXP_ENTRIES / 2 * mpf("1.001")
     angles = [mp.atan(mpf(i) / (ATAN_ENTRIES - 1)) for i in range(ATAN_ENTRIES)]
     return [
         *_polynomial("sin_terms", "(sin(x)/x - 1)/z", lambda z: _odd(mp.sin, z), 0, quarter, 6),
@@ -109,30 +112,32 @@ def _polynomials() -> list[str]:
     ]
 
 
-def _odd(function: Callable[[mpf], mpf], z: mpf) -> mpf:
+def _odd(function: Callable[[Real], Real], z: Real) -> Real:
     x = mpmath.sqrt(z)
     return (function(x) / x - 1) / z
 
 
-def _cosine(z: mpf) -> mpf:
+def _cosine(z: Real) -> Real:
     return (mp.cos(mpmath.sqrt(z)) - 1 + z / 2) / z**2
 
 
-def _exp_rest(x: mpf) -> mpf:
+def _exp_rest(x: Real) -> Real:
     return mpmath.fsum(x**k / mpmath.factorial(k + 2) for k in range(40))
 
 
-def _log_rest(x: mpf) -> mpf:
+def _log_rest(x: Real) -> Real:
     return mpmath.fsum((-x) ** k / (k + 3) for k in range(200))
 
 
-def _polynomial(name: str, text: str, function: Callable[[mpf], mpf], a: mpf | int, b: mpf, terms: int) -> list[str]:
+def _polynomial(
+    name: str, text: str, function: Callable[[Real], Real], a: Real | int, b: Real, terms: int
+) -> list[str]:
     """Coefficients from the constant term on."""
     numbers = [_double(c) for c in _interpolate(function, mpf(a), b, terms)]
     return [f"\n/* {text}; z = x^2. */\n" if "z" in text else f"\n/* {text}. */\n", *_array(name, numbers)]
 
 
-def _interpolate(function: Callable[[mpf], mpf], a: mpf, b: mpf, terms: int) -> list[mpf]:
+def _interpolate(function: Callable[[Real], Real], a: Real, b: Real, terms: int) -> list[Real]:
     """Coefficients from values at Chebyshev's nodes in [a, b].
 
     Where a = 0 the polynomial is to be multiplied by z, so z = 0 counts as the smallest node and is left out.
@@ -147,7 +152,7 @@ def _interpolate(function: Callable[[mpf], mpf], a: mpf, b: mpf, terms: int) -> 
     return list(mpmath.lu_solve(matrix, mpmath.matrix([function(node) for node in nodes])))
 
 
-def _split(value: mpf, sizes: Sequence[int]) -> list[mpf]:
+def _split(value: Real, sizes: Sequence[int]) -> list[Real]:
     """Numbers of so many bits whose sum is the value; all but the last are truncated."""
     parts = []
     for size in sizes[:-1]:
@@ -157,29 +162,29 @@ def _split(value: mpf, sizes: Sequence[int]) -> list[mpf]:
     return [*parts, _double(value)]
 
 
-def _double(value: mpf) -> mpf:
+def _double(value: Real) -> Real:
     return mpf(float(value))
 
 
-def _hex(value: mpf) -> str:
+def _hex(value: Real) -> str:
     return float(value).hex()
 
 
-def _constant(name: str, value: mpf) -> str:
+def _constant(name: str, value: Real) -> str:
     return f"#define {name} {_hex(value)}\n"
 
 
-def _pair(name: str, value: mpf) -> list[str]:
+def _pair(name: str, value: Real) -> list[str]:
     high = _double(value)
     return [_constant(f"{name}_HIGH", high), _constant(f"{name}_LOW", _double(value - high))]
 
 
-def _pairs(name: str, values: Sequence[mpf]) -> list[str]:
+def _pairs(name: str, values: Sequence[Real]) -> list[str]:
     rows = [f"    {{{_hex(_double(v))}, {_hex(_double(v - _double(v)))}}},\n" for v in values]
     return [f"static const double {name}[{len(values)}][2] = {{\n", *rows, "};\n"]
 
 
-def _array(name: str, values: Sequence[mpf]) -> list[str]:
+def _array(name: str, values: Sequence[Real]) -> list[str]:
     return [f"static const double {name}[{len(values)}] = {{\n", *(f"    {_hex(v)},\n" for v in values), "};\n"]
 
 

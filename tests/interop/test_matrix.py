@@ -1,8 +1,8 @@
 """docs/interop.md says what is measured: a slice of it is measured again, the rest is complete and current.
 
-The slice is two FMUs and the first 200 steps of fig2, in every tool of the development environment; the
-others need environments of their own, which these tests do not make. What they compare is bitwise or a
-message, so there is no tolerance but that of `tests.interop.matrix.compare`.
+The slice is three FMUs, one with Reals only, and the first 200 steps of fig2, in every tool of the development
+environment; the others need environments of their own, which these tests do not make. What they compare is bitwise
+or a message, so there is no tolerance but that of `tests.interop.matrix.compare`.
 """
 
 import re
@@ -17,7 +17,7 @@ import pytest
 from fmus.catalog import MODELS
 from tests.interop.matrix import compare, runner
 from tests.interop.matrix.compare import BITWISE, CLOSE, DIFFERS, FAILS, PASSES, ROUNDED, STEPS_AGREE, Verdict, judge
-from tests.interop.matrix.jobs import FIGURES, fmu_job, our_rows
+from tests.interop.matrix.jobs import CONTAINER, FIGURES, REALS, SYSTEMS, UNITS, fmu_job, our_rows
 from tests.interop.matrix.outcomes import Outcomes, measure
 from tests.interop.matrix.protocol import FMU, SYSTEM, Job, Record
 from tests.interop.matrix.render import cell, render
@@ -26,16 +26,17 @@ from tests.interop.matrix.tools import KEYS, module
 from tests.interop.peers import unavailable
 
 DOCUMENT = Path(__file__).parents[2] / "docs" / "interop.md"
-SLICE = ("Actuator", "Plant", "fig2")
+SLICE = ("Actuator", f"Actuator{REALS}", "Plant", "fig2")
 STEPS = 200
 INSTALLED = [key for key in KEYS if not module(key).TOOL.requirements]
 NEEDS = {"ecospy": "ecospy", "ecos_cli": "ecospy", "libcosim": "libcosimpy"}
 
 
 @pytest.fixture(scope="module")
-def fmus(fmu_folder: Path) -> dict[str, Path]:
+def fmus(fmu_folder: Path, reals_folder: Path) -> dict[str, Path]:
     """All FMUs' files."""
-    return {identifier: fmu_folder / f"{identifier}.fmu" for identifier in MODELS}
+    endings = {"": fmu_folder, REALS: reals_folder}
+    return {f"{name}{ending}": folder / f"{name}.fmu" for name in MODELS for ending, folder in endings.items()}
 
 
 @pytest.fixture(scope="module")
@@ -70,10 +71,10 @@ def test_every_unit_and_figure_was_run_in_every_tool(kept: Outcomes) -> None:
     text = DOCUMENT.read_text(encoding="utf-8")
     for key in KEYS:
         tool = module(key).TOOL
-        expected = [*MODELS] * (FMU in tool.kinds) + [*FIGURES] * (SYSTEM in tool.kinds)
+        expected = [*UNITS] * (FMU in tool.kinds) + [*SYSTEMS] * (SYSTEM in tool.kinds)
         assert list(kept.verdicts[key]) == expected, key
         assert f"| {tool.distribution} {kept.versions[tool.distribution]} |" in text
-    for name in (*MODELS, *FIGURES):
+    for name in (*UNITS, *SYSTEMS):
         assert re.search(rf"^\| `{name}` \|", text, re.MULTILINE), name
     assert "not run" not in text
 
@@ -83,6 +84,24 @@ def test_whole_figures_agree(kept: Outcomes) -> None:
     for key in ("ecospy", "libcosim", "sofirpy"):
         for figure, steps in zip(FIGURES, [20_000] * 3 + [100_000] * 3, strict=True):
             assert (kept.verdicts[key][figure].kind, kept.verdicts[key][figure].steps) == (BITWISE, steps)
+
+
+@pytest.mark.parametrize("key", ["cofmupy", "pathsim"])
+def test_tools_that_know_reals_only_run_all_figures_and_the_container(kept: Outcomes, key: str) -> None:
+    """With the FMUs of ``adaptimp build --reals``, in full length; with the others they run none."""
+    for figure, steps in zip(FIGURES, [20_000] * 3 + [100_000] * 3, strict=True):
+        verdict = kept.verdicts[key][f"{figure}{REALS}"]
+        assert (verdict.kind, verdict.steps) == (BITWISE, steps)
+        assert kept.verdicts[key][figure].kind == FAILS
+    assert kept.verdicts[key][f"{CONTAINER}{REALS}"].kind == BITWISE
+
+
+@pytest.mark.parametrize("key", KEYS)
+def test_reals_are_worse_in_no_tool(kept: Outcomes, key: str) -> None:
+    best = (PASSES, BITWISE, ROUNDED, CLOSE, STEPS_AGREE, DIFFERS, FAILS)
+    for name in (name for name in kept.verdicts[key] if name.endswith(REALS)):
+        usual = kept.verdicts[key][name.removesuffix(REALS)]
+        assert best.index(kept.verdicts[key][name].kind) <= best.index(usual.kind), name
 
 
 @pytest.fixture

@@ -190,11 +190,14 @@ def operating_point(
 
 
 def connected(system: System, name: str) -> tuple[list[str], list[str]]:
-    """Names of the connected Real inputs and outputs of a component, in the order of its variables."""
+    """Names of the connected Real inputs and outputs of a component, in the order of its variables.
+
+    Reals that stand for Booleans or Integers are left out, because such values cannot be moved a little.
+    """
     variables = system.component(name).description.variables.values()
     inputs = {c.input for c in system.connections if c.target == name}
     outputs = {c.output for c in system.connections if c.source == name}
-    reals = [variable.name for variable in variables if variable.type == REAL]
+    reals = [variable.name for variable in variables if variable.type == REAL and not variable.stands_for]
     return [n for n in reals if n in inputs], [n for n in reals if n in outputs]
 
 

@@ -346,7 +346,8 @@ def _remarks(system: System, algorithm: Algorithm, contraction: float | None) ->
     """Sentences on sweeps that do not converge, and on connections that the prediction leaves out."""
     if contraction is not None and contraction >= 1:
         yield _sweeps(algorithm, contraction)
-    held = sum(system.resolve(f"{c.source}.{c.output}")[1].type != REAL for c in system.connections)
+    outputs = (system.resolve(f"{c.source}.{c.output}")[1] for c in system.connections)
+    held = sum(output.type != REAL or bool(output.stands_for) for output in outputs)
     if held:
         yield f"{held} Integer or Boolean connections are treated as constant during a step."
 

@@ -70,9 +70,9 @@ def move(instance: Instance, generator: random.Random, *, moved: bool) -> None:
     values = {}
     for name, start in instance.binary.starts().items():
         row = instance.binary.variables[name]
-        if row["type"] == "Boolean":
+        if row["stands_for"] == "Boolean":
             values[name] = float(generator.random() < 0.5) if moved else start
-        elif row["type"] == "Real" and moved:
+        elif row["stands_for"] == "Real" and moved:
             value = start * (1 + 0.01 * generator.uniform(-1, 1)) + 0.01 * generator.uniform(-1, 1)
             low, high = row["limits"]
             values[name] = max(-math.inf if low is None else low, min(math.inf if high is None else high, value))

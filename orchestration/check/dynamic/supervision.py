@@ -228,6 +228,7 @@ def _plan(package: Package, folder: Path) -> dict[str, Any]:
                 "name": v.name,
                 "reference": v.reference,
                 "type": v.type,
+                "stands_for": v.stands_for,
                 "causality": v.causality,
                 "variability": v.variability,
                 "start": v.number,

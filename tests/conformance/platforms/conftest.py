@@ -11,6 +11,7 @@ import pytest
 
 from adaptimp_fmu import host_platform
 from adaptimp_fmu.toolchain import PLATFORMS
+from tests.conformance.container import CONTAINER, write_container
 from tests.conformance.platforms.machines import Machine, MachineUnavailableError, machine
 from tests.sharing import made_once
 
@@ -43,11 +44,24 @@ def portable(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="session")
-def content(portable: Path) -> Callable[[str, str], bytes]:
+def portable_file(portable: Path, fmu_folder: Path, tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
+    """Finds the file for all platforms of an FMU, which may be the container, by its name."""
+
+    def find(name: str) -> Path:
+        if name != CONTAINER:
+            return portable / f"{name}.fmu"
+        folder = made_once(tmp_path_factory, "portable container", lambda at: write_container(fmu_folder, at, ["all"]))
+        return folder / f"{CONTAINER}.fmu"
+
+    return find
+
+
+@pytest.fixture(scope="session")
+def content(portable_file: Callable[[str], Path]) -> Callable[[str, str], bytes]:
     """Reads an FMU's shared library for a platform."""
 
     def read(identifier: str, platform: str) -> bytes:
-        with zipfile.ZipFile(portable / f"{identifier}.fmu") as archive:
+        with zipfile.ZipFile(portable_file(identifier)) as archive:
             return archive.read(f"binaries/{platform}/{identifier}{PLATFORMS[platform].extension}")
 
     return read

@@ -1,20 +1,24 @@
 /* Steps units as a master in C would and writes what they show; one source for every platform.
  *
- *     driver PLAN RESULT NAME LIBRARY GUID [NAME LIBRARY GUID ...]
+ *     driver PLAN NAME LIBRARY GUID [NAME LIBRARY GUID ...]
  *
  * Compiled with LINKED_UNITS, which names a header, it steps units that are linked into it: LIBRARY is a prefix then.
  *
- * Both files hold float64 numbers only. PLAN (tests/conformance/platforms/plan.py writes it): the counts of
+ * It reads and writes float64 numbers only. PLAN (tests/conformance/platforms/plan.py writes it): the counts of
  * units, steps, given signals, signals and initialization passes; for each unit the counts of its start
  * values, inputs and outputs, then these as (type, value reference, value or number of the signal); for each
- * step the time, its length and the given signals, which are the first ones. RESULT: all signals after
- * initialization and after each step. In the middle all units save their state; at the end they go back to
- * it, repeat the second half, and must show the same bits. */
+ * step the time, its length and the given signals, which are the first ones. Standard output gets all signals
+ * after initialization and after each step. In the middle all units save their state; at the end they go back
+ * to it, repeat the second half, and must show the same bits. */
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+#ifdef _WIN32
+#include <fcntl.h>
+#include <io.h>
+#endif
 #if defined LINKED_UNITS
 /* Units that are linked into this program. */
 #elif defined _WIN32
@@ -198,12 +202,34 @@ static void *allocate(size_t count, size_t size) {
     return memory;
 }
 
+static void write_row(const double *row, size_t width) {
+    if (fwrite(row, sizeof *row, width, stdout) != width) stop("cannot be written", "a row");
+}
+
+/* Goes back to the saved states and makes the steps from `first` on again, which must show the same rows. */
+static void repeat(const Unit *units, size_t n, fmi2FMUstate *states, const double *steps, size_t n_given,
+                   const double *rows, size_t width, size_t first, size_t last) {
+    double *again = allocate(width, sizeof *again);
+    for (size_t i = 0; i < n; ++i) {
+        require(units[i].fmi2SetFMUstate(units[i].instance, states[i]), "fmi2SetFMUstate");
+        require(units[i].fmi2FreeFMUstate(units[i].instance, &states[i]), "fmi2FreeFMUstate");
+    }
+    memcpy(again, rows + first * width, width * sizeof *again);
+    for (size_t k = first; k < last; ++k) {
+        step(units, n, steps + k * (2 + n_given), n_given, again);
+        if (memcmp(again, rows + (k + 1) * width, width * sizeof *again) != 0) stop("differs", "the repeated half");
+    }
+}
+
 int main(int argc, char *argv[]) {
-    if (argc < 6) stop("usage", "driver PLAN RESULT NAME LIBRARY GUID [NAME LIBRARY GUID ...]");
+    if (argc < 5) stop("usage", "driver PLAN NAME LIBRARY GUID [NAME LIBRARY GUID ...]");
+#ifdef _WIN32
+    _setmode(_fileno(stdout), _O_BINARY); /* bytes, without line ends */
+#endif
     const double *cursor = read_plan(argv[1]);
     const size_t n = (size_t)cursor[0], steps = (size_t)cursor[1], n_given = (size_t)cursor[2];
     const size_t width = (size_t)cursor[3], passes = (size_t)cursor[4], middle = steps / 2;
-    if (argc != (int)(3 + 3 * n)) stop("as many units must be given as has", argv[1]);
+    if (argc != (int)(2 + 3 * n)) stop("as many units must be given as has", argv[1]);
     cursor += 5;
     Unit *units = allocate(n, sizeof *units);
     fmi2FMUstate *states = allocate(n, sizeof *states);
@@ -213,12 +239,13 @@ int main(int argc, char *argv[]) {
         units[i].starts = read_items(&cursor, counts[0]);
         units[i].inputs = read_items(&cursor, counts[1]);
         units[i].outputs = read_items(&cursor, counts[2]);
-        load(&units[i], argv + 3 + 3 * i);
+        load(&units[i], argv + 2 + 3 * i);
     }
 
     double *rows = allocate((steps + 1) * width, sizeof *rows);
     memcpy(rows, cursor + 2, n_given * sizeof *rows);
     initialize(units, n, passes, rows);
+    write_row(rows, width);
     for (size_t k = 0; k < steps; ++k) {
         double *row = rows + (k + 1) * width;
         if (k == middle)
@@ -226,25 +253,14 @@ int main(int argc, char *argv[]) {
                 require(units[i].fmi2GetFMUstate(units[i].instance, &states[i]), "fmi2GetFMUstate");
         memcpy(row, row - width, width * sizeof *row);
         step(units, n, cursor + k * (2 + n_given), n_given, row);
+        write_row(row, width);
     }
-
-    double *again = allocate(width, sizeof *again);
-    for (size_t i = 0; i < n; ++i) {
-        require(units[i].fmi2SetFMUstate(units[i].instance, states[i]), "fmi2SetFMUstate");
-        require(units[i].fmi2FreeFMUstate(units[i].instance, &states[i]), "fmi2FreeFMUstate");
-    }
-    memcpy(again, rows + middle * width, width * sizeof *again);
-    for (size_t k = middle; k < steps; ++k) {
-        step(units, n, cursor + k * (2 + n_given), n_given, again);
-        if (memcmp(again, rows + (k + 1) * width, width * sizeof *again) != 0) stop("differs", "the repeated half");
-    }
+    repeat(units, n, states, cursor, n_given, rows, width, middle, steps);
 
     for (size_t i = 0; i < n; ++i) {
         require(units[i].fmi2Terminate(units[i].instance), "fmi2Terminate");
         units[i].fmi2FreeInstance(units[i].instance);
     }
-    FILE *file = fopen(argv[2], "wb");
-    if (file == NULL || fwrite(rows, width * sizeof *rows, steps + 1, file) != steps + 1 || fclose(file) != 0)
-        stop("cannot be written", argv[2]);
+    if (fclose(stdout) != 0) stop("cannot be written", "the last rows");
     return 0;
 }

@@ -6,7 +6,7 @@ import subprocess
 import sys
 import tempfile
 import zipfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -19,6 +19,7 @@ from tests.conformance.platforms.plan import Plan
 from tests.untested import needs
 
 DRIVER = Path(__file__).with_name("driver.c")
+PART = 2**16  # bytes of output that are read at once
 # Where Debian's packages put them: wine64 (not on the search path), libc6-arm64-cross.
 WINE_FOLDER = Path("/usr/lib/wine")
 ARM_LIBRARIES = Path("/usr/aarch64-linux-gnu")
@@ -47,7 +48,11 @@ class Machine:
     environment: Mapping[str, str] = field(default_factory=dict)
 
     def run(self, plan: Plan, folder: Path) -> dict[str, np.ndarray]:
-        """Compile the driver, run the plan in an empty folder, read its outputs.
+        """Run the plan in an empty folder, and return its outputs; the errors are those of `rows`."""
+        return plan.outputs_in(b"".join(self.rows(plan, folder)))
+
+    def rows(self, plan: Plan, folder: Path) -> Iterator[bytes]:
+        """Compile the driver, run the plan in an empty folder, and yield its rows as they are made, cut anywhere.
 
         Raises
         ------
@@ -65,17 +70,32 @@ class Machine:
                 (folder / library).write_bytes(archive.read(f"binaries/{self.platform.name}/{library}"))
             arguments += [component.name, library if windows else f"./{library}", unit.guid]
         name = program.name if windows else f"./{program.name}"
-        run = subprocess.run(
-            [*self.launcher, name, "plan", "result", *arguments],
-            cwd=folder,
-            env=os.environ | self.environment,
-            capture_output=True,
-            text=True,
-            check=False,
-        )
-        if run.returncode != 0 or run.stderr:
-            raise RuntimeError(f"{self.platform.name}: exit code {run.returncode}: {run.stderr[-2000:]}")
-        return plan.outputs_in((folder / "result").read_bytes())
+        yield from streamed([*self.launcher, name, "plan", *arguments], folder, self.environment)
+
+
+def streamed(command: Sequence[str], folder: Path, environment: Mapping[str, str] | None = None) -> Iterator[bytes]:
+    """Run a command in a folder; yield its standard output as it comes.
+
+    Parameters
+    ----------
+    environment
+        Environment variables besides those of this process.
+
+    Raises
+    ------
+    RuntimeError
+        If the command fails or says something, with what is in its standard error.
+    """
+    log, variables = folder / "log", os.environ | (environment or {})
+    with log.open("wb") as errors:
+        process = subprocess.Popen(command, cwd=folder, env=variables, stdout=subprocess.PIPE, stderr=errors)
+        with process:
+            assert process.stdout is not None
+            while part := process.stdout.read(PART):
+                yield part
+    said = log.read_text(encoding="utf-8", errors="replace")
+    if process.returncode != 0 or said:
+        raise RuntimeError(f"{command[0]}: exit code {process.returncode}: {said[-2000:]}")
 
 
 def compile_driver(platform: Platform, folder: Path) -> Path:

@@ -1,4 +1,4 @@
-"""What driver.c is to do, from a system: the numbers of its PLAN file and the meaning of its RESULT."""
+"""What driver.c is to do, from a system: the numbers of its PLAN file and the meaning of its rows."""
 
 import itertools
 from collections.abc import Mapping, Sequence
@@ -53,7 +53,7 @@ class Plan:
         return np.concatenate([counts, *units, table.ravel()])
 
     def outputs_in(self, result: bytes) -> dict[str, np.ndarray]:
-        """The RESULT file: each output after initialization and after each step, shape (steps + 1,)."""
+        """What the driver writes: each output after initialization and after each step, shape (steps + 1,)."""
         rows = np.frombuffer(result).reshape(len(self.lengths) + 1, -1)[:, len(self.given) :]
         return dict(zip(self.outputs, rows.T, strict=True))
 

@@ -25,7 +25,7 @@ MATHEMATICS = {
     *("sin", "sincos", "__sincos_stret", "sinh", "sqrt", "tan", "tanh", "tgamma", "trunc", "_fdclass", "_dclass"),
 }
 MEMORY = {"bcmp", "calloc", "free", "malloc", "memcmp", "memcpy", "memmove", "memset", "bzero", "__bzero"}
-TEXT = {"strcmp", "strcpy", "strlen", "strncmp", "strncpy", "strspn", "vsnprintf"}
+TEXT = {"snprintf", "strcmp", "strcpy", "strlen", "strncmp", "strncpy", "strspn", "vsnprintf"}
 # The C runtime of Windows 10 by its parts: of those that exist no files, network, processes or environment. The
 # last is for what MinGW's start-up prints when it fails.
 WINDOWS_RUNTIME = {f"api-ms-win-crt-{part}-l1-1-0.dll" for part in ("heap", "math", "runtime", "string", "stdio")}

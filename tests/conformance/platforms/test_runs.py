@@ -1,7 +1,9 @@
-"""The FMUs step on every platform that runs here, and show the same numbers: the same bits.
+"""The FMUs step on every platform that runs here, and show the same bits.
 
-A C driver steps them: on this machine bit for bit what Python gets, elsewhere what it gives here. The runtime
-brings mathematics of its own, so the C library of a platform has no part in a result.
+A C driver steps them: on this machine bit for bit what Python gets, on other platforms bit for bit what this machine
+gets. No function of a platform's C library takes part, so nothing is left in which two platforms could differ
+(docs/same-bits.md). Each FMU alone gets random inputs and steps of several lengths; Fig. 2 couples five of them.
+`same_bits` does the same with all figures.
 """
 
 import os
@@ -16,6 +18,7 @@ from orchestration import Component, System, simulate
 from orchestration.fmi.description import read_description
 from orchestration.paper.scenarios import SCENARIOS
 from tests.conformance.binary import OK, Binary, Instance
+from tests.conformance.container import of_models
 from tests.conformance.platforms.machines import Machine
 from tests.conformance.platforms.plan import Plan
 from tests.conformance.scenes import STEPS, H, random_inputs, scene
@@ -79,6 +82,7 @@ def test_10_driver_is_the_master_bit_for_bit(fig2: Plan, fig2_outputs: Outputs) 
         assert values.tobytes() == np.ascontiguousarray(result[name]).tobytes(), name
 
 
+@of_models
 def test_10_driver_is_ctypes_bit_for_bit(
     alone: Plan, alone_outputs: Outputs, binaries: dict[str, Binary], identifier: str
 ) -> None:

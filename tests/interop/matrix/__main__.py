@@ -7,10 +7,8 @@ from tempfile import TemporaryDirectory
 
 from rich.console import Console
 
-from fmus.catalog import MODELS
-from orchestration.paper.built_fmus import fmus
 from tests.interop.matrix.compare import Verdict
-from tests.interop.matrix.jobs import FIGURES
+from tests.interop.matrix.jobs import SYSTEMS, UNITS, built
 from tests.interop.matrix.outcomes import Outcomes, measure
 from tests.interop.matrix.render import render
 from tests.interop.matrix.tools import KEYS
@@ -21,7 +19,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(description="Our FMUs and packages in other tools.")
     parser.add_argument("--only", action="append", choices=KEYS, help="a tool; may be repeated")
     parser.add_argument(
-        "--job", action="append", choices=(*MODELS, *FIGURES), help="an FMU or a figure; may be repeated"
+        "--job", action="append", choices=(*UNITS, *SYSTEMS), help="an FMU or a figure; may be repeated"
     )
     parser.add_argument("--steps", type=int, help="steps of a figure, if not all")
     parser.add_argument("--render", action="store_true", help="measure nothing, render what was kept")
@@ -35,9 +33,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     kept = Outcomes.read()
     if not given.render:
         with TemporaryDirectory() as folder:
-            jobs = given.job or (*MODELS, *FIGURES)
-            built = dict(fmus(MODELS))
-            found = measure(given.only or KEYS, jobs, built, Path(folder), n_steps=given.steps, tell=tell)
+            jobs = given.job or (*UNITS, *SYSTEMS)
+            files = built(Path(folder))
+            found = measure(given.only or KEYS, jobs, files, Path(folder), n_steps=given.steps, tell=tell)
         kept = kept.updated(found)
     if given.write:
         kept.write()

@@ -1,4 +1,7 @@
-"""The jobs: every FMU of the catalog with its reference's inputs, every figure in full length."""
+"""The jobs: every FMU of the catalog with its reference's inputs, every figure in full length.
+
+The FMUs that have Booleans or Integers, and all figures, are there a second time with Reals only.
+"""
 
 import warnings
 from collections.abc import Mapping
@@ -7,49 +10,98 @@ from pathlib import Path
 
 import numpy as np
 
+from fmus.catalog import MODELS
 from orchestration import Options, System, UnconnectedInputWarning, simulate
 from orchestration.fmi.description import read_description
-from orchestration.paper.scenarios import SCENARIOS
+from orchestration.paper.built_fmus import fmus
+from orchestration.paper.scenarios import CRAIG, SCENARIOS, SLOTINE_LI, SPONG_ORTEGA
 from orchestration.system.system import Component
 from tests.conformance.replay import options, table
 from tests.driver import Driver
-from tests.interop.matrix.protocol import FMU, NANOSECONDS, SYSTEM, Job, Part, Tool
+from tests.interop import plain_loop
+from tests.interop.matrix.protocol import FMU, LOOP_AT_ONCE, NANOSECONDS, SYSTEM, Job, Part, Tool
 
+REALS = "-reals"
+"""Ends the name of a job whose FMUs are those of ``adaptimp build --reals``."""
+_CHANGED = ("ForceSensor", CRAIG, SLOTINE_LI, SPONG_ORTEGA, "Actuator", "Actuator3R")
+CONTAINER = "fig5-as-fmu"
+"""Name of the job of one FMU that is the whole system of fig5."""
+AT_ONCE = (
+    1000  # steps of fig5 in a communication step of that FMU: 100 communication steps of 0.02 s are the whole figure
+)
+UNITS = (*MODELS, *(f"{name}{REALS}" for name in _CHANGED), CONTAINER, f"{CONTAINER}{REALS}")
 FIGURES = tuple(name for name in SCENARIOS if name.startswith("fig"))
+SYSTEMS = (*FIGURES, *(f"{name}{REALS}" for name in FIGURES))
 ALONE = "unit"  # the component of an FMU's job
 
 
-def fmu_job(identifier: str, fmus: Mapping[str, Path], folder: Path) -> Job:
-    """An FMU alone, driven by ``fmus/reference/FMU/UNIT_in.csv``."""
+def built(folder: Path) -> dict[str, Path]:
+    """The files of all FMUs by model identifier or `CONTAINER`, and by the same with `REALS` those with Reals only.
+
+    The containers are written into the folder.
+    """
+    found = {}
+    for ending in ("", REALS):
+        files = fmus(MODELS, reals=bool(ending))
+        container = figure_system("fig5", files).to_fmu(folder / f"{CONTAINER}{ending}.fmu")
+        found |= {f"{name}{ending}": path for name, path in {**files, CONTAINER: container}.items()}
+    return found
+
+
+def chosen(name: str, files: Mapping[str, Path]) -> tuple[str, Mapping[str, Path]]:
+    """What a job is about, the model or the figure, and the files that it uses by model identifier."""
+    if not name.endswith(REALS):
+        return name, files
+    return name.removesuffix(REALS), {key.removesuffix(REALS): files[key] for key in files if key.endswith(REALS)}
+
+
+def fmu_job(identifier: str, files: Mapping[str, Path], folder: Path) -> Job:
+    """An FMU alone, driven by ``fmus/reference/FMU/UNIT_in.csv``, or the container, which has no inputs."""
+    if identifier == CONTAINER:
+        return _container_job(files, folder)
     inputs, step = table(identifier, "in"), options(identifier)["StepSize"]
     driven = [name for name in inputs.dtype.names or () if name != "time"]
-    description = read_description(fmus[identifier])
+    description = read_description(files[identifier])
     start = {name: float(inputs[name][0]) for name in driven}
     system = System(identifier, (Component(ALONE, description, start),), step=step, stop_time=(len(inputs) - 1) * step)
     job = _job(system, FMU, len(inputs) - 1, folder)
     return replace(job, stimulus={f"{ALONE}.{name}": [float(x) for x in inputs[name]] for name in driven})
 
 
-def figure_job(figure: str, fmus: Mapping[str, Path], folder: Path, n_steps: int | None = None) -> Job:
+def _container_job(files: Mapping[str, Path], folder: Path) -> Job:
+    scenario = SCENARIOS["fig5"]
+    component = Component(ALONE, read_description(files[CONTAINER]))
+    step = AT_ONCE * scenario.step
+    system = System(CONTAINER, (component,), step=step, stop_time=scenario.stop_time)
+    return _job(system, FMU, round(scenario.stop_time / step), folder)
+
+
+def figure_job(figure: str, files: Mapping[str, Path], folder: Path, n_steps: int | None = None) -> Job:
     """A figure of the paper, whole or its first steps."""
-    system = figure_system(figure, fmus)
+    system = figure_system(figure, files)
     return _job(system, SYSTEM, n_steps or round(system.run_stop_time() / system.run_step()), folder)
 
 
-def figure_system(figure: str, fmus: Mapping[str, Path]) -> System:
+def figure_system(figure: str, files: Mapping[str, Path]) -> System:
     """The system of a figure."""
     scenario = SCENARIOS[figure]
-    return scenario.system({identifier: fmus[identifier] for identifier in scenario.models.values()})
+    return scenario.system({identifier: files[identifier] for identifier in scenario.models.values()})
 
 
-def our_rows(job: Job, tool: Tool, fmus: Mapping[str, Path]) -> np.ndarray:
+def our_rows(job: Job, tool: Tool, files: Mapping[str, Path]) -> np.ndarray:
     """What ours shows at all steps of a job, as the tool's algorithm and clock ask; shape (n_steps + 1, columns)."""
+    if job.name == CONTAINER:
+        result = simulate(figure_system("fig5", files))
+        return np.column_stack([result[job.split(name)[1]][::AT_ONCE] for name in job.columns])
     times = np.arange(job.n_steps + 1) * job.step
     if tool.clock == NANOSECONDS:
         times = np.arange(job.n_steps + 1) * round(job.step * 1e9) / 1e9
     if job.kind == FMU:
         return _replayed(job, times, nanoseconds=tool.clock == NANOSECONDS)
-    system = figure_system(job.name, fmus)
+    system = figure_system(job.name, files)
+    if tool.algorithm == LOOP_AT_ONCE:
+        rows = plain_loop.run(system, job.n_steps, plain_loop.loop_at_once(system))
+        return rows[:, [plain_loop.columns_of(system).index(name) for name in job.columns]]
     if tool.clock == NANOSECONDS:
         result = simulate(system, algorithm=tool.algorithm, times=times)
     else:

@@ -7,9 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
-from fmus.catalog import MODELS
 from tests.interop.matrix.compare import Verdict, judge
-from tests.interop.matrix.jobs import FIGURES, figure_job, fmu_job, our_rows
+from tests.interop.matrix.jobs import SYSTEMS, UNITS, chosen, figure_job, fmu_job, our_rows
 from tests.interop.matrix.protocol import FMU, SYSTEM, Job, Tool
 from tests.interop.matrix.runner import ask
 from tests.interop.matrix.tools import KEYS, module
@@ -37,7 +36,7 @@ class Outcomes:
 
     def write(self, file: Path = FILE) -> None:
         """Write it, in the order of the tools and jobs."""
-        jobs = (*MODELS, *FIGURES)
+        jobs = (*UNITS, *SYSTEMS)
         verdicts = {
             key: {job: asdict(row[job]) for job in jobs if job in row}
             for key, row in ((key, self.verdicts.get(key, {})) for key in KEYS)
@@ -54,7 +53,7 @@ class Outcomes:
 def measure(
     tools: Iterable[str],
     jobs: Iterable[str],
-    fmus: dict[str, Path],
+    files: dict[str, Path],
     folder: Path,
     *,
     n_steps: int | None = None,
@@ -64,6 +63,8 @@ def measure(
 
     Parameters
     ----------
+    files
+        Those of `tests.interop.matrix.jobs.built`.
     folder
         For packages.
     n_steps
@@ -71,16 +72,17 @@ def measure(
     tell
         Hears every verdict as it comes.
     """
-    chosen = [module(key).TOOL for key in tools]
-    verdicts: dict[str, dict[str, Verdict]] = {tool.key: {} for tool in chosen}
+    asked = [module(key).TOOL for key in tools]
+    verdicts: dict[str, dict[str, Verdict]] = {tool.key: {} for tool in asked}
     versions: dict[str, str] = {}
     for name in jobs:
         rows: dict[tuple[str, str, int], np.ndarray] = {}
-        for tool in (t for t in chosen if (FMU if name in MODELS else SYSTEM) in t.kinds):
-            job = _job(name, tool, fmus, folder, n_steps)
+        _, used = chosen(name, files)
+        for tool in (t for t in asked if (FMU if name in UNITS else SYSTEM) in t.kinds):
+            job = _job(name, tool, files, folder, n_steps)
             ours = (tool.algorithm, tool.clock, job.n_steps)
             if ours not in rows:
-                rows[ours] = our_rows(job, tool, fmus)
+                rows[ours] = our_rows(job, tool, used)
             answer = ask(tool, job)
             verdicts[tool.key][name] = judge(job, answer, rows[ours])
             if answer.version:
@@ -89,8 +91,9 @@ def measure(
     return Outcomes(verdicts, versions)
 
 
-def _job(name: str, tool: Tool, fmus: dict[str, Path], folder: Path, n_steps: int | None) -> Job:
-    if name in MODELS:
-        return fmu_job(name, fmus, folder)
-    job = figure_job(name, fmus, folder)
+def _job(name: str, tool: Tool, files: dict[str, Path], folder: Path, n_steps: int | None) -> Job:
+    about, used = chosen(name, files)
+    if name in UNITS:
+        return fmu_job(about, used, folder)
+    job = figure_job(about, used, folder)
     return replace(job, n_steps=min(n_steps or job.n_steps, tool.longest))

@@ -10,7 +10,7 @@ import numpy as np
 
 FMU, SYSTEM = "fmu", "system"
 INDEX, NANOSECONDS = "index", "nanoseconds"
-JACOBI, GAUSS_SEIDEL = "jacobi", "gauss-seidel"
+JACOBI, GAUSS_SEIDEL, LOOP_AT_ONCE = "jacobi", "gauss-seidel", "loop at once"
 
 
 class ToolError(RuntimeError):
@@ -34,7 +34,8 @@ class Tool:
     inputs
         How the inputs of an FMU alone go in; empty for tools that run no FMU.
     algorithm
-        Ours that its systems are compared with, `JACOBI` or `GAUSS_SEIDEL`.
+        Ours that its systems are compared with: `JACOBI`, `GAUSS_SEIDEL`, or `LOOP_AT_ONCE`, which steps components
+        without connected inputs first and all others at once.
     clock
         `INDEX` for t_k = k h, `NANOSECONDS` for t_k = (k ns) / 1e9 and steps that are their differences.
     requirements

@@ -6,7 +6,6 @@ from pathlib import Path
 
 from jinja2 import Environment, StrictUndefined
 
-from fmus.catalog import MODELS
 from tests.interop.matrix.compare import (
     AGREEMENT,
     BITWISE,
@@ -18,7 +17,7 @@ from tests.interop.matrix.compare import (
     STEPS_AGREE,
     Verdict,
 )
-from tests.interop.matrix.jobs import FIGURES
+from tests.interop.matrix.jobs import SYSTEMS, UNITS
 from tests.interop.matrix.outcomes import Outcomes
 from tests.interop.matrix.protocol import FMU, SYSTEM, Tool
 from tests.interop.matrix.tools import KEYS, module
@@ -38,8 +37,8 @@ def render(outcomes: Outcomes) -> str:
     )
     template = environment.from_string(TEMPLATE.read_text(encoding="utf-8"))
     return template.render(
-        fmus=_table("FMU", [t for t in tools if FMU in t.kinds], tuple(MODELS), outcomes),
-        systems=_table("package", [t for t in tools if SYSTEM in t.kinds], FIGURES, outcomes),
+        fmus=_table("FMU", [t for t in tools if FMU in t.kinds], UNITS, outcomes),
+        systems=_table("package", [t for t in tools if SYSTEM in t.kinds], SYSTEMS, outcomes),
         findings=[line for tool in tools for line in _findings(tool, outcomes)],
         partial=_partial(tools, outcomes),
         tools=tools,
@@ -91,7 +90,7 @@ def _partial(tools: Sequence[Tool], outcomes: Outcomes) -> list[str]:
     lines = []
     for tool in tools:
         found = outcomes.verdicts.get(tool.key, {})
-        short = [job for job in FIGURES if job in found and 0 < found[job].steps == tool.longest]
+        short = [job for job in SYSTEMS if job in found and 0 < found[job].steps == tool.longest]
         if short:
             lines.append(f"{tool.title} ran the first {tool.longest} steps of {', '.join(short)}")
     return lines
@@ -107,12 +106,12 @@ def _task(tool: Tool) -> str:
 def _steps_of_fmus(outcomes: Outcomes) -> str:
     """How many steps the FMUs take."""
     steps = sorted(
-        {verdict.steps for row in outcomes.verdicts.values() for job, verdict in row.items() if job in MODELS}
+        {verdict.steps for row in outcomes.verdicts.values() for job, verdict in row.items() if job in UNITS}
     )
     return f"{min(filter(None, steps), default=0)} to {max(steps, default=0)} steps"
 
 
 def _listed(jobs: Sequence[str]) -> str:
     """Names of jobs, or what they are together."""
-    groups = {"all FMUs": tuple(MODELS), "all figures": FIGURES}
+    groups = {"all FMUs": UNITS, "all figures": SYSTEMS}
     return next((name for name, group in groups.items() if tuple(jobs) == group), ", ".join(jobs))

@@ -31,7 +31,7 @@ def model_of(expression: ca.SX) -> ContinuousModel:
     """A model whose output is an expression of x and y."""
     model = ContinuousModel("Small", "One output")
     x, y = (model.parameter(name, 0.5, description="A number") for name in ("x", "y"))
-    model.derivative(model.state("z", 0.0), 0.0)
+    model.derivative(model.state("z", ca.SX(0)), ca.SX(0))
     model.output("out", ca.substitute(expression, ca.vertcat(X, Y), ca.vertcat(x, y)), description="The value")
     return model
 

@@ -129,6 +129,17 @@ def test_a_run_is_read_from_files_of_the_cross_check(tmp_path: Path) -> None:
         ReferenceRun.read(tmp_path, "step")
 
 
+def test_a_run_is_made_from_arrays_with_all_digits(tmp_path: Path) -> None:
+    time = np.array([0.0, 0.1, 0.2])
+    y = np.array([0.0, 0.1 + 0.2, 1e-300])
+    given = ReferenceRun.from_columns("step", EXPERIMENT, {"time": time, "y[1]": y}, {"time": time, "u": time})
+    entries = built(tmp_path, given)
+    assert entries[f"{FOLDER}/step_in.csv"] == b'"time","u"\n0.0,0.0\n0.1,0.1\n0.2,0.2\n'
+    read = np.genfromtxt(entries[f"{FOLDER}/step_ref.csv"].decode().splitlines()[1:], delimiter=",")
+    assert read[:, 1].tolist() == y.tolist()
+    assert ReferenceRun.from_columns("step", EXPERIMENT, {"time": time, "y[1]": y}).inputs == b""
+
+
 @pytest.mark.parametrize(
     ("results", "inputs", "message"),
     [

@@ -4,7 +4,7 @@ import csv
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from tests.interop.matrix.protocol import FMU, SYSTEM, Job, Record, Tool, ordered
+from tests.interop.matrix.protocol import FMU, LOOP_AT_ONCE, SYSTEM, Job, Record, Tool, ordered
 
 TOOL = Tool(
     "cofmupy",
@@ -12,12 +12,13 @@ TOOL = Tool(
     "cofmupy",
     (FMU, SYSTEM),
     "a CSV stream with `previous` interpolation",
+    algorithm=LOOP_AT_ONCE,
     requirements=("cofmupy==1.0.0", "numpy"),
 )
 
 
 def run(job: Job) -> Record:
-    """Its Jacobi loop; inputs start with the values that initialization gives here."""
+    """Its Jacobi loop, before which it steps what has no inputs; inputs start with what initialization gives here."""
     from cofmupy import Coordinator
 
     fmus = [

@@ -1,6 +1,15 @@
 """Adapter for PathSim with its block for co-simulation FMUs."""
 
-from tests.interop.matrix.protocol import FMU, SYSTEM, Job, Record, Tool, ordered, require_constant_parameters
+from tests.interop.matrix.protocol import (
+    FMU,
+    GAUSS_SEIDEL,
+    SYSTEM,
+    Job,
+    Record,
+    Tool,
+    ordered,
+    require_constant_parameters,
+)
 
 TOOL = Tool(
     "pathsim",
@@ -8,13 +17,16 @@ TOOL = Tool(
     "pathsim-fmi",
     (FMU, SYSTEM),
     "`Source` blocks connected to the FMU, which takes what they show at the end of the step; no parameters",
+    algorithm=GAUSS_SEIDEL,
     requirements=("pathsim-fmi==0.1.1", "numpy"),
-    longest=2000,
 )
 
 
 def run(job: Job) -> Record:
-    """One block per FMU, connected by ports; outputs are read after every step of its simulation."""
+    """One block per FMU, connected by ports; outputs are read after every step of its simulation.
+
+    Within a step the blocks take their inputs and step in the order in which they are given.
+    """
     from pathsim import Connection, Simulation
     from pathsim_fmi import CoSimulationFMU
 

@@ -96,17 +96,19 @@ def test_a_step_is_needed_and_must_divide_every_period(small: dict[str, Path]) -
         plan_of(replace(mixed(small), step=2 * H / 3))
 
 
-@pytest.mark.parametrize("place", ["a file", "a folder of others"])
+@pytest.mark.parametrize("place", ["a file", "a folder of others", "a header of others"])
 def test_a_place_with_other_things_is_refused(small: dict[str, Path], tmp_path: Path, place: str) -> None:
     other = tmp_path / "x"
     if place == "a file":
         other.write_text("mine", encoding="utf-8")
     else:
         other.mkdir()
-        (other / "letter.txt").write_text("mine", encoding="utf-8")
+        name = "letter.txt" if place == "a folder of others" else "step.h"
+        (other / name).write_text("/* mine */", encoding="utf-8")
+    before = sorted(tmp_path.rglob("*"))
     with pytest.raises(ContainerError, match=r"is a file; a folder|has files that are not of a C program"):
         mixed(small).to_c(other)
-    assert [p.name for p in tmp_path.rglob("*")] == (["x"] if place == "a file" else ["x", "letter.txt"])
+    assert sorted(tmp_path.rglob("*")) == before
 
 
 def test_an_earlier_program_is_replaced(small: dict[str, Path], tmp_path: Path) -> None:
@@ -123,3 +125,14 @@ def test_text_stays_text() -> None:
     assert [c_number(x) for x in (0.1, -math.inf, 1e22, -0.0)] == ["0.1", "-DBL_MAX", "1e+22", "-0.0"]
     assert identifier("a-b", {"a_b", "a_b_1"}) == "a_b_2"
     assert identifier("Größe", default="system") == "Gr_e"
+    assert [identifier(name, {"plant"}) for name in ("Plant", "INT32_MAX", "Con", "DC")] == [
+        *("Plant_1", "x_INT32_MAX", "Con_1", "DC"),
+    ]
+
+
+def test_an_fmu_may_be_called_as_the_program_calls_its_own(small: dict[str, Path], tmp_path: Path) -> None:
+    odd = {"NULL": small["Source"], "parameters": small["Relay"], "STEP_SIZE": small["Integrator"]}
+    folder = replace(System.of(odd, "period"), step=H).to_c(tmp_path / "x")
+    header = (folder / "step.h").read_text(encoding="utf-8")
+    assert "component_NULL;   /* NULL */" in header
+    assert "component_STEP_SIZE;   /* STEP_SIZE */" in header

@@ -207,6 +207,19 @@ def test_a_component_that_fails_says_what_the_fmu_says(small: dict[str, Path], t
     assert sentence.startswith("k must stay small (value -0.5")
 
 
+def test_a_conversion_that_overflows_is_refused_as_by_the_fmu(small: dict[str, Path], tmp_path: Path) -> None:
+    two = system(small, {"source": "Source", "plant": "Integrator"})
+    tested = two.connect(
+        Connection("source", "u", "plant", "u", factor=5e307, offset=-1.5e308)
+    )  # 0, then 4 times 5e307
+    name, sentence = failure_of_master(tested)
+    assert (
+        failure_of_program(tested, tmp_path, STEPS)
+        == f"{name}: {sentence}"
+        == "plant: Input u is inf; it must be finite."
+    )
+
+
 @pytest.mark.parametrize(
     "values",
     [
