@@ -1,7 +1,7 @@
 """What can run a figure: the master, drivers of other platforms' FMUs, and the whole system as one program.
 
 Each program gives the SHA-256 of the rows of a run: little-endian float64, row by row, row 0 first, in every row
-all outputs in the order of the components and of their modelDescription.xml. No program keeps a hashed run.
+all outputs in the order of the components and of their modelDescription.xml.
 """
 
 import hashlib
