@@ -64,6 +64,7 @@ def _switched(folder: Path, *, reals: bool) -> System:
     """A clock that opens a valve after half a second, and the tank that the valve fills."""
     clock = ContinuousModel("Clock", "Opens a valve")
     clock.output("on", clock.time > 0.5, type=Type.BOOLEAN, description="Whether the valve is open", scalar=True)
+    clock.output("t", clock.time, unit="s", description="Time, which makes the clock continuous", scalar=True)
     tank = ContinuousModel("Tank", "Is filled")
     on = tank.input("on", 0, type=Type.BOOLEAN, description="Whether the valve is open")
     level = tank.state("level", 0.0)
