@@ -1,7 +1,4 @@
-/* The functions that CasADi's code calls are those of mathematics.h. */
-#ifndef CASADI_NAMES_H
-#define CASADI_NAMES_H
-
+/* The functions that CasADi's code calls are those of mathematics.h, until casadi_names_end.h. */
 #include "mathematics.h"
 
 #define casadi_inf REAL_INFINITY
@@ -34,5 +31,3 @@
 #define asinh(x) real_asinh(x)
 #define acosh(x) real_acosh(x)
 #define atanh(x) real_atanh(x)
-
-#endif

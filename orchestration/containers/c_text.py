@@ -14,6 +14,10 @@ _KEYWORDS = frozenset(
     " template this throw try typename using virtual xor".split()
 )
 """Words that no identifier may be, in C and in C++."""
+_DEVICES = frozenset({"con", "prn", "aux", "nul", *(f"{port}{i}" for port in ("com", "lpt") for i in range(10))})
+"""Names that no file has on Windows."""
+_MACRO = re.compile(r"NULL|EOF|NAN|INFINITY|CONTAINED|PREFIXED|STEP_SIZE|linux|unix|[A-Z0-9_]+_(MIN|MAX|\d+)|MODEL_\w+")
+"""Names that may be macros where the identifiers stand."""
 
 
 def identifier(text: str, taken: Iterable[str] = (), default: str = "x") -> str:
@@ -24,13 +28,18 @@ def identifier(text: str, taken: Iterable[str] = (), default: str = "x") -> str:
     >>> from orchestration.containers.c_text import identifier
     >>> identifier("two arms"), identifier("2nd", {"_2nd"}), identifier("double"), identifier("+")
     ('two_arms', 'x_2nd', 'double_1', 'x')
+
+    Names differ by more than the case of letters, since files are called by them:
+
+    >>> identifier("Plant", {"plant"}), identifier("NULL"), identifier("aux")
+    ('Plant_1', 'x_NULL', 'aux_1')
     """
     word = re.sub(r"[^A-Za-z0-9]+", "_", text).strip("_") or default
-    if word[0].isdigit():
+    if word[0].isdigit() or _MACRO.fullmatch(word):
         word = f"{default}_{word}"
-    occupied = {*taken} | _KEYWORDS
+    occupied = {name.lower() for name in taken} | _KEYWORDS | _DEVICES
     numbered = (f"{word}_{i}" for i in range(1, len(occupied) + 2))
-    return word if word not in occupied else next(name for name in numbered if name not in occupied)
+    return word if word.lower() not in occupied else next(name for name in numbered if name.lower() not in occupied)
 
 
 def c_string(text: str) -> str:

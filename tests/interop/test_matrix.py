@@ -1,8 +1,8 @@
 """docs/interop.md says what is measured: a slice of it is measured again, the rest is complete and current.
 
-The slice is three FMUs, one with Reals only, and the first 200 steps of fig2, in every tool of the development environment; the
-others need environments of their own, which these tests do not make. What they compare is bitwise or a
-message, so there is no tolerance but that of `tests.interop.matrix.compare`.
+The slice is three FMUs, one with Reals only, and the first 200 steps of fig2, in every tool of the development
+environment; the others need environments of their own, which these tests do not make. What they compare is bitwise
+or a message, so there is no tolerance but that of `tests.interop.matrix.compare`.
 """
 
 import re

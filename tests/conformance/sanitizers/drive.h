@@ -27,7 +27,7 @@ static void set_inputs(fmi2Component c, const double *start, uint64_t *seed) {
 
 static void step(fmi2Component c, uint64_t *seed) {
     static const double parts[] = PARTS; /* of 0.1 ms, a tick of every unit */
-    double t = NAN;
+    double t = real_nan();
     OK(fmi2GetRealStatus(c, fmi2LastSuccessfulTime, &t));
     OK(fmi2DoStep(c, t, 1e-4 * parts[(int)(random_number(seed) * 6)], fmi2True));
 }

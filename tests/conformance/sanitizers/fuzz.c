@@ -33,12 +33,12 @@ static fmi2Status step(Instance *instance) {
     }
     if (status != fmi2OK) return status;
     for (fmi2ValueReference r = MODEL_FIRST_OUTPUT; r < MODEL_N_VARIABLES; ++r) {
-        double value = NAN;
+        double value = real_nan();
         if (model_variables[r].type != TYPE_REAL) continue;
-        CHECK(fmi2GetReal(instance, &r, 1, &value) == fmi2OK && isfinite(value));
+        CHECK(fmi2GetReal(instance, &r, 1, &value) == fmi2OK && real_is_finite(value));
     }
-    double time = NAN;
-    CHECK(fmi2GetRealStatus(instance, fmi2LastSuccessfulTime, &time) == fmi2OK && time == t + h && isfinite(time));
+    double time = real_nan();
+    CHECK(fmi2GetRealStatus(instance, fmi2LastSuccessfulTime, &time) == fmi2OK && time == t + h && real_is_finite(time));
     return status;
 }
 

@@ -4,6 +4,8 @@
 
 #include "unit.h"
 
+#include <math.h>
+
 enum { MAX_N = 6 }; /* references in one call */
 #define MAX_WORK 1500.0 /* sub-steps or ticks of one input; a run of more would only be slow */
 #define REFUSED_WORK 2e7 /* of one step: more than the unit accepts */
@@ -19,7 +21,7 @@ static double number(double typical) {
     static const double special[] = {NAN,      INFINITY, -INFINITY, 0.0,  -0.0, 5e-324, -5e-324, DBL_MIN,
                                      DBL_MAX,  -DBL_MAX, 1e300,     1e-9, 1.0,  -1.0,   1e9,     0x1p63};
     const unsigned kind = byte();
-    if (kind < 128) return typical + (fabs(typical) + 0.1) * ((double)kind - 64) / 256;
+    if (kind < 128) return typical + (real_fabs(typical) + 0.1) * ((double)kind - 64) / 256;
     if (kind < 144) return special[kind - 128];
     if (kind < 152) return typical * (double)(kind - 143);
     if (kind < 160) {

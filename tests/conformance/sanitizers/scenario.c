@@ -3,14 +3,14 @@
 
 static void read_all(fmi2Component c) {
     for (fmi2ValueReference r = 0; r < MODEL_N_VARIABLES; ++r) {
-        double real = NAN;
+        double real = real_nan();
         int whole = 0;
         switch (model_variables[r].type) {
             case TYPE_REAL: OK(fmi2GetReal(c, &r, 1, &real)); break;
             case TYPE_INTEGER: OK(fmi2GetInteger(c, &r, 1, &whole)); break;
             default: OK(fmi2GetBoolean(c, &r, 1, &whole));
         }
-        CHECK(isfinite(real) || model_variables[r].type != TYPE_REAL);
+        CHECK(real_is_finite(real) || model_variables[r].type != TYPE_REAL);
     }
     OK(fmi2GetString(c, NULL, 0, NULL));
 }
@@ -25,10 +25,10 @@ static void read_derivatives(fmi2Component c, int in_time) {
         for (fmi2ValueReference u = MODEL_FIRST_INPUT; u < MODEL_FIRST_OUTPUT; ++u) {
             if (model_variables[u].type != TYPE_REAL) continue;
             OK(fmi2GetDirectionalDerivative(c, &y, 1, &u, 1, &direction, &dy));
-            CHECK(isfinite(dy));
+            CHECK(real_is_finite(dy));
         }
         if (in_time) OK(fmi2GetRealOutputDerivatives(c, &y, 1, &order, &dy));
-        CHECK(isfinite(dy));
+        CHECK(real_is_finite(dy));
     }
 }
 

@@ -1,7 +1,6 @@
 /* Plant: tables and equations. Generated; do not edit. */
 
 #include "model.h"
-#include "casadi_names.h"
 
 /* CasADi's functions come with companions and arguments that nobody uses. */
 #if defined(__GNUC__)
@@ -11,7 +10,9 @@
 #pragma GCC diagnostic ignored "-Wconversion"
 #endif
 #define CASADI_SYMBOL_EXPORT static
+#include "casadi_names.h"
 #include "equations.h"
+#include "casadi_names_end.h"
 #if defined(__GNUC__)
 #pragma GCC diagnostic pop
 #endif
