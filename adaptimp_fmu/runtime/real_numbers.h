@@ -60,16 +60,18 @@ static inline double real_copysign(double x, double sign) {
     return real_of_bits((real_bits(x) & ~REAL_SIGN) | (real_bits(sign) & REAL_SIGN));
 }
 
-/* The larger number; a number rather than NaN; +0 rather than -0. */
+/* The larger number; a number rather than NaN; +0 rather than -0. One comparison tells most cases. */
 static inline double real_fmax(double x, double y) {
+    if (x < y || x > y) return x > y ? x : y;
     if (x == y) return real_of_bits(real_bits(x) & real_bits(y));
-    return x > y || real_is_nan(y) ? x : y;
+    return real_is_nan(y) ? x : y;
 }
 
 /* The smaller number; a number rather than NaN; -0 rather than +0. */
 static inline double real_fmin(double x, double y) {
+    if (x < y || x > y) return x < y ? x : y;
     if (x == y) return real_of_bits(real_bits(x) | real_bits(y));
-    return x < y || real_is_nan(y) ? x : y;
+    return real_is_nan(y) ? x : y;
 }
 
 /* From 2^52 on each double is an integer. Zero keeps the sign of the argument. */

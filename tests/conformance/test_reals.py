@@ -51,10 +51,10 @@ def test_only_types_guid_and_description_differ(name: str, fmu_folder: Path, rea
     assert {v.type for v in reals.modelVariables} == {"Real"} != {v.type for v in usual.modelVariables}
     assert described(fmu_folder / f"{name}.fmu") == described(reals_folder / f"{name}.fmu")
     assert reals.guid != usual.guid
-    assert reals.modelName == usual.modelName == reals.coSimulation.modelIdentifier
-    assert reals.description.startswith(f"{usual.description}. Booleans are Reals of 0 and 1")
+    assert reals.modelName == usual.modelName == name
+    assert str(reals.description).startswith(f"{usual.description}. Booleans are Reals of 0 and 1")
     for old, new in zip(usual.modelVariables, reals.modelVariables, strict=True):
-        start = {"true": "1", "false": "0"}.get(old.start, old.start)
+        start = {"true": "1", "false": "0"}.get(str(old.start), old.start)
         assert new.start == start, new.name
         assert (new.min, new.max) == (("0", "1") if old.type == "Boolean" else (old.min, old.max)), new.name
         stands_for = {"Boolean": "BooleanAsReal", "Integer": "IntegerAsReal"}.get(old.type)

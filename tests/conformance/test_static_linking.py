@@ -92,8 +92,8 @@ def run_linked(compiler: Sequence[str], plan: Plan, folder: Path) -> dict[str, n
     subprocess.run(linking, check=True, cwd=folder)
     plan.numbers().tofile(folder / "plan")
     units = [text for c in components for text in (c.name, f"{c.name}_", c.description.guid)]
-    subprocess.run([str(folder / "driver"), "plan", "result", *units], check=True, cwd=folder)
-    return plan.outputs_in((folder / "result").read_bytes())
+    run = subprocess.run([str(folder / "driver"), "plan", *units], check=True, cwd=folder, capture_output=True)
+    return plan.outputs_in(run.stdout)
 
 
 @pytest.mark.parametrize("compiler", COMPILERS)

@@ -11,8 +11,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from adaptimp_fmu import ContinuousModel, Type, build
 from adaptimp_fmu.description import STANDS_FOR as WRITTEN
-from orchestration import Connection, System, SystemDescriptionError, scenario, simulate
+from orchestration import Algorithm, Connection, System, SystemDescriptionError, scenario, simulate
 from orchestration.fmi.codes import STANDS_FOR
 from orchestration.paper.closed_loop import paper_loop
 from orchestration.paper.scenarios import SCENARIOS, VARIANTS
@@ -57,6 +58,31 @@ def test_the_master_runs_both_with_the_same_bits(name: str) -> None:
     expected, found = simulate(usual, stop), simulate(reals, stop)
     assert found.names == expected.names
     assert found.rows.tobytes() == expected.rows.tobytes()
+
+
+def _switched(folder: Path, *, reals: bool) -> System:
+    """A clock that opens a valve after half a second, and the tank that the valve fills."""
+    clock = ContinuousModel("Clock", "Opens a valve")
+    clock.output("on", clock.time > 0.5, type=Type.BOOLEAN, description="Whether the valve is open", scalar=True)
+    clock.output("t", clock.time, unit="s", description="Time, which makes the clock continuous", scalar=True)
+    tank = ContinuousModel("Tank", "Is filled")
+    on = tank.input("on", 0, type=Type.BOOLEAN, description="Whether the valve is open")
+    level = tank.state("level", 0.0)
+    tank.derivative(level, on)
+    tank.output("level", level, description="Level", scalar=True)
+    files = {name: build(model, folder, reals=reals) for name, model in (("clock", clock), ("tank", tank))}
+    return System.of(files).connect("clock.on -> tank.on")
+
+
+def test_they_are_held_where_other_inputs_move(tmp_path: Path) -> None:
+    """A straight line through 0 and 1 would be neither, and the FMU takes no derivative of such an input."""
+    runs = [
+        simulate(_switched(tmp_path / str(reals), reals=reals), 1.0, 0.1, Algorithm("straight", order=1))
+        for reals in (False, True)
+    ]
+    assert runs[0].names == runs[1].names
+    assert runs[0].rows.tobytes() == runs[1].rows.tobytes()
+    assert 0.3 < runs[0]["tank.level"][-1] < 0.7
 
 
 def test_a_verdict_leaves_them_out_as_it_leaves_out_booleans() -> None:

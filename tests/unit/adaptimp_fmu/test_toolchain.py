@@ -166,7 +166,7 @@ def test_the_same_sources_with_other_units_are_another_binary(tmp_path: Path, co
 
 
 def test_a_failed_build_leaves_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def fail(sources: list[Path], output: Path, target: toolchain.Platform) -> None:
+    def fail(sources: list[Path], output: Path, target: toolchain.Platform, _libraries: object) -> None:
         output.write_bytes(b"half a binary")
         raise ToolchainError(f"{sources[0].name} does not compile for {target.name}")
 

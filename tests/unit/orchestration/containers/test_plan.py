@@ -125,3 +125,14 @@ def test_text_stays_text() -> None:
     assert [c_number(x) for x in (0.1, -math.inf, 1e22, -0.0)] == ["0.1", "-DBL_MAX", "1e+22", "-0.0"]
     assert identifier("a-b", {"a_b", "a_b_1"}) == "a_b_2"
     assert identifier("Größe", default="system") == "Gr_e"
+    assert [identifier(name, {"plant"}) for name in ("Plant", "INT32_MAX", "Con", "DC")] == [
+        *("Plant_1", "x_INT32_MAX", "Con_1", "DC"),
+    ]
+
+
+def test_an_fmu_may_be_called_as_the_program_calls_its_own(small: dict[str, Path], tmp_path: Path) -> None:
+    odd = {"NULL": small["Source"], "parameters": small["Relay"], "STEP_SIZE": small["Integrator"]}
+    folder = replace(System.of(odd, "period"), step=H).to_c(tmp_path / "x")
+    header = (folder / "step.h").read_text(encoding="utf-8")
+    assert "component_NULL;   /* NULL */" in header
+    assert "component_STEP_SIZE;   /* STEP_SIZE */" in header
