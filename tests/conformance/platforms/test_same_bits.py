@@ -94,7 +94,7 @@ def test_the_page_has_the_hash_of_the_whole_run(figure: str, systems: dict[str, 
 def test_the_last_digit_of_a_mass_gives_another_hash(
     systems: dict[str, System], master: Digest, expected: dict[str, str]
 ) -> None:
-    heavier = systems["fig2"].set({"plant.m[1]": float(np.nextafter(TRUE_MASSES[0], np.inf))})
+    heavier = systems["fig2"].set({"plant.m[2]": float(np.nextafter(TRUE_MASSES[1], np.inf))})
     assert digest(master, heavier, SHORT) != expected["fig2"]
 
 
