@@ -11,6 +11,7 @@ import pytest
 
 from adaptimp_fmu import host_platform
 from adaptimp_fmu.toolchain import PLATFORMS
+from fmus.catalog import MODELS
 from tests.conformance.container import CONTAINER, write_container
 from tests.conformance.platforms.machines import Machine, MachineUnavailableError, machine
 from tests.sharing import made_once
@@ -30,6 +31,12 @@ def build_all(folder: Path, environment: Mapping[str, str] | None = None) -> sub
         text=True,
         check=False,
     )
+
+
+@pytest.fixture(params=(*MODELS, CONTAINER))
+def identifier(request: pytest.FixtureRequest) -> str:
+    """Name of each FMU that is built for all platforms, the container last."""
+    return request.param
 
 
 @pytest.fixture(scope="session")

@@ -18,7 +18,6 @@ from orchestration import Component, System, simulate
 from orchestration.fmi.description import read_description
 from orchestration.paper.scenarios import SCENARIOS
 from tests.conformance.binary import OK, Binary, Instance
-from tests.conformance.container import of_models
 from tests.conformance.platforms.machines import Machine
 from tests.conformance.platforms.plan import Plan
 from tests.conformance.scenes import STEPS, H, random_inputs, scene
@@ -82,7 +81,7 @@ def test_10_driver_is_the_master_bit_for_bit(fig2: Plan, fig2_outputs: Outputs) 
         assert values.tobytes() == np.ascontiguousarray(result[name]).tobytes(), name
 
 
-@of_models
+@pytest.mark.parametrize("identifier", MODELS)
 def test_10_driver_is_ctypes_bit_for_bit(
     alone: Plan, alone_outputs: Outputs, binaries: dict[str, Binary], identifier: str
 ) -> None:
