@@ -13,8 +13,8 @@ from dataclasses import dataclass
 
 from adaptimp_fmu.variables import range_in_words, whole_range_in_words
 from orchestration.containers.c_text import identifier
-from orchestration.containers.contained_fmu import ContainedFmu, document_of
-from orchestration.containers.containment import contained_fmu
+from orchestration.containers.contained.contained_fmu import ContainedFmu, document_of
+from orchestration.containers.contained.containment import contained_fmu
 from orchestration.containers.initial_order import Pass, initial_dependencies, initial_order
 from orchestration.errors import ContainerError
 from orchestration.fmi.codes import BOOLEAN, INTEGER, ONE_INSTANCE, STRING

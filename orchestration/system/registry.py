@@ -60,9 +60,9 @@ class Program:
 
 
 CONTAINERS: dict[str, Program] = {
-    "c": Program("orchestration.containers.c_form:write_c"),
-    "fmu": Program("orchestration.containers.fmu:write_fmu", suffix=".fmu", platforms=True),
-    "wasm": Program("orchestration.containers.wasm:write_wasm", suffix=".wasm"),
+    "c": Program("orchestration.containers.c.form:write_c"),
+    "fmu": Program("orchestration.containers.fmu.write:write_fmu", suffix=".fmu", platforms=True),
+    "wasm": Program("orchestration.containers.wasm.module:write_wasm", suffix=".wasm"),
 }
 """Forms of a system as one program, by name."""
 

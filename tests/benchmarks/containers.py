@@ -25,7 +25,7 @@ from rich.console import Console
 from rich.table import Table
 
 from adaptimp_fmu import PLATFORMS
-from orchestration.containers.wasm import write_wasm
+from orchestration.containers.wasm.module import write_wasm
 from orchestration.paper.built_fmus import find_scenario, fmus
 from orchestration.system.system import System
 from tests.benchmarks.container import contained

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
-from orchestration.containers.c_program import c_sources, compiled_files
-from orchestration.containers.fmu import write_fmu
+from orchestration.containers.c.program import c_sources, compiled_files
+from orchestration.containers.fmu.write import write_fmu
 from orchestration.containers.plan import plan_of
 from orchestration.fmi.description import read_description
 from orchestration.system.system import Component, System

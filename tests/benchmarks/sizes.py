@@ -7,9 +7,9 @@ from collections.abc import Iterable
 from pathlib import Path
 from zipfile import ZipFile
 
-from orchestration.containers.c_form import write_c
-from orchestration.containers.fmu import write_fmu
-from orchestration.containers.wasm import write_wasm
+from orchestration.containers.c.form import write_c
+from orchestration.containers.fmu.write import write_fmu
+from orchestration.containers.wasm.module import write_wasm
 from orchestration.system.system import System
 
 MODULE_LIMIT, BINARY_LIMIT = 150_000, 400_000

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from orchestration import System
-from orchestration.containers.fmu import write_fmu
+from orchestration.containers.fmu.write import write_fmu
 from tests.conformance.units import UNITS
 
 CONTAINER = "ActuatedArm"

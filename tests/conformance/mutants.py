@@ -361,7 +361,7 @@ GROUPS = (
     ),
     Group(
         CONTAINER,
-        "containers/structure.py",
+        "containers/fmu/structure.py",
         ("test_container", "test_description"),
         {
             "dependencies end at connections": ("                waiting.append(source)\n", ""),
@@ -371,7 +371,7 @@ GROUPS = (
     ),
     Group(
         CONTAINER,
-        "containers/fmu_description.py",
+        "containers/fmu/description.py",
         ("test_container", "test_description"),
         {
             "limits of components are lost": ('"relativeQuantity", "min", "max",', '"relativeQuantity",'),
@@ -382,7 +382,7 @@ GROUPS = (
     ),
     Group(
         CONTAINER,
-        "containers/fmu.py",
+        "containers/fmu/write.py",
         ("test_container", "test_description", "test_access"),
         {
             "the GUID does not cover the sources": (

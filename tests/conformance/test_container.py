@@ -15,7 +15,7 @@ from fmu_manipulation_toolbox.operations import FMU
 from fmu_manipulation_toolbox.terminals import Terminals
 from lxml import etree
 
-from orchestration.containers.fmu import write_fmu
+from orchestration.containers.fmu.write import write_fmu
 from orchestration.errors import ContainerError
 from orchestration.sandbox.archive import file_hash
 from tests.conformance.binary import ERROR, OK, Binary, Instance

@@ -10,7 +10,7 @@ from zipfile import ZipFile
 import pytest
 
 from adaptimp_fmu.toolchain import WARNINGS, fmi_headers
-from orchestration.containers.fmu import LAYER
+from orchestration.containers.fmu.write import LAYER
 from tests.conformance.scenes import SCENES
 from tests.untested import needs
 

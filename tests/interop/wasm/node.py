@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from orchestration import Result, System, scenario
-from orchestration.containers.wasm import write_wasm
+from orchestration.containers.wasm.module import write_wasm
 from tests.untested import needs
 
 NODE = shutil.which("node")

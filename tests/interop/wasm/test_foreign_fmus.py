@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from orchestration import System, scenario, simulate
-from orchestration.containers.wasm import write_wasm
+from orchestration.containers.wasm.module import write_wasm
 from orchestration.errors import ContainerError
 from tests.interop.foreign.builders import MAPPING, without_compiler
 from tests.interop.wasm.node import assert_bitwise, kept, module_of, needs_node, node

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from orchestration.containers.wasm import host
+from orchestration.containers.wasm.module import host
 from tests.interop.wasm.node import needs_node, script_output
 
 pytestmark = [

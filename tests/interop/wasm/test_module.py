@@ -8,10 +8,10 @@ from pathlib import Path
 import pytest
 
 from orchestration import scenario
-from orchestration.containers import wasm
-from orchestration.containers.c_program import c_sources
+from orchestration.containers.c.program import c_sources
 from orchestration.containers.plan import Plan
-from orchestration.containers.wasm import write_wasm
+from orchestration.containers.wasm import module as wasm
+from orchestration.containers.wasm.module import write_wasm
 from orchestration.errors import ContainerError, SystemDescriptionError
 from tests.faults.cli import runner
 from tests.interop.wasm.node import module_of, needs_node, node

@@ -9,7 +9,7 @@ import numpy as np
 from adaptimp_fmu.binary import binary
 from adaptimp_fmu.toolchain import host_platform
 from orchestration import System
-from orchestration.containers.c_program import c_sources, compiled_files
+from orchestration.containers.c.program import c_sources, compiled_files
 from orchestration.containers.plan import GAUSS_SEIDEL, OUTPUT, Plan, plan_of
 
 EXPORTS = """#include "step.h"

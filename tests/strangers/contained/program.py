@@ -12,8 +12,8 @@ import numpy as np
 
 from adaptimp_fmu.toolchain import fmi_headers, host_platform
 from orchestration import System
-from orchestration.containers.c_program import c_sources, compiled_files
-from orchestration.containers.foreign_compiler import write_below
+from orchestration.containers.c.program import c_sources, compiled_files
+from orchestration.containers.contained.foreign.compiler import write_below
 from orchestration.containers.plan import Plan, plan_of
 
 ZIG = (sys.executable, "-m", "ziglang", "cc")

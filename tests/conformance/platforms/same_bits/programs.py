@@ -19,11 +19,11 @@ import numpy as np
 
 from adaptimp_fmu import host_platform
 from orchestration import Component, System, simulate
-from orchestration.containers.c_form import write_c
-from orchestration.containers.c_program import compiled_files
-from orchestration.containers.fmu import write_fmu
+from orchestration.containers.c.form import write_c
+from orchestration.containers.c.program import compiled_files
+from orchestration.containers.fmu.write import write_fmu
 from orchestration.containers.plan import plan_of
-from orchestration.containers.wasm import write_wasm
+from orchestration.containers.wasm.module import write_wasm
 from orchestration.fmi.description import read_description
 from tests.conformance.platforms.machines import Machine, MachineUnavailableError, machine, streamed
 from tests.conformance.platforms.plan import Plan

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from orchestration import Algorithm, Connection, ContainerError, System, SystemDescriptionError
-from orchestration.containers.c_program import c_sources
+from orchestration.containers.c.program import c_sources
 from orchestration.containers.c_text import c_comment, c_number, c_string, identifier, md
 from orchestration.containers.plan import FIXED, INPUT, OUTPUT, TUNABLE, plan_of
 from tests.unit.orchestration.small_models import H, chain, mixed, system

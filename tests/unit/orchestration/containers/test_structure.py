@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from lxml import etree
 
-from orchestration.containers.structure import Structure, structure
+from orchestration.containers.fmu.structure import Structure, structure
 from orchestration.fmi.description import Description, Variable
 from orchestration.fmi.document import Document
 from orchestration.system.component import Component

@@ -5,7 +5,7 @@ from typing import Any
 import pytest
 from lxml import etree
 
-from orchestration.containers.unit_definitions import UnitDefinitions
+from orchestration.containers.fmu.unit_definitions import UnitDefinitions
 from orchestration.fmi.document import Document
 
 SI = '<Unit name="rad/s"><BaseUnit rad="1" s="-1"/><DisplayUnit name="rpm" factor="9.549"/></Unit>'

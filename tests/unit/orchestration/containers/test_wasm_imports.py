@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from orchestration.containers.wasm_imports import imported_names
+from orchestration.containers.wasm.imports import imported_names
 from tests.unit.examples import failures, has_example
 
 MAGIC = b"\0asm\1\0\0\0"

@@ -20,7 +20,7 @@ def imported_names(module: bytes) -> list[str]:
 
     Examples
     --------
-    >>> from orchestration.containers.wasm_imports import imported_names
+    >>> from orchestration.containers.wasm.imports import imported_names
     >>> imported_names(b"\0asm\1\0\0\0" + b"\2\7\1\1a\1f\0\0")
     ['f']
     """

@@ -12,9 +12,9 @@ from lxml import etree
 
 from adaptimp_fmu.description import LOG_CATEGORIES, number
 from adaptimp_fmu.variables import Type
+from orchestration.containers.fmu.structure import structure
+from orchestration.containers.fmu.unit_definitions import UnitDefinitions
 from orchestration.containers.plan import FIXED, INPUT, OUTPUT, TUNABLE, Plan, ProgramVariable
-from orchestration.containers.structure import structure
-from orchestration.containers.unit_definitions import UnitDefinitions
 from orchestration.fmi.codes import BOOLEAN, INTEGER, ONE_INSTANCE, REAL
 from orchestration.fmi.document import Document, require_valid
 

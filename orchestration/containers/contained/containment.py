@@ -3,8 +3,8 @@
 from collections.abc import Iterable
 
 from orchestration.containers.c_text import environment, identifier
-from orchestration.containers.contained_fmu import ContainedFmu, declared_variables
-from orchestration.containers.foreign_fmu import foreign_fmu
+from orchestration.containers.contained.contained_fmu import ContainedFmu, declared_variables
+from orchestration.containers.contained.foreign.adapter import foreign_fmu
 from orchestration.sandbox.archive import entry_names, file_hash, read_entries
 from orchestration.system.component import Component
 

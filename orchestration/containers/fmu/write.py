@@ -3,7 +3,7 @@
     NAME.fmu
       modelDescription.xml   model.png   documentation/   terminalsAndIcons/
       binaries/PLATFORM/     one library, compiled from the sources
-      sources/step.c ...     the system in C, as `orchestration.containers.c_program` writes it
+      sources/step.c ...     the system in C, as `orchestration.containers.c.program` writes it
       sources/fmi/           the FMI functions: the layer of the runtime that all FMUs of this project have
 
 Same system, same bytes: the GUID is a hash of the description and the sources.
@@ -22,12 +22,12 @@ from adaptimp_fmu.files.whole_file import write_whole
 from adaptimp_fmu.package import archive
 from adaptimp_fmu.terminals import TERMINALS_FILE, Terminal, terminals_and_icons
 from adaptimp_fmu.toolchain import PLATFORMS, Platform, host_platform
-from orchestration.containers.c_program import c_sources, compiled_files
+from orchestration.containers.c.program import c_sources, compiled_files
 from orchestration.containers.c_text import environment
-from orchestration.containers.contained_fmu import document_of
-from orchestration.containers.fmu_description import container_description
-from orchestration.containers.fmu_documentation import container_documentation
-from orchestration.containers.fmu_icon import container_icon
+from orchestration.containers.contained.contained_fmu import document_of
+from orchestration.containers.fmu.description import container_description
+from orchestration.containers.fmu.documentation import container_documentation
+from orchestration.containers.fmu.icon import container_icon
 from orchestration.containers.plan import FIXED, GAUSS_SEIDEL, INPUT, OUTPUT, TUNABLE, Plan, ProgramVariable, plan_of
 from orchestration.errors import ContainerError
 from orchestration.fmi.given import a_path

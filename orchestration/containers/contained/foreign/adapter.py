@@ -11,9 +11,9 @@ outputs at every step, with one call for each type.
 from collections.abc import Iterable, Mapping, Sequence
 
 from orchestration.containers.c_text import environment, identifier
-from orchestration.containers.contained_fmu import ContainedFmu, declared_variables
-from orchestration.containers.foreign_names import rename
-from orchestration.containers.foreign_sources import read_sources
+from orchestration.containers.contained.contained_fmu import ContainedFmu, declared_variables
+from orchestration.containers.contained.foreign.names import rename
+from orchestration.containers.contained.foreign.sources import read_sources
 from orchestration.errors import ContainerError
 from orchestration.fmi.codes import BOOLEAN, INTEGER, REAL, SAVES_STATE, STRING
 from orchestration.fmi.description import Description, Variable

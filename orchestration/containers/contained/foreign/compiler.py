@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 
 from adaptimp_fmu.toolchain import fmi_headers
-from orchestration.containers.foreign_sources import INCLUDABLE
+from orchestration.containers.contained.foreign.sources import INCLUDABLE
 from orchestration.errors import printable
 from orchestration.sandbox.limited import run_limited
 from orchestration.sandbox.object_file import ElfError, Names, read_names

@@ -4,9 +4,9 @@ import importlib.resources
 from pathlib import Path
 
 from adaptimp_fmu.files.whole_file import write_whole
-from orchestration.containers.c_program import FOLDER, c_sources, compiled_files, counts
+from orchestration.containers.c.program import FOLDER, c_sources, compiled_files, counts
 from orchestration.containers.c_text import environment
-from orchestration.containers.foreign_fmu import ARENA
+from orchestration.containers.contained.foreign.adapter import ARENA
 from orchestration.containers.plan import GAUSS_SEIDEL, OUTPUT, Plan, plan_of
 from orchestration.errors import ContainerError
 from orchestration.fmi.given import a_path

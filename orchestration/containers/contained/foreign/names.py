@@ -13,8 +13,14 @@ from functools import lru_cache
 
 from adaptimp_fmu.files.temporary_folder import temporary_folder
 from orchestration.containers.c_text import environment
-from orchestration.containers.foreign_compiler import HEADER, Compiled, UnfitSourcesError, compiled, write_below
-from orchestration.containers.foreign_sources import ForeignSources
+from orchestration.containers.contained.foreign.compiler import (
+    HEADER,
+    Compiled,
+    UnfitSourcesError,
+    compiled,
+    write_below,
+)
+from orchestration.containers.contained.foreign.sources import ForeignSources
 from orchestration.errors import ContainerError
 from orchestration.fmi.display import listed
 from orchestration.sandbox.archive import file_hash

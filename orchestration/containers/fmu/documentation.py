@@ -9,7 +9,7 @@ import jinja2
 from adaptimp_fmu.codegen import RUNTIME_LICENSE, runtime_license, runtime_sources
 from adaptimp_fmu.description import number
 from adaptimp_fmu.variables import Type
-from orchestration.containers.fmu_description import summary
+from orchestration.containers.fmu.description import summary
 from orchestration.containers.plan import FIXED, INPUT, OUTPUT, TUNABLE, Member, Plan
 from orchestration.fmi.codes import BOOLEAN, REAL
 from orchestration.fmi.document import Document

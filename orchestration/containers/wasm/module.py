@@ -12,11 +12,11 @@ from adaptimp_fmu.binary import binary
 from adaptimp_fmu.errors import ToolchainError
 from adaptimp_fmu.files.whole_file import write_together
 from adaptimp_fmu.toolchain import WASM, WASM_WITH_LIBRARY
-from orchestration.containers.c_program import c_sources, compiled_files
+from orchestration.containers.c.program import c_sources, compiled_files
 from orchestration.containers.c_text import environment
 from orchestration.containers.plan import GAUSS_SEIDEL, Plan, plan_of
-from orchestration.containers.wasm_description import description
-from orchestration.containers.wasm_imports import imported_names
+from orchestration.containers.wasm.description import description
+from orchestration.containers.wasm.imports import imported_names
 from orchestration.errors import ContainerError
 from orchestration.fmi.given import a_path
 from orchestration.master.algorithm import Algorithm
@@ -59,7 +59,7 @@ def write_wasm(system: System, path: str | Path, algorithm: str | Algorithm = GA
     Examples
     --------
     >>> from orchestration import scenario
-    >>> from orchestration.containers.wasm import write_wasm
+    >>> from orchestration.containers.wasm.module import write_wasm
     >>> module = write_wasm(scenario("fig2"), "fig2.wasm")
     >>> sorted(file.name for file in module.parent.glob("fig2.*"))
     ['fig2.json', 'fig2.mjs', 'fig2.wasm']

@@ -1,0 +1,1 @@
+"""How FMUs become parts of a program."""

@@ -1,0 +1,1 @@
+"""FMUs of other tools as parts of a program, called by FMI's functions."""
