@@ -49,13 +49,13 @@ from orchestration.cli.options import (
 from orchestration.cli.output import never_fail_on_characters, output, require_streams
 from orchestration.cli.outside import RunCommand
 from orchestration.cli.program import (
-    MESSAGES,
     SETTINGS,
     Command,
     Debug,
     Program,
     Quiet,
     Verbose,
+    Version,
     closing,
     with_messages,
 )
@@ -69,25 +69,12 @@ app = typer.Typer(
 )
 
 
-def _print_version(wanted: bool) -> None:
-    if wanted:
-        from importlib.metadata import version
-
-        typer.echo(f"adaptimp {version('adaptimp')}")
-        raise typer.Exit
-
-
 @app.callback(epilog=closing("adaptimp run fig5", "adaptimp run --help"))
 def common(
     quiet: Quiet = False,
     verbose: Verbose = False,
     debug: Debug = False,
-    version: Annotated[  # noqa: ARG001 - its callback prints it
-        bool,
-        typer.Option(
-            "--version", callback=_print_version, is_eager=True, help="Print the version.", rich_help_panel=MESSAGES
-        ),
-    ] = False,
+    version: Version = False,  # noqa: ARG001 - its callback prints it
 ) -> None:
     """Adaptive impedance control (Lu & Meng 1991) as interchangeable FMUs (FMI 2.0, co-simulation)."""
     output.choose(quiet=quiet, verbose=verbose, debug=debug)

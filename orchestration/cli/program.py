@@ -34,6 +34,22 @@ Verbose = Annotated[
 Debug = Annotated[
     bool, typer.Option("--debug", help="Show where in the program an error arose.", rich_help_panel=MESSAGES)
 ]
+
+
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        from importlib.metadata import version
+
+        typer.echo(f"adaptimp {version('adaptimp')}")
+        raise typer.Exit
+
+
+Version = Annotated[
+    bool,
+    typer.Option(
+        "--version", callback=_print_version, is_eager=True, help="Print the version.", rich_help_panel=MESSAGES
+    ),
+]
 _COMMON: Mapping[str, Any] = {"quiet": Quiet, "verbose": Verbose, "debug": Debug}
 
 
