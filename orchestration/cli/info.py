@@ -30,7 +30,7 @@ ABILITIES = {
     SERIALIZES_STATE: "serialize its state",
     INTERPOLATES: "interpolate its inputs",
     DIFFERENTIATES: "give directional derivatives",
-    VARIES_STEP: "take steps of any length",
+    VARIES_STEP: "take steps of different lengths",
 }
 LONGEST = 200
 """Characters of a text of metadata that is shown; JSON has all."""
