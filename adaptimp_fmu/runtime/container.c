@@ -100,9 +100,14 @@ static void note_change(State *s, int parameter_changed) {
 
 static int inputs_valid(const Instance *instance) {
     for (uint32_t i = MODEL_FIRST_INPUT; i < MODEL_FIRST_OUTPUT; ++i) {
+        const ModelVariable *input = &model_variables[i];
         const double value = SLOT(&instance->state, i);
-        if (real_is_finite(value)) continue;
-        fail(instance, "Input %s is %s; it must be finite.", model_variables[i].name, not_finite(value));
+        if (!real_is_finite(value))
+            fail(instance, "Input %s is %s; it must be finite.", input->name, not_finite(value));
+        else if (!may_be(input, value))
+            fail(instance, "Input %s is %.17g; it must be %s.", input->name, value, input->range);
+        else
+            continue;
         return 0;
     }
     return 1;

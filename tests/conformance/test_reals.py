@@ -13,6 +13,7 @@ import pytest
 from adaptimp_fmu import ContinuousModel, DefinitionError, Limits, Model, SampledModel, Type, build
 from adaptimp_fmu.reals import as_reals
 from fmus.catalog import MODELS
+from orchestration import System
 from tests.conformance.binary import ERROR, OK, Binary, Instance, array, require_ok
 from tests.conformance.calls import assert_refused
 from tests.conformance.scenes import H, run, scene
@@ -101,6 +102,23 @@ def test_an_input_that_is_neither_0_nor_1_is_refused_at_the_step(load: Load, cre
     require_ok(instance.set({"saturated[2]": value}), instance)
     assert_refused(instance, instance.step(H), instance.blob(), said)
     require_ok(instance.set({"saturated[2]": -0.0}), instance)
+    assert instance.step(H) == OK
+
+
+def test_the_fmu_of_a_system_refuses_such_numbers_and_nothing_changes(
+    reals_folder: Path, tmp_path: Path, create: Create
+) -> None:
+    system = System.of({"c": reals_folder / "CraigAdaptiveImpedance.fmu"}).with_sample_time(H)
+    instance = create(Binary(system.to_fmu(tmp_path / "one.fmu"), tmp_path / "unpacked")).enter()
+    values = {"c.K[1]": 1234.0, "c.projection": 0.3}
+    before = instance.blob()
+    assert_refused(instance, instance.set(values), before, "c.projection = ", "must be 0 or 1")
+    require_ok(instance.call("fmi2ExitInitializationMode"), instance)
+    require_ok(instance.set({"c.saturated[2]": 0.3}), instance)
+    before = instance.blob()
+    said = "Input c.saturated[2] is 0.29999999999999999; it must be 0 or 1."
+    assert_refused(instance, instance.step(H), before, said)
+    require_ok(instance.set({"c.saturated[2]": 1.0}), instance)
     assert instance.step(H) == OK
 
 

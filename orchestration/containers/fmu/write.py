@@ -151,6 +151,7 @@ def _layer(plan: Plan) -> dict[str, str]:
         "guid": GUID_PLACEHOLDER,
         "sizes": {name: len(plan.with_role(*roles)) for name, roles in numbers.items()},
         "runs": _runs(plan),
+        "whole": [bool(variable.variable.stands_for) for variable in plan.variables],
     }
     generated = {
         f"{LAYER}/{name}": templates.get_template(template).render(values)
