@@ -165,8 +165,8 @@ def test_made_up_states_are_refused(binary: Binary, create: Create) -> None:
     blob = instance.blob()
     counts = [i for i in range(64, len(blob), 8) if blob[i : i + 8] == struct.pack("<q", ticks)]
     assert len(counts) == 3, "ticks of the actuator and the sensor, and steps of the system"
-    for place in counts:
-        assert_blob_refused(instance, forged(blob, place, struct.pack("<q", -1)))
+    for place, count in itertools.product(counts, (-1, 2**62)):
+        assert_blob_refused(instance, forged(blob, place, struct.pack("<q", count)))
         assert "impossible" in instance.last
     for place in counts[:2]:
         for fraction in (1.0, -0.5, math.nan):
