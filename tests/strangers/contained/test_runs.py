@@ -11,7 +11,7 @@ import pytest
 from orchestration import System, prepare, scenario, simulate
 from tests.interop.foreign.builders import MAPPING, without_compiler
 from tests.strangers.contained.conftest import Compiled
-from tests.strangers.contained.fmus import SPELLINGS, controller, small
+from tests.strangers.contained.fmus import SPELLINGS, controller, small, small_sources
 from tests.strangers.contained.program import ZIG, FailedError
 
 STRICT = (
@@ -161,6 +161,63 @@ def test_states_are_saved_and_restored(pair: tuple[Path, Path], compiled: Compil
         program.set({"a.b": 9.0})  # the next restoring takes it back
         program.step(3)
     program.library.forget(program.state_pointer)
+
+
+RESET = """
+FMI2_Export fmi2Status NAMED(fmi2Reset)(fmi2Component c) {
+    Model *m = c;
+    const Model old = *m;
+    memset(m, 0, sizeof *m);
+    m->callbacks = old.callbacks, m->born = old.born;
+    m->real[K] = 2, m->real[B] = 0.5, m->integer[M] = 1, m->integer[MODE] = 2;
+    MEMORY(m) = 1;
+    return strcpy(m->text, "ab"), fmi2OK;
+}
+"""
+"""A function that the small FMU lacks, as the end of its source."""
+
+
+def owning(folder: Path) -> Path:
+    """A small FMU whose states mean something only in the instance that they are of."""
+    source = small_sources()["small.c"]
+    source = source.replace("    char text[16];\n", "    char text[16];\n    int born;\n")
+    source = source.replace("    if (m == NULL) return NULL;\n", "    static int born;\n    m->born = ++born;\n")
+    mine = "    if (((Model *)state)->born != ((Model *)c)->born) return fmi2Fatal;\n"
+    begin = source.index("NAMED(fmi2SetFMUstate)")
+    source = source[:begin] + source[begin:].replace("{\n", "{\n" + mine, 1)
+    return small(folder, "Owning", edit={"small.c": source + RESET})
+
+
+def test_a_saved_state_outlives_a_reset(tmp_path: Path, compiled: Compiled) -> None:
+    path = owning(tmp_path)
+    system = coupled(path, path)
+    program = compiled(system, more=SAVING.format(ID=system.name or "system"))
+    first = program.run(30)
+    assert program.library.save(program.state_pointer) == 1
+    later = [(program.step(), program.outputs())[1] for _ in range(20)]
+    program.reset()
+    again = program.run(30)
+    assert {name: rows.tobytes() for name, rows in again.items()} == {n: rows.tobytes() for n, rows in first.items()}
+    program.reset()
+    assert program.library.restore(program.state_pointer) == 1
+    assert np.array([(program.step(), program.outputs())[1] for _ in range(20)]).tobytes() == np.array(later).tobytes()
+    program.library.forget(program.state_pointer)
+    program.reset()
+    assert_same(program.run(30), simulate(system, stop_time=30 * STEP))
+
+
+def test_the_state_of_an_instance_that_is_gone_is_not_restored(pair: tuple[Path, Path], compiled: Compiled) -> None:
+    """The sources have no fmi2Reset, so that a reset makes a new instance, in which the state means nothing."""
+    system = replace(System.of({"a": pair[0]}), step=STEP)
+    program = compiled(system, more=SAVING.format(ID=system.name or "system"))
+    program.run(30)
+    assert program.library.save(program.state_pointer) == 1
+    program.reset()
+    assert program.library.restore(program.state_pointer) == 0
+    assert program.library.save(program.state_pointer) == 1
+    assert program.library.restore(program.state_pointer) == 1
+    program.library.forget(program.state_pointer)
+    assert_same(program.run(30), simulate(system, stop_time=30 * STEP))
 
 
 def test_a_system_saves_only_if_every_fmu_does(pair: tuple[Path, Path], tmp_path: Path, compiled: Compiled) -> None:

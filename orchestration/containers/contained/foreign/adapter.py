@@ -62,6 +62,7 @@ def foreign_fmu(component: Component, taken: Iterable[str]) -> ContainedFmu:
     _require_functions(component, renamed.functions, variables)
     places = {variable.fmu_name: i for i, variable in enumerate(variables)}
     templates, settings = environment(), _settings(description, variables)
+    settings["resets"] = settings["saves"] and "fmi2Reset" in renamed.functions
     return ContainedFmu(
         name,
         path,
