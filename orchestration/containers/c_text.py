@@ -16,7 +16,9 @@ _KEYWORDS = frozenset(
 """Words that no identifier may be, in C and in C++."""
 _DEVICES = frozenset({"con", "prn", "aux", "nul", *(f"{port}{i}" for port in ("com", "lpt") for i in range(10))})
 """Names that no file has on Windows."""
-_MACRO = re.compile(r"NULL|EOF|NAN|INFINITY|CONTAINED|PREFIXED|STEP_SIZE|linux|unix|[A-Z0-9_]+_(MIN|MAX|\d+)|MODEL_\w+")
+_MACRO = re.compile(
+    r"NULL|EOF|NAN|INFINITY|CONTAINED|PREFIXED|STEP_SIZE|linux|unix|[A-Z0-9_]+_(MIN|MAX|\d+)|(L?DBL|FLT|MODEL)_\w+"
+)
 """Names that may be macros where the identifiers stand."""
 
 

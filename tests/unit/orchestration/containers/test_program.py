@@ -78,6 +78,11 @@ def test_names_that_c_does_not_allow(small: dict[str, Path], tmp_path: Path) -> 
     assert_equal_rows(replace(odd, name='two "arms" */ \\'), tmp_path)
 
 
+def test_names_of_macros(small: dict[str, Path], tmp_path: Path) -> None:
+    names = {"DBL_DIG": "Source", "FLT_RADIX": "Integrator", "INT32_MAX": "Source"}
+    assert_equal_rows(system(small, names, "DBL_DIG.u -> FLT_RADIX.u"), tmp_path)
+
+
 @FREE
 def test_free_inputs_are_inputs_of_the_program(small: dict[str, Path], tmp_path: Path) -> None:
     free = system(small, {"plant": "Integrator", "relay": "Relay"}, "plant.y -> relay.u").set({"plant.through": 1.0})
