@@ -41,6 +41,7 @@ def c_sources(plan: Plan) -> dict[str, str]:
         "counts": counts(plan),
         "owners": [variable.member for variable in plan.with_role(FIXED, TUNABLE, INPUT)],
         "wholes": [i for i, v in enumerate(plan.variables) if v.variable.stands_for and v.role != OUTPUT],
+        "integer_links": any(link.type == INTEGER for link in plan.links),
         "passes": list(_passes(plan)),
         "sampled": any(member.period for member in plan.members),
         "step": list(_inner_step(plan)),
@@ -123,7 +124,7 @@ def _assignment(plan: Plan, link: Link) -> str:
     if link.type == BOOLEAN:
         return f"{target} = {source} < 0 || {source} > 0 ? 1 : 0;"
     if link.type == INTEGER:
-        return f"{target} = (double)(int32_t){source};"
+        return f"{target} = to_integer({source});"
     if link.scale.trivial:
         return f"{target} = {source};"
     return f"{target} = {c_number(link.scale.factor)} * {source} + {c_number(link.scale.offset)};"

@@ -1,5 +1,8 @@
 """Programs of small systems against the master: types, conversions, orders, free inputs, initialization, failures."""
 
+import platform
+import shutil
+import subprocess
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -8,7 +11,10 @@ from typing import Any
 import numpy as np
 import pytest
 
+from adaptimp_fmu import SampledModel, Type, build
 from orchestration import Connection, SimulationError, System, simulate
+from orchestration.containers.c.program import c_sources
+from orchestration.containers.plan import plan_of
 from tests.reference.containers.program import Program, RefusedError
 from tests.unit.orchestration.small_models import LAST_TICK, H, chain, mixed, system
 
@@ -185,6 +191,34 @@ def test_a_period_that_no_longer_fits_the_step_is_refused(
     with pytest.raises(RefusedError) as caught:
         program.initialize()
     assert str(caught.value) == f"relay: sample_time = {period:.17g} s is not a multiple of the step {H} s."
+
+
+def test_an_integer_that_is_none_is_not_converted(small: dict[str, Path], tmp_path: Path) -> None:
+    """C does not say what its conversion to 32 bits would give."""
+    model = SampledModel("Huge", "Shows a number", sample_time=H)
+    model.output(
+        "n", model.parameter("p", 3e9, description="A number"), type=Type.INTEGER, description="p", scalar=True
+    )
+    fmus = {**small, "Huge": build(model, tmp_path)}
+    program = Program.of(system(fmus, {"relay": "Relay", "huge": "Huge"}, "huge.n -> relay.n"), tmp_path)
+    with pytest.raises(RefusedError, match=r"huge: Output n is 3000000000"):
+        program.initialize()
+    assert not np.isin([-(2.0**31), 3e9 - 2.0**32], program.snapshot()).any()
+
+
+@pytest.mark.skipif(shutil.which("gcc") is None or platform.machine() != "x86_64", reason="there is no gcc for x86-64")
+def test_a_compiler_may_not_contract_links_and_times(small: dict[str, Path], tmp_path: Path) -> None:
+    """GCC rounds a product and a sum once if it may, and does so unless it is told otherwise."""
+    linked = system(small, {"source": "Source", "plant": "Integrator"}).connect(
+        Connection("source", "u", "plant", "u", factor=0.1, offset=0.3)
+    )
+    for name, text in c_sources(plan_of(linked)).items():
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).write_text(text, encoding="utf-8")
+    command = ["gcc", "-std=gnu11", "-O2", "-mfma", "-S", "step.c", "-o", "-"]
+    found = subprocess.run(command, cwd=tmp_path, check=True, capture_output=True, text=True).stdout
+    assert "mulsd" in found
+    assert "vfm" not in found
 
 
 def failure_of_program(tested: System, folder: Path, steps: int) -> str:
