@@ -240,7 +240,6 @@ def run(
 @app.command(
     cls=Command,
     epilog=closing(
-        "adaptimp export fig5 -o fig5.ssp",
         "adaptimp export fig5 --set controller.K=[4000,2000] \\\n"
         "    --controller SlotineLiAdaptiveImpedance -o other.ssp",
         "adaptimp export fig5 --as c -o fig5_in_c",

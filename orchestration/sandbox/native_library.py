@@ -83,6 +83,8 @@ def host_machine() -> str:
 
 def _elf(file: BinaryIO) -> Iterator[_Image]:
     header = read_header(file)
+    if not header.loaded:  # an object file, say
+        raise struct.error
     yield _Image(header.machine, (*header.tables, *((s.offset, s.size_in_file) for s in header.loaded)))
 
 

@@ -16,11 +16,11 @@ static void read_values(fmi2Component c, double values[MODEL_N_VARIABLES]) {
     for (fmi2ValueReference r = 0; r < MODEL_N_VARIABLES; ++r) values[r] = SLOT(&((Instance *)c)->state, r);
 }
 
-/* Real inputs 1 % and 0.01 off the values in `start`, Booleans by a coin. */
+/* Real inputs 1 % and 0.01 off the values in `start`; Booleans, and Reals that stand for them, by a coin. */
 static void set_inputs(fmi2Component c, const double *start, uint64_t *seed) {
     for (fmi2ValueReference r = MODEL_FIRST_INPUT; r < MODEL_FIRST_OUTPUT; ++r) {
         const double offset = 2 * random_number(seed) - 1;
-        set_number(c, r, model_variables[r].type == TYPE_REAL ? start[r] * (1 + 0.01 * offset) + 0.01 * offset
+        set_number(c, r, model_variables[r].type == TYPE_REAL && !is_whole_real(r) ? start[r] * (1 + 0.01 * offset) + 0.01 * offset
                                                               : offset > 0);
     }
 }

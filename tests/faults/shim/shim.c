@@ -1,6 +1,7 @@
 /* Wraps each function of an exported FMU: it does what is asked for, or the fault that the FMU's parameters name.
  * The generated faults.h has the numbers of the faults and functions, and the value references of the parameters. */
 #define _GNU_SOURCE
+#include <math.h>
 #include <pthread.h>
 #include <signal.h>
 #include <stdio.h>
