@@ -87,8 +87,8 @@ class Programs:
         """Write the system as a module of WebAssembly that imports nothing, for node and for pages.
 
         ``NAME.json`` and ``NAME.mjs`` are written beside the module ``NAME.wasm``. The first describes the variables
-        of the module, and the second is the host in JavaScript. The three files are written together or not at all. The values of a run are those of
-        `simulate`, to the last bit.
+        of the module, and the second is the host in JavaScript. The three files are written together or not at all.
+        The values of a run are those of `simulate`, to the last bit.
 
         Parameters
         ----------

@@ -139,7 +139,7 @@ def test_make_says_if_the_compiler_does_not_tell_the_stack(folder: Path) -> None
         file.unlink()
     outcome = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
     assert (outcome.returncode, outcome.stderr) == (0, "")
-    assert "The compiler says no size of the stack." in outcome.stdout
+    assert "The compiler does not tell how much stack a step needs." in outcome.stdout
 
 
 def test_the_page_says_what_the_program_is_made_of(folder: Path) -> None:

@@ -154,7 +154,7 @@ def test_the_files_of_an_earlier_module_are_replaced_but_no_others(fig5: Path, t
     (tmp_path / "system.json").write_text("{}")
     with pytest.raises(ContainerError) as caught:
         module_of("fig5", tmp_path)
-    assert "system.json is there without a module, and would be replaced" in str(caught.value)
+    assert "system.json exists and is not of an earlier module" in str(caught.value)
     assert (tmp_path / "system.json").read_text() == "{}"
     (tmp_path / "system.wasm").write_bytes(b"earlier")
     module_of("fig5", tmp_path)
