@@ -116,7 +116,7 @@ def _module(plan: Plan, sources: dict[str, str]) -> bytes:
     """Compile, or take from the cache."""
     platform = WASM_WITH_LIBRARY if plan.foreign else WASM
     try:
-        module = binary(plan.identifier, sources, platform, units=[EXPORTS, *compiled_files(plan)])
+        module = binary(plan.identifier, sources, platform, compiled=[EXPORTS, *compiled_files(plan)])
     except ToolchainError as error:
         called = _called(plan, str(error))
         if not called:

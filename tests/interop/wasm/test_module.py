@@ -120,7 +120,7 @@ def test_a_variable_has_all_that_its_fmu_declares(description: dict) -> None:
 
 @pytest.mark.parametrize("name", ["fig5", "fig5.js", "fig5.wat"])
 def test_another_suffix_is_refused(name: str, tmp_path: Path) -> None:
-    with pytest.raises(ContainerError, match=r"as \.wasm"):
+    with pytest.raises(ContainerError, match=r"the name of a module of WebAssembly ends in \.wasm; write fig5\.wasm\."):
         write_wasm(scenario("fig5"), tmp_path / name)
 
 
