@@ -20,7 +20,7 @@ def binary(
     sources: Mapping[str, str],
     platform: Platform,
     *,
-    units: Sequence[str],
+    compiled: Sequence[str],
     libraries: Sequence[str] = (),
     cache: Path | None = None,
 ) -> bytes:
@@ -31,10 +31,10 @@ def binary(
     name
         File name of the binary, without its suffix.
     sources
-        Texts by file name; a name may have folders, as in ``fmus/Plant.c``. Bytes that are no UTF-8 are surrogates in
+        Texts by file name; a name may have folders, as in ``fmus/Plant.c``. Bytes that are not UTF-8 are surrogates in
         the texts, as ``surrogateescape`` makes them.
-    units
-        Names of the sources to compile, which are the translation units. The other sources are included by these.
+    compiled
+        Names of the sources that are compiled. These include the other sources.
     libraries
         Names of libraries that the sources need besides the C library, such as ``m``.
     cache
@@ -45,7 +45,7 @@ def binary(
     ToolchainError
         If the compiler refuses the sources.
     """
-    key = hashlib.sha256(f"{identity()} {platform} {' '.join([*units, *libraries])}".encode())
+    key = hashlib.sha256(f"{identity()} {platform} {' '.join([*compiled, *libraries])}".encode())
     for source, text in sorted(sources.items()):
         key.update(f"\0{source}\0".encode() + _bytes(text))
     file = f"{name}{platform.extension}"
@@ -60,7 +60,7 @@ def binary(
             (folder / source).parent.mkdir(parents=True, exist_ok=True)
             (folder / source).write_bytes(_bytes(text))
         output = folder / file
-        compile_library([folder / unit for unit in units], output, platform, libraries)
+        compile_library([folder / source for source in compiled], output, platform, libraries)
         content = output.read_bytes()
     write_sealed(kept_at, content)
     _LOG.info("compiled %s for %s in %.3g s", name, platform.name, perf_counter() - started)

@@ -103,7 +103,7 @@ def build(
     sources, description = definition(model)
     entries = {"modelDescription.xml": description, "model.png": png(model.icon)}
     for platform in sorted(platforms or [host_platform()], key=lambda p: p.name):
-        library = binary(model.name, sources, platform, units=[MAIN_SOURCE], cache=cache)
+        library = binary(model.name, sources, platform, compiled=[MAIN_SOURCE], cache=cache)
         entries[f"binaries/{platform.name}/{model.name}{platform.extension}"] = library
     for name, text in sources.items():
         entries[f"sources/{name}"] = text.encode()

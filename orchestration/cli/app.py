@@ -248,7 +248,7 @@ def run(
 @with_messages
 def export(
     system: SystemName,
-    out: Annotated[Path, typer.Option("--out", "-o", metavar="PATH", help="File, or folder of C, to write.")],
+    out: Annotated[Path, typer.Option("--out", "-o", metavar="PATH", help="File to write; with --as c a folder.")],
     form: FormName = None,
     variant: Variant = None,
     controller: Controller = None,
@@ -261,7 +261,7 @@ def export(
     platform: ProgramPlatform = None,
     reals: Annotated[
         bool,
-        typer.Option("--reals", help="Take FMUs of a scenario that know Reals only, as 'build --reals' makes them."),
+        typer.Option("--reals", help="Make a scenario of FMUs with Reals only, as 'build --reals' makes them."),
     ] = False,
 ) -> None:
     """Write a system as an SSP package, or as one program, for this and for other tools."""

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from orchestration.analysis.doctor.finding import counted
 from orchestration.cli.output import output, watched
 from orchestration.cli.places import require_folder, written
 from orchestration.cli.systems import PACKAGE, SystemRequest
@@ -83,8 +84,8 @@ def _form(wanted: ExportRequest) -> str:
     suffix = wanted.out.suffix.lower()
     if form is None:
         if suffix not in suffixes:
-            others = ", ".join(f"--as {name}" for name in CONTAINERS)
-            msg = f"{wanted.out}: a system is written as {' or '.join(suffixes)}; say what else it is to be: {others}."
+            known = ", ".join(suffixes)
+            msg = f"{wanted.out}: the name does not say what to write; end it with one of {known}, or give --as c."
             raise SystemDescriptionError(msg)
         form = suffixes[suffix]
     if form != SSP and form not in CONTAINERS:
@@ -92,13 +93,21 @@ def _form(wanted: ExportRequest) -> str:
         raise SystemDescriptionError(msg)
     needed = PACKAGE if form == SSP else CONTAINERS[form].suffix
     if needed and suffix != needed:
-        msg = f"{wanted.out}: what is written as {form} is called {needed}; choose such a name."
+        other = f", not in {suffix}" if suffix else ""
+        msg = (
+            f"{wanted.out}: with --as {form} the name of the file ends in {needed}{other};"
+            f" write {wanted.out.with_suffix(needed).name}."
+        )
         raise SystemDescriptionError(msg)
     if form == SSP and wanted.algorithm is not None:
-        msg = f"--algorithm {wanted.algorithm}: a package has no algorithm; leave it out, or write a program with --as."
+        msg = (
+            f"--algorithm {wanted.algorithm}: a package has no algorithm;"
+            " leave the option out, or write one program (--as fmu, wasm or c)."
+        )
         raise SystemDescriptionError(msg)
     if wanted.platforms and (form == SSP or not CONTAINERS[form].platforms):
-        msg = f"--platform {wanted.platforms[0]}: what is written as {form} has no binaries of platforms; leave it out."
+        what = {SSP: "a package of this command", "c": "a folder of C"}.get(form, f"a program as {form}")
+        msg = f"--platform {wanted.platforms[0]}: {what} has no binaries for platforms; leave the option out."
         raise SystemDescriptionError(msg)
     return form
 
@@ -115,7 +124,7 @@ def _choices(wanted: ExportRequest, form: str) -> dict[str, object]:
 
 def _contents(system: System, form: str) -> str:
     """What was written, in words."""
-    counts = f"{len(system.components)} components, {len(system.connections)} connections"
+    counts = ", ".join([counted(len(system.components), "component"), counted(len(system.connections), "connection")])
     if form != SSP:
         return f"{counts}, in steps of {system.run_step():g} s"
     return counts + (f", {len(system.assumptions)} assumed values with their reasons" if system.assumptions else "")

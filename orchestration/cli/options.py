@@ -86,7 +86,9 @@ AlgorithmName = Annotated[
 FormName = Annotated[
     str | None,
     typer.Option(
-        "--as", metavar="FORM", help="ssp; c, fmu or wasm for one program; by default what the name of PATH says."
+        "--as",
+        metavar="FORM",
+        help="What to write: ssp for a package; fmu, wasm or c for one program. Default: as PATH ends.",
     ),
 ]
 ProgramAlgorithm = Annotated[
@@ -94,14 +96,14 @@ ProgramAlgorithm = Annotated[
     typer.Option(
         "--algorithm",
         metavar="NAME",
-        help="gauss-seidel (default) or jacobi, of one program.",
+        help="How one program steps: gauss-seidel (default) or jacobi.",
         rich_help_panel=ALGORITHM,
         autocompletion=completion.algorithms,
     ),
 ]
 ProgramPlatform = Annotated[
     list[str] | None,
-    typer.Option("--platform", metavar="NAME", help="Platform of the binaries, repeatable; 'all' for every one."),
+    typer.Option("--platform", metavar="NAME", help="Platform of an FMU's binaries, repeatable; 'all' for every one."),
 ]
 Exchange = Annotated[
     str | None,

@@ -74,7 +74,7 @@ def named_system(name: str, variant: str | None = None, *, reals: bool = False) 
     """The system of a file or folder, or a scenario by name."""
     path = Path(name)
     if reals and (is_package(name) or path.suffix):
-        msg = f"--reals: {name} has FMUs of its own; only a scenario such as fig5 can take ours. Leave the option out."
+        msg = f"--reals: {name} has FMUs of its own, and --reals is for scenarios such as fig5; leave the option out."
         raise SystemDescriptionError(msg)
     if is_package(name):
         return System.read(path, variant)

@@ -18,6 +18,8 @@ LIKENESS = 0.65
 """Ratio of difflib from which on a name is near; pilot and plant have 0.6, tua and tau 0.67."""
 MOST_NEAR = 4
 """How many near names a message shows."""
+MOST_LISTED = 6
+"""How many known names a message shows if these are all; of more names it shows the first `MOST_NEAR`."""
 
 
 def base_name(name: str) -> str:
@@ -121,9 +123,9 @@ def suggestion(name: str, known: Iterable[str], prefix: str = "") -> str:
     if found := near(name, known):
         return f"did you mean {' or '.join(f'{prefix}{candidate}' for candidate in found)}?"
     shown = list(dict.fromkeys(base_name(candidate) for candidate in known))
-    more = len(shown) - MOST_NEAR
-    listed = ", ".join(shown[:MOST_NEAR])
-    return f"there are {listed} and {more} more." if more > 0 else f"there are {listed}."
+    if len(shown) <= MOST_LISTED:
+        return f"there are {', '.join(shown)}."
+    return f"there are {', '.join(shown[:MOST_NEAR])} and {len(shown) - MOST_NEAR} more."
 
 
 def _index_help(name: str, known: list[str], prefix: str) -> str:

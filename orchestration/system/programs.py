@@ -86,9 +86,9 @@ class Programs:
     def to_wasm(self, path: str | Path, algorithm: "str | Algorithm" = "gauss-seidel") -> Path:
         """Write the system as a module of WebAssembly that imports nothing, for node and for pages.
 
-        Beside the module ``NAME.wasm`` stand ``NAME.json``, which describes its variables, and ``NAME.mjs``, the host
-        in JavaScript. The three files are written together or not at all. The values of a run are those of
-        `simulate`, to the last bit.
+        ``NAME.json`` and ``NAME.mjs`` are written beside the module ``NAME.wasm``. The first describes the variables
+        of the module, and the second is the host in JavaScript. The three files are written together or not at all.
+        The values of a run are those of `simulate`, to the last bit.
 
         Parameters
         ----------
@@ -100,7 +100,7 @@ class Programs:
         Raises
         ------
         ContainerError
-            As of `to_c`; also if an FMU calls a function of a C library, which a module lacks.
+            As of `to_c`; also if the sources of an FMU need an operating system, such as files or a clock.
         SystemDescriptionError
             As of `to_c`.
 

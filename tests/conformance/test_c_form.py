@@ -5,6 +5,7 @@ import re
 import shutil
 import subprocess
 import sys
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
@@ -113,11 +114,22 @@ def test_make_builds_the_example_and_says_its_sizes(folder: Path) -> None:
     assert said("controller.K[1]=3000", "--stop", "0.04", "--hash") == f"{hash_}\n"
     assert said("plant.K_f=-1", code=1) == "plant: K_f = -1 must be at least 0 N/m.\n"
     assert said("plant.K_f=nan", code=1) == "plant: K_f = nan is not finite.\n"
-    assert said("plant.K=1", code=1) == "plant.K: there is no variable of this name.\n"
+    assert said("plant.K=1", code=1) == "plant.K: there is no variable of this name; step.c lists all names.\n"
     assert "write NAME=VALUE" in said("plant.K_f", code=1)
-    assert "no such option" in said("--slowly", "1", code=1)
+    assert "--help: there is no such option; there are --stop T" in said("--help", code=1)
+    assert said("--every", "0", code=1) == "--every: a number of at least 1 is needed.\n"
+    assert said("--steps", "2.5", code=1) == "--steps: 2.5 is not a whole number.\n"
     assert "a number of at least 0 is needed" in said("--stop", "soon", code=1)
     assert said("plant.wall_normal[1]=3", code=1).startswith("plant: wall_normal must have length 1 (value -")
+
+
+@needs_make
+def test_the_example_stops_at_the_time_that_was_asked_for(tmp_path: Path) -> None:
+    folder = replace(fig5(), start_time=1.0).to_c(tmp_path / "later")
+    subprocess.run(["make", "CFLAGS=-O0"], cwd=folder, capture_output=True, check=True)
+    command = [folder / "fig5", "--stop", "1.0002", "--every", "5"]
+    ended = subprocess.run(command, capture_output=True, text=True, check=True)
+    assert [float(row.split(",")[0]) for row in ended.stdout.splitlines()[1:]] == [1.0, 1.0 + 5 * 2e-5, 1.0 + 10 * 2e-5]
 
 
 @needs_make
@@ -127,7 +139,7 @@ def test_make_says_if_the_compiler_does_not_tell_the_stack(folder: Path) -> None
         file.unlink()
     outcome = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
     assert (outcome.returncode, outcome.stderr) == (0, "")
-    assert "The compiler says no size of the stack." in outcome.stdout
+    assert "The compiler does not tell how much stack a step needs." in outcome.stdout
 
 
 def test_the_page_says_what_the_program_is_made_of(folder: Path) -> None:

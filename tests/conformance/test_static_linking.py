@@ -1,4 +1,4 @@
-"""Tests of several units in one program, compiled from the FMUs' own sources under FMI2_FUNCTION_PREFIX."""
+"""Tests of several FMUs in one program, compiled from the FMUs' own sources under FMI2_FUNCTION_PREFIX."""
 
 import re
 import shutil
@@ -63,7 +63,7 @@ def command(compiler: str) -> Sequence[str]:
 
 
 def compiled(compiler: Sequence[str], fmu: Path, prefix: str, folder: Path) -> Path:
-    """The object of a unit's own sources under a prefix."""
+    """The object of an FMU's own sources under a prefix."""
     sources, output = folder / prefix, folder / f"{prefix}.o"
     with zipfile.ZipFile(fmu) as archive:
         archive.extractall(sources, [name for name in archive.namelist() if name.startswith("sources/")])
@@ -74,7 +74,7 @@ def compiled(compiler: Sequence[str], fmu: Path, prefix: str, folder: Path) -> P
 
 
 def table(prefixes: Sequence[str], functions: Sequence[str]) -> str:
-    """The header that driver.c includes: the functions of all units."""
+    """The header that driver.c includes: the functions of all FMUs."""
     pairs = [(prefix, function) for prefix in prefixes for function in functions]
     declared = [f"extern {function}TYPE {prefix}{function};" for prefix, function in pairs]
     rows = [f'{{"{prefix}", "{function}", (void (*)(void)){prefix}{function}}},' for prefix, function in pairs]
@@ -82,7 +82,7 @@ def table(prefixes: Sequence[str], functions: Sequence[str]) -> str:
 
 
 def run_linked(compiler: Sequence[str], plan: Plan, folder: Path) -> dict[str, np.ndarray]:
-    """Link all units of a plan and the driver into one program, and run it."""
+    """Link all FMUs of a plan and the driver into one program, and run it."""
     components = plan.system.components
     objects = [compiled(compiler, c.description.path, f"{c.name}_", folder) for c in components]
     called = re.findall(r"X\((fmi2\w+)\)", DRIVER.read_text(encoding="utf-8"))
@@ -91,13 +91,13 @@ def run_linked(compiler: Sequence[str], plan: Plan, folder: Path) -> dict[str, n
     linking = [*compiler, *FLAGS, *arguments, *map(str, objects), "-o", str(folder / "driver"), "-lm"]
     subprocess.run(linking, check=True, cwd=folder)
     plan.numbers().tofile(folder / "plan")
-    units = [text for c in components for text in (c.name, f"{c.name}_", c.description.guid)]
-    run = subprocess.run([str(folder / "driver"), "plan", *units], check=True, cwd=folder, capture_output=True)
+    names = [text for c in components for text in (c.name, f"{c.name}_", c.description.guid)]
+    run = subprocess.run([str(folder / "driver"), "plan", *names], check=True, cwd=folder, capture_output=True)
     return plan.outputs_in(run.stdout)
 
 
 @pytest.mark.parametrize("compiler", COMPILERS)
-def test_all_units_in_one_program_are_the_shared_libraries_bit_for_bit(
+def test_all_fmus_in_one_program_are_the_shared_libraries_bit_for_bit(
     compiler: str, alone: Plan, expected: dict[str, np.ndarray], tmp_path: Path
 ) -> None:
     found = run_linked(command(compiler), alone, tmp_path)
@@ -114,7 +114,7 @@ def visible_names(object_file: Path) -> set[str]:
 
 @pytest.mark.skipif(shutil.which("nm") is None, reason=needs("nm is not installed", "binutils"))
 @of_models
-def test_a_unit_defines_nothing_but_fmi_functions_with_its_prefix(fmu: Path, tmp_path: Path) -> None:
+def test_an_fmu_defines_nothing_but_fmi_functions_with_its_prefix(fmu: Path, tmp_path: Path) -> None:
     object_file = compiled(command("zig cc"), fmu, "Some_", tmp_path)
     assert visible_names(object_file) == {f"Some_{function}" for function in FUNCTIONS}
 

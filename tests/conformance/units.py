@@ -7,17 +7,17 @@ from adaptimp_fmu.reals import as_reals
 from fmus.catalog import MODELS
 
 REALS = "reals/"
-"""Begins the name of a unit with Reals in the place of Booleans and Integers."""
+"""Begins the name of an FMU with Reals in the place of Booleans and Integers."""
 UNITS = (*MODELS, f"{REALS}Actuator", f"{REALS}CraigAdaptiveImpedance")
-"""Names of the units; the two have Booleans as outputs, inputs and parameters, and an Integer."""
+"""Names of the FMUs. The two with Reals only stand for models with Booleans in each role, and with an Integer."""
 
 
 def declared(unit: str) -> Model:
-    """The model of a unit."""
+    """The model of an FMU in `UNITS`."""
     model = MODELS[unit.removeprefix(REALS)]()
     return as_reals(model) if unit.startswith(REALS) else model
 
 
 def file_of_unit(unit: str, fmu_folder: Path, reals_folder: Path) -> Path:
-    """The FMU file of a unit."""
+    """The file of an FMU in `UNITS`."""
     return (reals_folder if unit.startswith(REALS) else fmu_folder) / f"{unit.removeprefix(REALS)}.fmu"

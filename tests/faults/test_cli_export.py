@@ -34,11 +34,18 @@ def test_a_package_keeps_step_and_order(adaptimp: Command, tmp_path: Path) -> No
     ("arguments", "sentence"),
     [
         (("--as", "d", "-o", "x"), "--as d: there is no such form; "),
-        (("-o", "x"), "x: a system is written as .ssp"),
-        (("--as", "c", "--platform", "all", "-o", "x"), "--platform all: what is written as c has no binaries"),
-        (("--algorithm", "jacobi", "-o", "x.ssp"), "--algorithm jacobi: a package has no algorithm; leave it out"),
-        (("--platform", "all", "-o", "x.ssp"), "--platform all: what is written as ssp has no binaries"),
-        (("--as", "ssp", "-o", "x.zip"), "x.zip: what is written as ssp is called .ssp; choose such a name."),
+        (("-o", "x"), "x: the name does not say what to write; end it with one of .ssp, .fmu, .wasm, or give"),
+        (("--as", "c", "--platform", "all", "-o", "x"), "--platform all: a folder of C has no binaries"),
+        (
+            ("--algorithm", "jacobi", "-o", "x.ssp"),
+            "--algorithm jacobi: a package has no algorithm; leave the option out",
+        ),
+        (("--platform", "all", "-o", "x.ssp"), "--platform all: a package of this command has no binaries"),
+        (
+            ("--as", "ssp", "-o", "x.zip"),
+            "x.zip: with --as ssp the name of the file ends in .ssp, not in .zip; write x.ssp.",
+        ),
+        (("--as", "fmu", "-o", "x"), "x: with --as fmu the name of the file ends in .fmu; write x.fmu."),
         (("--as", "c", "--algorithm", "newton", "-o", "x"), "System fig2: a program cannot step with newton; choose"),
         (("--as", "c", "--algorithm", "jacoby", "-o", "x"), "There is no algorithm 'jacoby'"),
         (("--as", "c", "--order", "plant", "-o", "x"), "The order plant must name each of"),

@@ -166,7 +166,10 @@ def test_export_takes_what_run_takes(adaptimp: Command, fig2: System, tmp_path: 
     assert (tmp_path / f"{1 + len(changes) + len(swapped)}.csv").read_bytes() == (tmp_path / "1.csv").read_bytes()
     assert adaptimp("export", "new/x.ssp", "-o", "y.ssp").code == 0
     assert adaptimp("export", "spong-ortega", "-o", "z.ssp").code == 0
-    assert "a system is written as .ssp" in adaptimp("export", "fig2", "-o", "x.zip").sentence
+    assert (
+        "x.zip: the name does not say what to write; end it with one of .ssp, "
+        in adaptimp("export", "fig2", "-o", "x.zip").sentence
+    )
     assert "--map says what --controller" in adaptimp("export", "fig2", "--map", "a=b", "-o", "x.ssp").sentence
 
 

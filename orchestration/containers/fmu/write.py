@@ -81,11 +81,11 @@ def write_fmu(
     plan = plan_of(system, algorithm)
     entries = _entries(plan)
     sources = {name.removeprefix("sources/"): text for name, text in entries.items() if name.startswith("sources/")}
-    units = [*compiled_files(plan), MAIN]
+    compiled = [*compiled_files(plan), MAIN]
     texts = {name: content.decode("utf-8", "surrogateescape") for name, content in sources.items()}
     for platform in chosen:
         library = f"binaries/{platform.name}/{plan.identifier}{platform.extension}"
-        entries[library] = _compiled(plan, texts, platform, units)
+        entries[library] = _compiled(plan, texts, platform, compiled)
     content = archive(entries)
     try:
         if not file.exists() or file.read_bytes() != content:
@@ -109,10 +109,10 @@ def _platforms(names: Iterable[str] | None) -> list[Platform]:
     return [PLATFORMS[name] for name in sorted(chosen)]
 
 
-def _compiled(plan: Plan, sources: Mapping[str, str], platform: Platform, units: list[str]) -> bytes:
+def _compiled(plan: Plan, sources: Mapping[str, str], platform: Platform, compiled: list[str]) -> bytes:
     libraries = ["m"] if any(fmu.needed for fmu in plan.fmus) else []
     try:
-        return binary(plan.identifier, sources, platform, units=units, libraries=libraries)
+        return binary(plan.identifier, sources, platform, compiled=compiled, libraries=libraries)
     except (ToolchainError, OSError) as error:
         msg = f"System {plan.system.name} cannot be compiled: {error}"
         raise ContainerError(msg) from error

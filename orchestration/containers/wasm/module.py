@@ -66,7 +66,7 @@ def write_wasm(system: System, path: str | Path, algorithm: str | Algorithm = GA
     """
     target = a_path("The file of a module", path)
     if target.suffix.lower() != SUFFIX:
-        msg = f"{target}: a module of WebAssembly is written as {SUFFIX}, as in {target.stem}{SUFFIX}."
+        msg = f"{target}: the name of a module of WebAssembly ends in {SUFFIX}; write {target.stem}{SUFFIX}."
         raise ContainerError(msg)
     _require_own(target)
     plan = plan_of(system, algorithm)
@@ -89,7 +89,9 @@ def _require_own(target: Path) -> None:
     """Refuse to replace a file beside the module that is not of an earlier module."""
     others = [path.name for path in map(target.with_suffix, (DESCRIPTION, SCRIPT)) if path.exists()]
     if others and not target.exists():
-        msg = f"{target}: {others[0]} is there without a module, and would be replaced; choose another name."
+        msg = (
+            f"{target}: {others[0]} exists and is not of an earlier module, so it is not replaced; choose another name."
+        )
         raise ContainerError(msg)
 
 
@@ -114,7 +116,7 @@ def _module(plan: Plan, sources: dict[str, str]) -> bytes:
     """Compile, or take from the cache."""
     platform = WASM_WITH_LIBRARY if plan.foreign else WASM
     try:
-        module = binary(plan.identifier, sources, platform, units=[EXPORTS, *compiled_files(plan)])
+        module = binary(plan.identifier, sources, platform, compiled=[EXPORTS, *compiled_files(plan)])
     except ToolchainError as error:
         called = _called(plan, str(error))
         if not called:

@@ -56,7 +56,7 @@ def chosen(name: str, files: Mapping[str, Path]) -> tuple[str, Mapping[str, Path
 
 
 def fmu_job(identifier: str, files: Mapping[str, Path], folder: Path) -> Job:
-    """An FMU alone, driven by ``fmus/reference/FMU/UNIT_in.csv``, or the container, which has no inputs."""
+    """An FMU alone, driven by ``fmus/reference/FMU/FMU_in.csv``, or the container, which has no inputs."""
     if identifier == CONTAINER:
         return _container_job(files, folder)
     inputs, step = table(identifier, "in"), options(identifier)["StepSize"]

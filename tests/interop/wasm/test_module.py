@@ -120,7 +120,7 @@ def test_a_variable_has_all_that_its_fmu_declares(description: dict) -> None:
 
 @pytest.mark.parametrize("name", ["fig5", "fig5.js", "fig5.wat"])
 def test_another_suffix_is_refused(name: str, tmp_path: Path) -> None:
-    with pytest.raises(ContainerError, match=r"as \.wasm"):
+    with pytest.raises(ContainerError, match=r"the name of a module of WebAssembly ends in \.wasm; write fig5\.wasm\."):
         write_wasm(scenario("fig5"), tmp_path / name)
 
 
@@ -154,7 +154,7 @@ def test_the_files_of_an_earlier_module_are_replaced_but_no_others(fig5: Path, t
     (tmp_path / "system.json").write_text("{}")
     with pytest.raises(ContainerError) as caught:
         module_of("fig5", tmp_path)
-    assert "system.json is there without a module, and would be replaced" in str(caught.value)
+    assert "system.json exists and is not of an earlier module" in str(caught.value)
     assert (tmp_path / "system.json").read_text() == "{}"
     (tmp_path / "system.wasm").write_bytes(b"earlier")
     module_of("fig5", tmp_path)

@@ -25,7 +25,7 @@ REFUSED = {
     'fresh.set({ "plant.m[1]": "1" })': 'plant.m[1]: "1" is not a number or a Boolean.',
     'fresh.set({ "plant.m[1]": undefined })': "plant.m[1]: undefined is not a number or a Boolean.",
     'fresh.set({ "sensor.seed": 1.5 })': "sensor: seed = 1.5 is not an Integer.",
-    'fresh.set({ "plant.x[1]": 1 })': "plant.x[1]: An output cannot be set.",
+    'fresh.set({ "plant.x[1]": 1 })': "plant.x[1]: An output cannot be set; set a parameter or an input.",
     'running.set({ "plant.m[1]": 1 })': ("plant: m[1] is a fixed parameter; it can be set until initialization ends."),
     "running.initialize()": "fig5: The system was not reset before its initialization.",
     "fresh.run(1)": "fig5: The system cannot step before its initialization, or after a failure.",

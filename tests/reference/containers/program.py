@@ -72,7 +72,7 @@ class Program:
     def __init__(self, plan: Plan, folder: Path) -> None:
         self.plan = plan
         sources = c_sources(plan) | {"exports.c": f"#define ID(name) {plan.identifier}_##name\n{EXPORTS}"}
-        content = binary("program", sources, host_platform(), units=[*compiled_files(plan), "exports.c"])
+        content = binary("program", sources, host_platform(), compiled=[*compiled_files(plan), "exports.c"])
         path = folder / f"{plan.identifier}_{abs(hash(content))}{host_platform().extension}"
         if not path.exists():
             path.write_bytes(content)

@@ -158,10 +158,10 @@ def test_another_compiler_or_flag_is_another_binary(
     assert len(compiled) == 2
 
 
-def test_the_same_sources_with_other_units_are_another_binary(tmp_path: Path, compiled: list[str]) -> None:
+def test_the_same_sources_compiled_otherwise_are_another_binary(tmp_path: Path, compiled: list[str]) -> None:
     sources = {"a.c": "int a(void) { return 1; }\n", "b.c": "int b(void) { return 2; }\n"}
-    for units in (["a.c"], ["a.c", "b.c"], ["b.c", "a.c"]):
-        binary.binary("both", sources, host_platform(), units=units, cache=tmp_path)
+    for names in (["a.c"], ["a.c", "b.c"], ["b.c", "a.c"]):
+        binary.binary("both", sources, host_platform(), compiled=names, cache=tmp_path)
     assert len(compiled) == 3
 
 

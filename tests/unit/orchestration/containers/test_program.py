@@ -124,7 +124,7 @@ def test_a_boolean_is_one_whatever_was_given(small: dict[str, Path], tmp_path: P
 @pytest.mark.parametrize(
     ("values", "sentence"),
     [
-        ({"plant.x": 1.0}, "An output cannot be set."),
+        ({"plant.x": 1.0}, "An output cannot be set; set a parameter or an input."),
         ({"relay.offset": np.nan}, "relay: offset = nan is not finite."),
         ({"relay.offset": -np.inf}, "relay: offset = -inf is not finite."),
         ({"relay.sample_time": -1.0}, "relay: sample_time = -1 must be at least "),
