@@ -1,6 +1,8 @@
 """A program that contains FMUs of other tools shows what the master shows, bit by bit."""
 
 import re
+import shutil
+import subprocess
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -9,6 +11,9 @@ import numpy as np
 import pytest
 
 from orchestration import System, prepare, scenario, simulate
+from orchestration.containers.c.program import c_sources
+from orchestration.containers.contained.foreign.compiler import write_below
+from orchestration.containers.plan import plan_of
 from tests.interop.foreign.builders import MAPPING, without_compiler
 from tests.strangers.contained.conftest import Compiled
 from tests.strangers.contained.fmus import SPELLINGS, controller, small, small_sources
@@ -268,6 +273,25 @@ def test_memory_may_come_from_an_array(pair: tuple[Path, Path], compiled: Compil
     for _ in range(50):
         assert_same(program.run(20), result)
         program.reset()
+
+
+def test_values_have_places_where_doubles_are_aligned_to_4_bytes(pair: tuple[Path, Path], tmp_path: Path) -> None:
+    """On 32-bit x86 a double in a structure may lie between two places; step.c asserts that none does."""
+    write_below(tmp_path, c_sources(plan_of(coupled(*pair))))
+    target = ("-target", "x86-linux-musl", "-msse2", "-mfpmath=sse")
+    command = [*ZIG, *target, "-std=c11", "-fno-sanitize=all", "-c", "step.c", "-o", "step.o"]
+    found = subprocess.run(command, cwd=tmp_path, check=False, capture_output=True, text=True)
+    assert (found.returncode, found.stderr) == (0, "")
+    assert "_Static_assert" in (tmp_path / "step.c").read_text(encoding="utf-8")
+
+
+def test_the_header_is_one_of_cpp_too(pair: tuple[Path, Path], tmp_path: Path) -> None:
+    write_below(tmp_path, c_sources(plan_of(coupled(*pair))))
+    (tmp_path / "user.cpp").write_text('#include "step.h"\nint step_of(system_System *s);\n', encoding="utf-8")
+    compiler = ("g++",) if shutil.which("g++") else (*ZIG[:-1], "c++")
+    command = [*compiler, "-std=c++11", "-Wall", "-Wpedantic", "-fsyntax-only", "user.cpp"]
+    found = subprocess.run(command, cwd=tmp_path, check=False, capture_output=True, text=True)
+    assert (found.returncode, found.stderr) == (0, "")
 
 
 def test_the_sources_are_unchanged(tmp_path: Path, compiled: Compiled) -> None:
