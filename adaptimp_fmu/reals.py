@@ -15,7 +15,7 @@ from adaptimp_fmu.model import Model
 from adaptimp_fmu.sampled_model import SampledModel
 from adaptimp_fmu.variables import Role, Type, Variable
 
-REMARK = "Booleans are Reals of 0 and 1, Integers are Reals of whole numbers"
+REMARK = "Booleans are Reals of 0 and 1, and Integers are Reals of whole numbers"
 """What the description of such an FMU says besides that of the model."""
 _LARGEST = sys.float_info.max
 

@@ -1,6 +1,6 @@
 /* FMI's types and functions, under the names that the host chooses.
  *
- * In a shared library the functions have FMI's own names. A program that links several units statically compiles each
+ * In a shared library the functions have FMI's own names. A program that links several FMUs statically compiles each
  * of them with another FMI2_FUNCTION_PREFIX, such as Plant_, so that fmi2DoStep becomes Plant_fmi2DoStep (FMI 2.0.5,
  * section 2.1.1). FMI's header names every function by its macro fmi2FullName; some editions of the header ignore the
  * prefix there, so the macro is defined anew. */

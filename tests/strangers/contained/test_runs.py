@@ -1,6 +1,7 @@
 """A program that contains FMUs of other tools shows what the master shows, bit by bit."""
 
 import re
+import shutil
 import subprocess
 from collections.abc import Mapping
 from dataclasses import replace
@@ -282,6 +283,15 @@ def test_values_have_places_where_doubles_are_aligned_to_4_bytes(pair: tuple[Pat
     found = subprocess.run(command, cwd=tmp_path, check=False, capture_output=True, text=True)
     assert (found.returncode, found.stderr) == (0, "")
     assert "_Static_assert" in (tmp_path / "step.c").read_text(encoding="utf-8")
+
+
+def test_the_header_is_one_of_cpp_too(pair: tuple[Path, Path], tmp_path: Path) -> None:
+    write_below(tmp_path, c_sources(plan_of(coupled(*pair))))
+    (tmp_path / "user.cpp").write_text('#include "step.h"\nint step_of(system_System *s);\n', encoding="utf-8")
+    compiler = ("g++",) if shutil.which("g++") else (*ZIG[:-1], "c++")
+    command = [*compiler, "-std=c++11", "-Wall", "-Wpedantic", "-fsyntax-only", "user.cpp"]
+    found = subprocess.run(command, cwd=tmp_path, check=False, capture_output=True, text=True)
+    assert (found.returncode, found.stderr) == (0, "")
 
 
 def test_the_sources_are_unchanged(tmp_path: Path, compiled: Compiled) -> None:
