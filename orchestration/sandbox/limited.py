@@ -88,7 +88,7 @@ def main() -> None:
             write_only_below([Path(folder)], libc)
     if os.name != "posix":  # there the new program would not be the process that the parent waits for
         sys.exit(subprocess.run(program, check=False).returncode)
-    os.execv(program[0], program)  # noqa: S606 - the caller's program, without a shell
+    os.execv(program[0], program)  # noqa: S606  # nosec B606
 
 
 if __name__ == "__main__":

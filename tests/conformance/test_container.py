@@ -237,7 +237,7 @@ def test_the_page_says_what_the_container_is_made_of(fmu: Path, fmu_folder: Path
     pages = []
     for file in (fmu, changed):
         with zipfile.ZipFile(file) as archive:
-            pages.append(archive.read("documentation/index.html").decode())
+            pages.append(" ".join(archive.read("documentation/index.html").decode().split()))
     for model in PARTS.values():
         path = fmu_folder / f"{model}.fmu"
         for said in (path.name, file_hash(path), description(path).attrib["guid"]):
