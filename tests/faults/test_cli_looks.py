@@ -182,7 +182,9 @@ def test_export_of_a_scenario_with_reals_only(adaptimp: Command, tmp_path: Path)
     for name in ("x.ssp", "plant.fmu"):
         outcome = adaptimp("export", name, "--reals", "-o", "y.ssp")
         assert outcome.code == 2
-        assert outcome.sentence.startswith(f"--reals: {name} has FMUs of its own, and --reals is for scenarios such as fig5")
+        assert outcome.sentence.startswith(
+            f"--reals: {name} has FMUs of its own, and --reals is for scenarios such as fig5"
+        )
 
 
 def test_replacing_a_file_is_said(adaptimp: Command, tmp_path: Path) -> None:
