@@ -332,7 +332,7 @@ GROUPS = (
             ),
             "the component is not named": ("if (failure->component)", "if (!failure->component)"),
             "numbers of a failure are cut": ("digits ? digits : DEFAULT_DIGITS", "DEFAULT_DIGITS"),
-            "a container takes inputs that are not finite": ("if (real_is_finite(value)) continue;", "continue;"),
+            "a container takes inputs that are not finite": ("if (!real_is_finite(value))", "if (0)"),
             "outputs of a container are not refreshed": ("{ CONTAINER(show)(&s->system); }", "{ (void)s; }"),
         },
     ),
