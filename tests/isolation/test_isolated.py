@@ -132,12 +132,20 @@ def test_messages_arrive(unruly: Unruly) -> None:
         simulate(unruly("step files"), 1.0, 0.1, isolate=True)
 
 
+def end(processes: list[str]) -> None:
+    for process in processes:
+        os.kill(int(process), signal.SIGKILL)
+
+
 def test_ctrl_c_ends_a_call_that_does_not_return(unruly: Unruly) -> None:
     with prepare(unruly("step hang"), 1.0, 0.1, isolate=Isolation(time_limit=None)) as run:
         pressed = threading.Timer(1.0, os.kill, [os.getpid(), signal.SIGINT])
+        lost = threading.Timer(120.0, end, [children()])  # then the test fails, and the others go on
         pressed.start()
+        lost.start()
         with pytest.raises(RunInterrupted) as interrupt:
             run.run()
+        lost.cancel()
         pressed.join()
     assert len(interrupt.value.result.time) == 6
     assert children() == []
