@@ -50,7 +50,7 @@ TABLE = (
     Wrong("check plnt.fmu", "check {fmus}/Plnt.fmu", "Plnt.fmu", "Plant.fmu", "did you mean"),
     Wrong("check --role", "check {fmus}/Plant.fmu --role plnt", "role plnt", "plant", "did you mean"),
     Wrong("export fig9", "export fig9 --out a.ssp", "scenario fig9", "fig", "did you mean"),
-    Wrong("export a.zip", "export fig2 --out a.zip", "a.zip", ".ssp", "written as"),
+    Wrong("export a.zip", "export fig2 --out a.zip", "a.zip", ".ssp", "end it with"),
     Wrong("build --platform linux", "build --platform linux", "platform linux", "linux64", "did you mean"),
     Wrong("build mine.fmu", "build mine.fmu", "mine.fmu", "Python file", "declare"),
     Wrong("paper --format pgn", "paper --format pgn", "format pgn", "png", "did you mean"),
