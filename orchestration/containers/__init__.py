@@ -1,1 +1,1 @@
-"""A system as one program, which needs no master: C, from which an FMU and WebAssembly are made."""
+"""A system as one program, which needs no master: a folder of C, an FMU, or WebAssembly."""

@@ -76,8 +76,8 @@ def room(path: Path) -> Room:
     """The room at a path without suffix."""
     if not path.is_dir():
         return Room(path.name, _says(path.with_suffix(".py")), ())
-    folders = [folder for folder in sorted(path.iterdir()) if (folder / "__init__.py").exists()]
-    nested = [f"{folder.name}/ {_modules(folder)}" for folder in folders]
+    folders = [file.parent for file in sorted(path.rglob("__init__.py")) if file.parent != path]
+    nested = [f"{folder.relative_to(path).as_posix()}/ {_modules(folder)}" for folder in sorted(folders)]
     groups = (_modules(path), *nested)
     return Room(f"{path.name}/", _says(path / "__init__.py"), tuple(g for g in groups if g), _mark(path))
 
