@@ -341,7 +341,7 @@ GROUPS = (
         "runtime/access.c",
         ("test_access", "test_container"),
         {
-            "runs of components are copied as one": ("return end < n ? end : n;", "return n;"),
+            "runs of components are copied as one": ("return end < n ? end : n;", "return end < n ? n : n;"),
             "runs of another type are copied": (
                 "if (!is_of_kind(&model_runs[vr[i]], type, only_inputs)) return 0;\n    return 1;\n#else",
                 "if (is_of_kind(&model_runs[vr[i]], type, 2 * only_inputs)) continue;\n    return 1;\n#else",

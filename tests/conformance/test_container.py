@@ -54,9 +54,12 @@ def test_a_step_that_is_no_multiple_is_refused_with_both_values(binary: Binary, 
 @pytest.mark.parametrize("t0", [0.0, 1e3])
 def test_steps_of_a_clock_that_rounds_are_multiples(binary: Binary, create: Create, t0: float) -> None:
     """Differences of times, which are 4 eps |t| off; at 1000 s that is 1e-8 of the inner step."""
-    instance = create(binary).initialize(t0=t0)
+    instance, single = (create(binary, start=scene(binary)).initialize(t0=t0) for _ in range(2))
     times = t0 + 7 * H * np.arange(50)
+    assert any(b - a < 7 * H for a, b in itertools.pairwise(times)), "a step cut off would lack an inner step"
     assert [instance.step(b - a, a) for a, b in itertools.pairwise(times)] == [OK] * 49
+    assert [single.step(H, t0 + k * H) for k in range(7 * 49)] == [OK] * (7 * 49)
+    np.testing.assert_array_equal(instance.outputs(), single.outputs())
 
 
 def test_one_large_step_is_many_small_ones(binary: Binary, create: Create) -> None:
@@ -125,6 +128,16 @@ def test_a_sample_time_that_is_no_multiple_is_refused(binary: Binary, create: Cr
     assert instance.call("fmi2ExitInitializationMode") == ERROR
     assert instance.last == f"sensor: sample_time = {period:.17g} s is not a multiple of the step {H:.17g} s."
     assert instance.set({"sensor.sample_time": 2 * H}) == OK
+    assert instance.call("fmi2ExitInitializationMode") == OK
+    assert instance.step(H) == OK
+
+
+def test_an_initialization_that_the_last_component_refuses_changes_nothing(binary: Binary, create: Create) -> None:
+    instance = create(binary, start={"sensor.noise_std": 1.0, "sensor.noise_bound": 0.0}).enter()
+    instance.outputs()
+    before = instance.blob()
+    assert_refused(instance, instance.call("fmi2ExitInitializationMode"), before, "sensor: ")
+    assert instance.set({"sensor.noise_bound": 3.0}) == OK
     assert instance.call("fmi2ExitInitializationMode") == OK
     assert instance.step(H) == OK
 
