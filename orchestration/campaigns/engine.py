@@ -82,6 +82,11 @@ class Engine(Protocol):
 class Executor(Protocol):
     """Hands chunks of points to engines."""
 
+    @property
+    def workers(self) -> int:
+        """Number of chunks that can be made at the same time; it may change."""
+        ...
+
     def map(self, chunks: Iterator[Points]) -> Iterator[Outcomes]:
         """Make the runs of all chunks.
 
