@@ -252,6 +252,24 @@ class StudyError(OrchestrationError):
     """
 
 
+class StoreError(StudyError):
+    """Error of a store of runs: a folder of something else, a damaged record, or a disk that is full.
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> from orchestration.campaigns.store.store import Store
+    >>> from orchestration.errors import StoreError
+    >>> Path("letters").mkdir()
+    >>> Path("letters", "dear reader.txt").touch()
+    >>> try:
+    ...     Store.open("letters")
+    ... except StoreError as error:
+    ...     print(error)
+    letters: the folder is no store and has other files, such as dear reader.txt; name a new folder.
+    """
+
+
 class SimulationError(OrchestrationError):
     """Error of a run that failed.
 
