@@ -1,0 +1,1 @@
+"""Evidence for campaigns: many runs of a system."""
