@@ -218,6 +218,23 @@ class SignalError(OrchestrationError, ValueError):
     """
 
 
+class StudyError(OrchestrationError):
+    """Error in what a study asks for: its factors, values, measures or variants.
+
+    Examples
+    --------
+    Nothing has been run when it is raised:
+
+    >>> from orchestration import Study, StudyError, scenario
+    >>> study = Study(scenario("fig2"), measure="max(abs(controller.e[1]))")
+    >>> try:
+    ...     study.grid({"plant.K_f": "1e4 to 1e6"})
+    ... except StudyError as error:
+    ...     print(error)
+    Factor plant.K_f: '1e4 to 1e6' ...
+    """
+
+
 class SimulationError(OrchestrationError):
     """Error of a run that failed.
 

@@ -73,7 +73,7 @@ def provenance(
         "step": repr(float(step)),
         "start_time": repr(float(start_time)),
         "stop_time": repr(float(stop_time)),
-        "versions": _json(_versions()),
+        "versions": _json(versions()),
     }
 
 
@@ -113,7 +113,7 @@ def _seeds(system: System) -> dict[str, float | str | None]:
     }
 
 
-def _versions() -> dict[str, str]:
+def versions() -> dict[str, str]:
     """Return the versions of the packages that decide the numbers, of Python and of the platform."""
     return {
         **{package: _version(package) for package in PACKAGES},
