@@ -95,6 +95,11 @@ class PooledFmu:
         """Whether the FMU declares that its state can be saved."""
         return self.description.can(SAVES_STATE)
 
+    @property
+    def process(self) -> int | None:
+        """Id of the process in which the FMU lives; None if there is none."""
+        return None if self._process is None or self._process.ending else self._process.pid
+
     def start(self) -> None:
         """Let a process for an isolated FMU get ready, while this process goes on."""
         if self.isolation is not None and self._spare is None:

@@ -99,6 +99,11 @@ class OpenSystem:
         yield [found[name] for name in self._order]
         self.after = After.END
 
+    @property
+    def processes(self) -> list[int]:
+        """Ids of the processes in which isolated FMUs live."""
+        return [process for fmu in self.fmus.values() if (process := fmu.process) is not None]
+
     def unload(self) -> None:
         """Unload all FMUs; the next run loads them again."""
         for fmu in self.fmus.values():

@@ -17,11 +17,12 @@ from orchestration.errors import OrchestrationError
 from orchestration.fmi.isolation import Isolation
 from orchestration.fmi.pool import Reuse
 from orchestration.master.algorithm import Algorithm, find_algorithm
+from orchestration.master.flatten import recorded_paths
 from orchestration.master.open_system import After, OpenSystem, Ways
 from orchestration.master.options import Options
 from orchestration.master.outside import outside
 from orchestration.master.provenance import provenance, told_of_values
-from orchestration.master.reuse import Learned, each_alone, quickest, same
+from orchestration.master.reuse import Learned, each_alone, quickest, same, warn_of_slow_ones
 from orchestration.master.simulate import chosen_grid, isolated
 from orchestration.master.simulation import Simulation
 from orchestration.master.time_grid import Grid
@@ -56,6 +57,11 @@ class Reruns:
         As for `orchestration.simulate`; the runs have neither time series nor changes nor a pace.
     learned
         What is known of the FMUs, to be shared with other objects of the same system.
+
+    Attributes
+    ----------
+    learned
+        What was found out about the FMUs.
     """
 
     def __init__(
@@ -70,7 +76,7 @@ class Reruns:
         self.system, self.stop_time, self.algorithm = system, stop_time, find_algorithm(algorithm)
         self._named = repr(algorithm) if isinstance(algorithm, Algorithm) else self.algorithm.name
         self._options = replace(options or Options(), progress=self._go_on)
-        self._learned = learned or Learned()
+        self.learned = learned or Learned()
         self._isolation: Isolation | None = self._options.isolation
         self._open = self._fresh = OpenSystem(system, self._isolation)
         self._last: _Point | None = None
@@ -105,13 +111,18 @@ class Reruns:
             If the user interrupts the run, or `end` was called.
         """
         point = _Point(values, step)
-        ways = self._learned.ways(self._open)
-        if ways is None and self._learned.learning.acquire(blocking=False):
+        ways = self.learned.ways(self._open)
+        if ways is None and self.learned.learning.acquire(blocking=False):
             try:
                 return self._learning(point)
             finally:
-                self._learned.learning.release()
+                self.learned.learning.release()
         return self._made(self._open, point, ways or {})
+
+    @property
+    def processes(self) -> list[int]:
+        """Ids of the processes in which isolated FMUs live."""
+        return self._open.processes
 
     def end(self) -> None:
         """End the run that another thread makes, and its processes; it then raises an error."""
@@ -131,13 +142,13 @@ class Reruns:
             truth = self._made(fresh, point, {}, whole=True)  # if this run fails, the next one may tell
         finally:
             fresh.close()
-        ways = quickest(self._open.fmus)
+        failed, ways = after == After.FAILURE, quickest(self._open)
         if not same(self._attempt(point, ways), truth):
-            loaded = dict.fromkeys(ways, Reuse.FRESH)
-            again = partial(self._attempt, point)
-            failed = after == After.FAILURE
+            loaded, again = dict.fromkeys(ways, Reuse.FRESH), partial(self._attempt, point)
             ways = loaded if failed else each_alone(self._open, truth, partial(self._attempt, before), again)
-        self._learned.learn(after, ways)
+        if not failed:
+            warn_of_slow_ones(self._open, ways)
+        self.learned.learn(after, ways)
         return truth
 
     def _attempt(self, point: _Point, ways: Ways) -> Result | None:
@@ -149,8 +160,9 @@ class Reruns:
 
     def _made(self, fmus: OpenSystem, point: _Point, ways: Ways, *, whole: bool = False) -> Result:
         """Make a run; a whole one records all outputs, and refuses FMUs that refuse their way."""
+        self._go_on()
         system = self.system.set(point.values)
-        options = replace(self._options, record=None) if whole else self._options
+        options = replace(self._options, record=self._everything()) if whole else self._options
         grid = chosen_grid(system, (self.stop_time, point.step, None), self.algorithm, options)
         around, grid = outside(system, options, grid, controlled=self.algorithm.control is not None)
         told = {"step": repr(grid.step), "stop_time": repr(float(grid.times[-1]))}
@@ -162,6 +174,13 @@ class Reruns:
         with run:
             run.run()
             return run.result()
+
+    def _everything(self) -> list[str] | None:
+        """All outputs and all other columns that are recorded."""
+        if self._options.record is None:
+            return None
+        paths = [*recorded_paths(self.system, None), *recorded_paths(self.system, self._options.record)]
+        return list(dict.fromkeys(f"{component}.{variable}" for component, variable in paths))
 
     def _common(self, grid: Grid) -> dict[str, str]:
         """Metadata that all runs have in common."""
@@ -176,8 +195,8 @@ class Reruns:
             )
         return self._about
 
-    def _go_on(self, done: int, total: int) -> None:  # noqa: ARG002 - it is called with both
-        """Stop the run that `end` was called for.
+    def _go_on(self, *_: int) -> None:
+        """Stop the run that `end` was called for; also called with the progress of a run.
 
         Raises
         ------

@@ -7,10 +7,10 @@ alone, in each of its ways, from the quickest to the surest.
 """
 
 import threading
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 
 from orchestration.errors import printable, warn_caller
-from orchestration.fmi.pool import PooledFmu, Reuse
+from orchestration.fmi.pool import Reuse
 from orchestration.master.form import FormalityWarning
 from orchestration.master.open_system import After, Key, OpenSystem, Ways
 from orchestration.results.result import Result
@@ -42,9 +42,13 @@ class Learned:
         """How to make the FMUs of a system like new after what they have been through; None if that is not known."""
         if system.after == After.NOTHING:
             return {}
-        known = {key: self._ways.get((system.after, key)) for key, fmu in system.fmus.items() if not fmu.is_lost}
+        known = {key: self.way(system.after, key) for key, fmu in system.fmus.items() if not fmu.is_lost}
         found = {key: way for key, way in known.items() if way is not None}
         return found if len(found) == len(known) else None
+
+    def way(self, after: After, key: Key) -> Reuse | None:
+        """How to make a library like new; None if that is not known."""
+        return self._ways.get((after, key))
 
     def learn(self, after: After, ways: Ways) -> None:
         """Take note of what was found out."""
@@ -59,13 +63,14 @@ def same(found: Result | None, truth: Result) -> bool:
     return numbers and all(list(found[name]) == list(truth[name]) for name in truth.texts)
 
 
-def quickest(fmus: Mapping[Key, PooledFmu]) -> Ways:
+def quickest(system: OpenSystem) -> Ways:
     """The quickest way that each library offers."""
-    return {key: Reuse.RESET if fmu.can_reset else Reuse.ANEW for key, fmu in fmus.items() if not fmu.is_lost}
+    loaded = {key: fmu for key, fmu in system.fmus.items() if not fmu.is_lost}
+    return {key: Reuse.RESET if fmu.can_reset else Reuse.ANEW for key, fmu in loaded.items()}
 
 
 def each_alone(system: OpenSystem, truth: Result, before: Attempt, again: Attempt) -> Ways:
-    """Find the quickest way of each FMU with which a run has the right bits, and warn of slow ones.
+    """Find the quickest way of each FMU with which a run has the right bits.
 
     Parameters
     ----------
@@ -86,16 +91,16 @@ def each_alone(system: OpenSystem, truth: Result, before: Attempt, again: Attemp
         ways[key] = next((way for way in offered if right({key: way})), Reuse.FRESH)
     if not right(ways):
         ways = dict.fromkeys(system.fmus, Reuse.FRESH)
-    for key, way in ways.items():
-        if way != Reuse.RESET:
-            _warn(system.fmus[key], way)
     return ways
 
 
-def _warn(fmu: PooledFmu, way: Reuse) -> None:
-    name = fmu.description.path.name
-    msg = (
-        f"{name} breaks a rule of FMI that no step needs: after fmi2Reset, another run of {', '.join(fmu.names)}"
-        f" differs from a run of the FMU just loaded; before each run {_INSTEAD[way]}, which takes longer."
-    )
-    warn_caller(printable(msg), FormalityWarning)
+def warn_of_slow_ones(system: OpenSystem, ways: Ways) -> None:
+    """Warn of each FMU that fmi2Reset does not make like new."""
+    for key, way in ways.items():
+        if way == Reuse.RESET:
+            continue
+        msg = (
+            f"{system.fmus[key].description.path.name} breaks a rule of FMI that no step needs: fmi2Reset does not make"
+            f" {' and '.join(key)} like new, so {_INSTEAD[way]} before each run, which takes longer."
+        )
+        warn_caller(printable(msg), FormalityWarning)
