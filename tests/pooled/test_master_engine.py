@@ -15,7 +15,8 @@ from orchestration.campaigns.engines.master import MasterEngine, isolation_of
 from orchestration.campaigns.measure import Measure
 from orchestration.campaigns.task import Task
 from orchestration.errors import StudyError
-from tests.pooled.conftest import Deed, Pooled
+from tests.pooled.conftest import Pooled
+from tests.pooled.fmus import Deed
 
 STOP, STEP = 1.0, 0.125
 VARIED = ("source.p", "m.p", "m.deed")

@@ -14,7 +14,8 @@ from orchestration.master.open_system import After
 from orchestration.master.options import Options
 from orchestration.master.reruns import Reruns
 from orchestration.results.result import Result
-from tests.pooled.conftest import Deed, Pooled
+from tests.pooled.conftest import Pooled
+from tests.pooled.fmus import Deed
 
 STOP, STEP = 1.0, 0.125
 POINTS = [{"source.p": 1.0 + k, "m.p": 10.0 - k} for k in range(5)]
