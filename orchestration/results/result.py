@@ -183,6 +183,54 @@ class Result(Columns, Mapping[str, np.ndarray]):
         found = {self.units.get(self.names[i], "") for i in np.ravel(self._places(name))}
         return found.pop() if len(found) == 1 else ""
 
+    def columns_of(self, name: str) -> tuple[str, ...]:
+        """Names of the recorded columns that a name stands for: its own, or those of the elements of an array.
+
+        Raises
+        ------
+        UnknownNameError
+            A KeyError that gives near names.
+        """
+        if name == TIME or text_column(self.texts, name) is not None:
+            return (name,)
+        return tuple(self.names[place] for place in np.ravel(self._places(name)))
+
+    def measure(self, formula: str) -> float:
+        """Compute one number of the run.
+
+        Parameters
+        ----------
+        formula
+            Such as ``max(norm(plant.F_ext))``; `orchestration.results.measures.parser.parse_formula` says what can
+            stand in it.
+
+        Returns
+        -------
+        float
+            NaN where no row fulfils the conditions of the formula.
+
+        Raises
+        ------
+        FormulaError
+            If the text is no formula, or an array stands where one number is needed.
+        UnknownNameError
+            If the result lacks a column.
+
+        Examples
+        --------
+        >>> from orchestration import scenario, simulate
+        >>> result = simulate(scenario("fig2"), record=["plant.F_ext", "controller.e"])
+        >>> round(result.measure("max(norm(plant.F_ext))"))  # N
+        557
+        >>> round(result.measure("duration(norm(plant.F_ext) > 0)"), 2)  # s
+        0.12
+        >>> result.measure("rms(norm(controller.e), where=norm(plant.F_ext) > 0)") < 1e-3  # m
+        True
+        """
+        from orchestration.results.measures.parser import parse_formula
+
+        return parse_formula(formula).evaluate(self)
+
     def to_pandas(self) -> "pd.DataFrame":
         """All columns as a DataFrame over time.
 
