@@ -3,6 +3,7 @@
 An engine makes runs in this process. An executor hands chunks of points to engines, here or on other machines.
 """
 
+import itertools
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Protocol
@@ -58,6 +59,11 @@ class Outcomes:
     def __len__(self) -> int:
         """Number of runs."""
         return len(self.numbers)
+
+    def only(self, chosen: np.ndarray) -> "Outcomes":
+        """Those of the runs that a bool array of shape (n,) chooses."""
+        messages = tuple(itertools.compress(self.messages, chosen))
+        return Outcomes(self.numbers[chosen], self.measured[chosen], messages)
 
 
 class Engine(Protocol):

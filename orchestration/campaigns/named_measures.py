@@ -40,8 +40,7 @@ def measures_of(given: Any, systems: Sequence[System]) -> tuple[Measure, ...]:
     if isinstance(given, Mapping):
         items = [_named(name, item, systems) for name, item in given.items()]
     else:
-        single = isinstance(given, str | Measure) or callable(given) or _is_triple(given)
-        items = [_measure(item, systems) for item in ([given] if single or not isinstance(given, Sequence) else given)]
+        items = [_measure(item, systems) for item in _items(given)]
     if not items:
         msg = 'A study needs a measure; give one, such as "max(plant.penetration)", or a function of a Result.'
         raise StudyError(msg)
@@ -56,6 +55,14 @@ def measures_of(given: Any, systems: Sequence[System]) -> tuple[Measure, ...]:
     return tuple(items)
 
 
+def functions_of(given: Any) -> list[Measure]:
+    """The functions among measures as a user gives them; formulas and names of ready measures are left out."""
+    if isinstance(given, Mapping):
+        return [Measure.of(item, name) for name, item in given.items() if not isinstance(item, str)]
+    items = [_measure(item, ()) for item in _items(given) if not isinstance(item, str)]
+    return [measure for measure in items if measure.function is not None]
+
+
 def fitted(measure: Measure, system: System) -> Measure:
     """A measure with the names of a system's scalars in its formula, after a check that the system has them.
 
@@ -68,6 +75,12 @@ def fitted(measure: Measure, system: System) -> Measure:
         for path in system.elements(column):
             system.resolve(path)
     return measure.expanded(system.elements)
+
+
+def _items(given: Any) -> Sequence[Any]:
+    """Measures one by one, of which a user may give one alone."""
+    alone = isinstance(given, str | Measure) or callable(given) or _is_triple(given)
+    return [given] if alone or not isinstance(given, Sequence) else given
 
 
 def _is_triple(given: Any) -> bool:

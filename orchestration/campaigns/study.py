@@ -1,24 +1,29 @@
 """Studies: many runs of a system with varied start values, as one table."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
+from contextlib import ExitStack
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from orchestration.campaigns.campaign import Rows, make_runs
-from orchestration.campaigns.engine import Executor
-from orchestration.campaigns.engines.choice import engine_for
 from orchestration.campaigns.evaluator import Evaluator
 from orchestration.campaigns.factor import SYSTEM, Factor
-from orchestration.campaigns.local import LocalExecutor, worker_count
-from orchestration.campaigns.names import asked, row_of
+from orchestration.campaigns.kept import KeptRuns
+from orchestration.campaigns.local import worker_count
+from orchestration.campaigns.named_measures import functions_of
+from orchestration.campaigns.names import all_names, asked, in_words, row_of
+from orchestration.campaigns.record import recorded_setting, study_record
+from orchestration.campaigns.running import executors, interrupted, shown_by, stored_study
 from orchestration.campaigns.samples import is_table
 from orchestration.campaigns.setting import require_runnable
 from orchestration.campaigns.single import single_run
+from orchestration.campaigns.store.store import Store
 from orchestration.campaigns.study_plan import StudyPlan
 from orchestration.campaigns.table import evaluated_frame, evaluated_row, table_of
-from orchestration.campaigns.task import Task
 from orchestration.errors import StudyError, StudyInterrupted
+from orchestration.fmi.given import a_path
 from orchestration.results.result import Result
 
 if TYPE_CHECKING:
@@ -78,6 +83,9 @@ class Study(StudyPlan):
     def run(
         self,
         workers: int | None = None,
+        store: str | Path | None = None,
+        cluster: Any = None,
+        progress: Any = False,
     ) -> "xr.Dataset | pd.DataFrame":
         """Make all runs.
 
@@ -85,6 +93,12 @@ class Study(StudyPlan):
         ----------
         workers
             Number of threads. Default: the number of cores that the process may use.
+        store
+            Folder that keeps what is finished; runs that it has are not made again. Default: that of `resume`, or none.
+        cluster
+            Address of a Dask scheduler, a ``LocalCluster`` or a ``Client``, whose workers make the runs.
+        progress
+            True for a line on standard error; or an object as `orchestration.campaigns.progress.Progress`.
 
         Returns
         -------
@@ -103,13 +117,64 @@ class Study(StudyPlan):
         jobs = [self._setting.job(variant, self._design) for variant in self._setting.systems]
         for job in jobs:
             require_runnable(job)
-        rows, columns = Rows.empty(len(self), len(self.units)), self._columns
-        try:
-            make_runs(jobs, rows, _executors(worker_count(workers)), lambda _outcomes, _kept: None)
-        except KeyboardInterrupt:
-            msg = f"The study was interrupted after {int(rows.made.sum())} of {len(self)} runs; call run again."
-            raise StudyInterrupted(msg, table_of(columns, self._design, rows)) from None
+        rows, columns, show = Rows.empty(len(self), len(self.units)), self._columns, shown_by(progress)
+        folder = self._folder if store is None else a_path("The store of a study", store)
+        with ExitStack() as stack:
+            keeper = None if folder is None else stack.enter_context(self._kept(folder))
+            stack.callback(show.end)
+            show.begin(len(self), columns.measures, self._in_words)
+            try:
+                make_runs(jobs, rows, executors(worker_count(workers), cluster), show.add, keeper)
+            except KeyboardInterrupt:
+                msg = interrupted(int(rows.made.sum()), len(self), folder)
+                raise StudyInterrupted(msg, table_of(columns, self._design, rows)) from None
         return table_of(columns, self._design, rows)
+
+    @classmethod
+    def resume(cls, folder: str | Path, measure: Any = (), study: str | None = None) -> "Study":
+        """Take up a study from its store; `run` makes the runs that are missing.
+
+        Parameters
+        ----------
+        folder
+            The store that the study was run with.
+        measure
+            The functions among the measures, as they were given to the study; a store has no code.
+        study
+            Identity of the study. Default: the one that was run last.
+
+        Raises
+        ------
+        StoreError
+            If the folder is no store, or has no such study.
+        StudyError
+            If a function is missing, or its code is another one.
+
+        Examples
+        --------
+        >>> from orchestration import Study, scenario
+        >>> study = Study(scenario("fig2"), measure="max(abs(controller.e[1]))", stop_time=0.1)
+        >>> table = study.grid({"controller.K": "1000:4000:4"}).run(store="runs")
+        >>> Study.resume("runs").run().equals(table)
+        True
+        """
+        store = Store.open(folder, new=False)
+        found = stored_study(store, study)
+        functions = {m.names[0]: m for m in functions_of(measure)}
+        setting, design = recorded_setting(found.record, found.system, functions)
+        return cls._of(setting, design, store.folder, compares=found.record["compares"])
+
+    def _kept(self, folder: Path) -> KeptRuns:
+        """What keeps the runs of the study in a store."""
+        store = Store.open(folder)
+        record = study_record(self._setting, self._design, compares=self._compares)
+        identity, columns = store.save_study(record, self._setting.systems), self._columns
+        return KeptRuns(store, identity, columns, lambda numbers: columns.values(self._design, numbers))
+
+    def _in_words(self, number: int) -> str:
+        """Factors of a run in words."""
+        values = self._columns.values(self._design, np.array([number]))
+        return in_words({name: column[0] for name, column in values.items()})
 
     def result(self, row: Any = None, /, **values: Any) -> Result:
         """Make one run alone by `simulate`, with all outputs.
@@ -197,9 +262,10 @@ class Study(StudyPlan):
         StudyError
             If a factor with several levels, or the variant, is missing.
         """
-        columns = dict(zip(self._columns.factors, self._design.factors, strict=True))
-        found = asked(given, columns, tuple(self.units))
-        for name, factor in columns.items():
+        columns, factors = self._columns.factors, self._design.factors
+        known = all_names(columns, self._setting.targets(factors))
+        found = asked(given, known, tuple(self.units))
+        for name, factor in zip(columns, factors, strict=True):
             if factor not in found:
                 needed = ", ".join(f"{column}=..." for column in columns)
                 msg = f"The value of {name} is missing; give {needed}, or a row of the table."
@@ -213,8 +279,3 @@ class Study(StudyPlan):
         if key not in kept:
             kept[key] = Evaluator(self._setting, variant, factors)
         return kept[key]
-
-
-def _executors(workers: int) -> Callable[[Task], Executor]:
-    """What gives the workers for a task: threads of this process."""
-    return lambda task: LocalExecutor(engine_for(task), workers)

@@ -62,6 +62,7 @@ class StudyPlan:
         )
         self._compares = isinstance(system, Mapping)
         self._design = Design(tuple(systems))
+        self._folder: Path | None = None
         for one in systems.values():
             one.run_stop_time(stop_time)
 
@@ -211,6 +212,14 @@ class StudyPlan:
         if is_problem(points):
             return self._with(saltelli(points, targets, n, seed))
         return self._with(drawn(factors, targets, unit_samples(n, len(factors), method, seed)))
+
+    @classmethod
+    def _of(cls, setting: Setting, design: Design, folder: Path, *, compares: bool) -> Self:
+        """A study of a setting and a design, with the folder of its store."""
+        found = cls.__new__(cls)
+        found._setting, found._design, found._folder, found._compares = setting, design, folder, compares
+        setting.targets(design.factors)
+        return found
 
     def _with(self, block: Block) -> Self:
         """The study with each run combined with each row of a block."""

@@ -60,9 +60,14 @@ class Task:
     @cached_property
     def everything(self) -> tuple[str, ...] | None:
         """All outputs and whatever else the measures need; None if that is all outputs alone."""
+        more = set(self._needed) - set(self.outputs)
+        return tuple(dict.fromkeys((*self.outputs, *self._needed))) if more else None
+
+    @property
+    def outputs(self) -> tuple[str, ...]:
+        """All outputs but Strings, as ``component.variable``."""
         components = self.system.components
-        outputs = [f"{c.name}.{v.name}" for c in components for v in c.description.of_causality("output")]
-        return None if set(self._needed) <= set(outputs) else tuple(dict.fromkeys((*outputs, *self._needed)))
+        return tuple(f"{c.name}.{v.name}" for c in components for v in c.description.of_causality("output"))
 
     @property
     def _needed(self) -> tuple[str, ...]:
