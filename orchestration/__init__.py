@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from orchestration.errors import (
         ArchiveError,
         ContainerError,
+        FormulaError,
         InitializationError,
         OrchestrationError,
         RunInterrupted,
@@ -66,6 +67,7 @@ _HOME = {
     "Fmu": "fmi.fmu",
     "FmuWarning": "master.fmu_messages",
     "FormalityWarning": "master.form",
+    "FormulaError": "errors",
     "InitializationError": "errors",
     "Isolation": "fmi.isolation",
     "Ledger": "analysis.energy",
@@ -113,6 +115,7 @@ __all__ = [
     "Fmu",
     "FmuWarning",
     "FormalityWarning",
+    "FormulaError",
     "InitializationError",
     "Isolation",
     "Ledger",

@@ -203,6 +203,23 @@ class ContainerError(OrchestrationError):
     """
 
 
+class FormulaError(OrchestrationError):
+    """A text that is no formula of a measure; the message shows the place in the text.
+
+    Examples
+    --------
+    >>> from orchestration import FormulaError
+    >>> from orchestration.results.measures.parser import parse_formula
+    >>> for text in ("max(norm(plant.F_ext))", "max(plant.F_ext[1] ** 3)"):
+    ...     try:
+    ...         print(parse_formula(text).columns)
+    ...     except FormulaError as error:
+    ...         print(error)
+    ('plant.F_ext',)
+    Measure max(plant.F_ext[1] ** 3), character 5, plant.F_ext[1] ** 3: the only power is 2; ...
+    """
+
+
 class SignalError(OrchestrationError, ValueError):
     """A name, a shape, a value or a time does not fit the FMU that is driven.
 

@@ -183,6 +183,18 @@ class Result(Columns, Mapping[str, np.ndarray]):
         found = {self.units.get(self.names[i], "") for i in np.ravel(self._places(name))}
         return found.pop() if len(found) == 1 else ""
 
+    def columns_of(self, name: str) -> tuple[str, ...]:
+        """Names of the recorded columns that a name stands for: its own, or those of the elements of an array.
+
+        Raises
+        ------
+        UnknownNameError
+            A KeyError that gives near names.
+        """
+        if name == TIME or text_column(self.texts, name) is not None:
+            return (name,)
+        return tuple(self.names[place] for place in np.ravel(self._places(name)))
+
     def to_pandas(self) -> "pd.DataFrame":
         """All columns as a DataFrame over time.
 
