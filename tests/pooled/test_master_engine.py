@@ -9,9 +9,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from orchestration import Isolation, SimulationError, simulate
+from orchestration import Isolation, SimulationError, Study, simulate
 from orchestration.campaigns.engine import Outcomes, Points
-from orchestration.campaigns.engines.master import MasterEngine, isolation_of
+from orchestration.campaigns.engines.master import MasterEngine
+from orchestration.campaigns.isolated import isolation_of
 from orchestration.campaigns.measure import Measure
 from orchestration.campaigns.task import Task
 from orchestration.errors import StudyError
@@ -180,3 +181,17 @@ def test_closing_ends_runs_that_hang(pooled: Pooled) -> None:
     assert set(children()) <= before
     with pytest.raises(StudyError, match="the campaign was ended"):
         engine.make(points_of([Deed.NOTHING]))
+
+
+def test_a_study_isolates_fmus_of_other_tools_and_repeats_a_row(pooled: Pooled) -> None:
+    study = Study(pooled(), MEASURES[0], stop_time=STOP, step=STEP).grid(
+        {"m.deed": [float(Deed.NOTHING), float(Deed.CRASH)], "source.p": [1.0, 2.0, 3.0]}
+    )
+    table = study.run(workers=2)
+    assert (table["status"] == [["complete"] * 3, ["failed"] * 3]).all()
+    for p in (1.0, 2.0, 3.0):
+        row = table.sel(p=p)
+        assert row["end"].values[0] == study.result(deed=0.0, p=p)["m.y"][-1]
+        with pytest.raises(SimulationError) as failed:
+            study.result(deed=1.0, p=p)
+        assert row["message"].values[1] == str(failed.value)

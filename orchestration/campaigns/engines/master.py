@@ -12,29 +12,15 @@ from contextlib import contextmanager
 import numpy as np
 
 from orchestration.campaigns.engine import Outcomes, Points
+from orchestration.campaigns.isolated import foreign_components, isolation_of
 from orchestration.campaigns.measure import measured
 from orchestration.campaigns.task import Task
-from orchestration.containers.contained.containment import is_own
 from orchestration.errors import OrchestrationError, StudyError
-from orchestration.fmi.isolation import Isolation
 from orchestration.master.options import Options
 from orchestration.master.reruns import Reruns
 from orchestration.master.reuse import Learned
 
 LONGEST_END = 10.0  # s that runs may take to end when the engine is closed
-
-
-def foreign_components(task: Task) -> tuple[str, ...]:
-    """Names of the components whose FMUs are not of this project."""
-    return tuple(component.name for component in task.system.components if not is_own(component))
-
-
-def isolation_of(task: Task) -> Isolation | None:
-    """Which components live in processes of their own: those that the task names, or else all FMUs of other tools."""
-    if task.isolation is not None:
-        return task.isolation
-    foreign = foreign_components(task)
-    return Isolation(foreign) if foreign else None
 
 
 class MasterEngine:
