@@ -1,10 +1,14 @@
 """C4 to C10 and C16 over many seeds of the noise, at the chosen values."""
 
+import json
 from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from adaptimp_fmu.files.whole_file import write_whole
 from orchestration.campaigns.study import Study
 from orchestration.paper.numbers import TORQUE_LIMITS
 from orchestration.paper.ready import scenario
@@ -17,6 +21,39 @@ if TYPE_CHECKING:
     import xarray as xr
 
 CLAIMS = ("C4", "C5", "C6", "C7", "C8", "C9", "C10", "C16")
+
+
+@dataclass(frozen=True)
+class OverSeeds:
+    """Verdicts over many seeds.
+
+    Attributes
+    ----------
+    n
+        Number of seeds.
+    yes
+        For each claim the number of seeds at which it holds, each seed judged alone.
+    together
+        For each claim whether it holds over all seeds at once, as `orchestration.paper.claims` asks: medians, and the
+        worst of all.
+    """
+
+    n: int
+    yes: Mapping[str, int]
+    together: Mapping[str, bool]
+
+    def share(self, claim: str) -> Share:
+        """The share of the seeds at which a claim holds."""
+        return Share(self.yes[claim], self.n)
+
+    def write(self, path: Path) -> None:
+        """Write the verdicts as JSON."""
+        write_whole(path, f"{json.dumps(asdict(self), indent=1)}\n".encode())
+
+    @classmethod
+    def read(cls, path: Path) -> "OverSeeds":
+        """Read verdicts from JSON."""
+        return cls(**json.loads(path.read_text(encoding="utf-8")))
 
 
 def seeds_study(name: str, laboratory: Runner, n: int = 1000) -> Study:
@@ -40,17 +77,8 @@ def seeds_study(name: str, laboratory: Runner, n: int = 1000) -> Study:
     return Study(scenario(name), measure=summary_measure(ideal_force(laboratory))).seeds(range(1, n + 1))
 
 
-def over_seeds(tables: Mapping[str, "xr.Dataset"]) -> tuple[dict[str, Share], dict[str, bool]]:
-    """Judge the claims by the tables of all four scenarios.
-
-    Returns
-    -------
-    shares
-        For each claim the share of the seeds at which it holds, each seed judged alone.
-    together
-        For each claim whether it holds over all seeds at once, as `orchestration.paper.claims` asks: medians, and the
-        worst of all.
-    """
+def over_seeds(tables: Mapping[str, "xr.Dataset"]) -> OverSeeds:
+    """Judge the claims by the tables of all four scenarios."""
     limits = np.array(TORQUE_LIMITS)
     seeds = tables[SCENARIOS[0]]["seed"].to_numpy()
     runs = {
@@ -67,5 +95,5 @@ def over_seeds(tables: Mapping[str, "xr.Dataset"]) -> tuple[dict[str, Share], di
     ]
     whole = {name: list(found.values()) for name, found in runs.items() if len(found) == len(seeds)}
     together = verdicts(Evidence(whole, limits))
-    shares = {claim: Share(sum(found[claim] for found in alone), len(seeds)) for claim in CLAIMS}
-    return shares, {claim: together[claim] for claim in CLAIMS}
+    yes = {claim: sum(found[claim] for found in alone) for claim in CLAIMS}
+    return OverSeeds(len(seeds), yes, {claim: together[claim] for claim in CLAIMS})

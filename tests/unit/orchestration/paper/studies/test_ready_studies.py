@@ -18,7 +18,7 @@ from orchestration.paper.studies.gain_map import accurate, gain_map
 from orchestration.paper.studies.payload import payload_and_wall
 from orchestration.paper.studies.ready import READY_STUDIES
 from orchestration.paper.studies.robustness import laboratory
-from orchestration.paper.studies.seeds import over_seeds, seeds_study
+from orchestration.paper.studies.seeds import OverSeeds, over_seeds, seeds_study
 from orchestration.paper.studies.summary_measure import ideal_force, summary_measure, summary_of
 from orchestration.paper.studies.tuning import LIMITS, cost, gains_study, tuned_by_optuna, tuned_by_scipy
 from tests.unit.examples import failures
@@ -49,12 +49,15 @@ def test_map_of_seven_is_that_of_c11(name: str, good: int, failed: int) -> None:
     assert int((table["status"] == "failed").sum()) == failed
 
 
-def test_seeds_are_judged_one_by_one_and_together() -> None:
+def test_seeds_are_judged_one_by_one_and_together(tmp_path: Path) -> None:
     lab = laboratory()
     tables = {name: grid(seeds_study(name, lab, 3)) for name in SCENARIOS}
-    shares, together = over_seeds(tables)
-    assert {claim for claim, found in shares.items() if found.yes == 3} == {"C4", "C5", "C6", "C8", "C9", "C16"}
-    assert {claim for claim, holds in together.items() if holds} == {"C4", "C5", "C6", "C8", "C9", "C16"}
+    judged = over_seeds(tables)
+    assert judged.n == 3
+    assert {claim for claim, yes in judged.yes.items() if yes == 3} == {"C4", "C5", "C6", "C8", "C9", "C16"}
+    assert {claim for claim, holds in judged.together.items() if holds} == {"C4", "C5", "C6", "C8", "C9", "C16"}
+    judged.write(tmp_path / "seeds.json")
+    assert OverSeeds.read(tmp_path / "seeds.json") == judged
     expected = summary_measure(ideal_force(lab)).function
     assert expected is not None
     job = Job("fig6", {"sensor.seed": 2})
@@ -71,10 +74,10 @@ def test_seeds_are_judged_one_by_one_and_together() -> None:
 
     spoiled = tables["fig7"].copy(deep=True)
     spoiled["status"][1] = "failed"
-    shares, together = over_seeds({**tables, "fig7": spoiled})
-    assert (shares["C9"].yes, shares["C16"].yes) == (2, 3)
-    assert not together["C9"]
-    assert together["C16"]
+    judged = over_seeds({**tables, "fig7": spoiled})
+    assert (judged.share("C9").value, judged.share("C16").value) == (2 / 3, 1)
+    assert not judged.together["C9"]
+    assert judged.together["C16"]
 
 
 def test_cost_is_the_largest_ratio_and_infinite_for_failures() -> None:
