@@ -139,7 +139,7 @@ class ReductionText:
             self._names["flag", condition] = flag
             self.begin.append(f"int {flag} = 0;")
             self._lines(condition).append(f"{flag} |= {self._computed(condition)};")
-        self._names[node] = f"!{flag}" if isinstance(node, Before) else flag
+        self._names[node] = f"(!{flag})" if isinstance(node, Before) else flag
         return self._names[node]
 
     # ---- reductions ----
