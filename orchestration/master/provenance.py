@@ -66,15 +66,22 @@ def provenance(
         "format": FORMAT,
         "system": system.name,
         "components": _json([_fmu(component, digests) for component in system.components]),
-        "start": _json({c.name: _numbers(c.start) for c in system.components if c.start}),
-        "seeds": _json(_numbers(_seeds(system))),
+        **told_of_values(system),
         "connections": _json([str(connection) for connection in system.connections]),
         "order": _json([component.name for component in ordered.components]),
         "algorithm": algorithm,
         "step": repr(float(step)),
         "start_time": repr(float(start_time)),
         "stop_time": repr(float(stop_time)),
-        "versions": _json(_versions()),
+        "versions": _json(versions()),
+    }
+
+
+def told_of_values(system: System) -> dict[str, str]:
+    """Describe the values with which a run starts: those that the system sets, and all seeds in force."""
+    return {
+        "start": _json({c.name: _numbers(c.start) for c in system.components if c.start}),
+        "seeds": _json(_numbers(_seeds(system))),
     }
 
 
@@ -106,7 +113,7 @@ def _seeds(system: System) -> dict[str, float | str | None]:
     }
 
 
-def _versions() -> dict[str, str]:
+def versions() -> dict[str, str]:
     """Return the versions of the packages that decide the numbers, of Python and of the platform."""
     return {
         **{package: _version(package) for package in PACKAGES},
