@@ -2,7 +2,7 @@
 
     python -m tests.faults.campaign_kills --kills 20 [--seed N]
 
-A kill is one SIGKILL to the process that makes the runs, while it starts or while it makes runs. A campaign is taken
+A kill is one SIGKILL to the process that makes the runs, while it starts or while it makes runs. The campaign is taken
 up again until it is complete; then the next one begins, until there were as many kills as asked for. Afterwards
 
 * no run that was in the store is made again by a later process;
@@ -34,11 +34,14 @@ chunks.TIME = 0.005  # s: many small chunks, so that a kill meets each state of 
 
 class Log:
     def begin(self, total, names, place):
-        self.file = os.open(sys.argv[2], os.O_WRONLY | os.O_CREAT | os.O_APPEND)
-        print("runs begin", flush=True)
+        self.file, self.begun = os.open(sys.argv[2], os.O_WRONLY | os.O_CREAT | os.O_APPEND), False
     def add(self, outcomes, kept):
-        if not kept:
-            os.write(self.file, "".join(f"{number}\\n" for number in outcomes.numbers).encode())
+        if kept:
+            return
+        os.write(self.file, "".join(f"{number}\\n" for number in outcomes.numbers).encode())
+        if not self.begun:
+            print("runs begin", flush=True)
+        self.begun = True
     def end(self):
         print("runs end", flush=True)
 
@@ -63,6 +66,8 @@ class Trial:
         Time until the first run and time for all runs of an undisturbed process, s.
     kills, campaigns
         Numbers of kills until now, and of campaigns.
+    met
+        Number of kills that left a store with a part of the runs.
     faults
         A sentence for each fault that was found.
     """
@@ -72,6 +77,7 @@ class Trial:
     starting: float = 0.0
     running: float = 0.0
     kills: int = 0
+    met: int = 0
     campaigns: int = 0
     faults: list[str] = field(default_factory=list)
 
@@ -107,6 +113,7 @@ class Trial:
                 self._wait_for_word(process)
                 complete = self._killed_after(process, self.chance.uniform(0.0, self.running / 5))
             self._look_for_repetitions(name, there)
+            self.met += 0 < len(self._numbers(name)) < N_RUNS
         there = self._numbers(name)
         if not complete:
             self._finish(self._started(name))
@@ -196,8 +203,9 @@ def main() -> None:
     chosen, console = parser.parse_args(), Console(highlight=False)
     with tempfile.TemporaryDirectory() as folder:
         trial = kill(chosen.kills, chosen.seed, Path(folder))
-    said = f"{trial.kills} kills of {trial.campaigns} campaigns of {N_RUNS} runs, {len(trial.faults)} faults"
+    said = f"{trial.kills} kills of {trial.campaigns} campaigns of {N_RUNS} runs, {trial.met} of them after some of the runs"
     console.print(f"{said}; undisturbed: {trial.starting:.1f} s to start, {trial.running:.1f} s of runs")
+    console.print(f"{len(trial.faults)} faults")
     for fault in trial.faults:
         console.print(fault)
     raise SystemExit(bool(trial.faults))

@@ -1,4 +1,4 @@
-"""A campaign that is killed and taken up again ends as an undisturbed one: some kills of `tests.faults.campaign_kills`."""
+"""A campaign that is killed and taken up again ends as an undisturbed one: a few of `tests.faults.campaign_kills`."""
 
 import sys
 from pathlib import Path
@@ -15,3 +15,4 @@ def test_a_killed_campaign_is_continued_without_loss_and_without_repetition(tmp_
     trial = kill(KILLS, 7, tmp_path)
     assert trial.faults == []
     assert trial.kills == KILLS
+    assert trial.met > 0
