@@ -203,8 +203,10 @@ def main() -> None:
     chosen, console = parser.parse_args(), Console(highlight=False)
     with tempfile.TemporaryDirectory() as folder:
         trial = kill(chosen.kills, chosen.seed, Path(folder))
-    said = f"{trial.kills} kills of {trial.campaigns} campaigns of {N_RUNS} runs, {trial.met} of them after some of the runs"
-    console.print(f"{said}; undisturbed: {trial.starting:.1f} s to start, {trial.running:.1f} s of runs")
+    console.print(
+        f"{trial.kills} kills of {trial.campaigns} campaigns of {N_RUNS} runs; {trial.met} met a part of the runs"
+    )
+    console.print(f"undisturbed: {trial.starting:.1f} s to start, {trial.running:.1f} s of runs")
     console.print(f"{len(trial.faults)} faults")
     for fault in trial.faults:
         console.print(fault)
