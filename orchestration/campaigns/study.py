@@ -168,8 +168,8 @@ class Study(StudyPlan):
         """What keeps the runs of the study in a store."""
         store = Store.open(folder)
         record = study_record(self._setting, self._design, compares=self._compares)
-        identity = store.save_study(record, self._setting.systems)
-        return KeptRuns(store, identity, self._columns, lambda numbers: self._columns.values(self._design, numbers))
+        identity, columns = store.save_study(record, self._setting.systems), self._columns
+        return KeptRuns(store, identity, columns, lambda numbers: columns.values(self._design, numbers))
 
     def _in_words(self, number: int) -> str:
         """Factors of a run in words."""
