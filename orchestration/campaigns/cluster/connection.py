@@ -82,7 +82,8 @@ class Connection:
         """
         client = self.client
         try:
-            threads = sum(client.nthreads(callback_timeout=CALL).values())
+            by_worker: Any = client.nthreads(callback_timeout=CALL)
+            threads = sum(by_worker.values())
             if client.status != "running" or client.scheduler_info()["id"] != self._scheduler:
                 raise LostError
         except OSError as error:
@@ -169,7 +170,7 @@ def _silent(name: str) -> Iterator[None]:
 
 def _address(cluster: Any) -> tuple[str, Any]:
     """Address of the scheduler, and what a client needs for encrypted connections, if anything."""
-    from distributed.comm import get_address_host_port
+    from distributed.comm.addressing import get_address_host_port
 
     if isinstance(cluster, str):
         address = cluster if "://" in cluster else f"tcp://{cluster}"

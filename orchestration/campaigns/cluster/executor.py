@@ -108,7 +108,8 @@ class ClusterExecutor:
 
     def _prepare(self, client: "Client") -> None:
         """Compare versions, and bring the task to the workers."""
-        require_equal(client.get_versions(packages=list(COMPARED)))
+        versions: Any = client.get_versions(packages=list(COMPARED))
+        require_equal(versions)
         self._deliver(client)
 
     def _deliver(self, client: "Client") -> None:
