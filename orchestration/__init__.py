@@ -22,6 +22,9 @@ if TYPE_CHECKING:
     from orchestration.analysis.doctor.finding import Finding
     from orchestration.analysis.energy import Ledger, PowerBond, ledger
     from orchestration.analysis.stability.verdict import Verdict
+    from orchestration.campaigns.factor import Factor
+    from orchestration.campaigns.measure import Measure
+    from orchestration.campaigns.study import Study
     from orchestration.errors import (
         ArchiveError,
         ContainerError,
@@ -31,6 +34,8 @@ if TYPE_CHECKING:
         RunInterrupted,
         SignalError,
         SimulationError,
+        StudyError,
+        StudyInterrupted,
         SystemDescriptionError,
         UnknownNameError,
     )
@@ -63,6 +68,7 @@ _HOME = {
     "Correction": "master.algorithm",
     "Crossings": "master.options",
     "Diagnosis": "analysis.doctor.diagnosis",
+    "Factor": "campaigns.factor",
     "Finding": "analysis.doctor.finding",
     "Fmu": "fmi.fmu",
     "FmuWarning": "master.fmu_messages",
@@ -71,6 +77,7 @@ _HOME = {
     "InitializationError": "errors",
     "Isolation": "fmi.isolation",
     "Ledger": "analysis.energy",
+    "Measure": "campaigns.measure",
     "Options": "master.options",
     "OrchestrationError": "errors",
     "Pace": "master.pacing",
@@ -84,6 +91,9 @@ _HOME = {
     "Snapshot": "master.snapshot",
     "StepControl": "master.algorithm",
     "StiffnessWarning": "master.stiffness",
+    "Study": "campaigns.study",
+    "StudyError": "errors",
+    "StudyInterrupted": "errors",
     "System": "system.system",
     "SystemDescriptionError": "errors",
     "TimeSeries": "master.time_series",
@@ -111,6 +121,7 @@ __all__ = [
     "Correction",
     "Crossings",
     "Diagnosis",
+    "Factor",
     "Finding",
     "Fmu",
     "FmuWarning",
@@ -119,6 +130,7 @@ __all__ = [
     "InitializationError",
     "Isolation",
     "Ledger",
+    "Measure",
     "Options",
     "OrchestrationError",
     "Pace",
@@ -132,6 +144,9 @@ __all__ = [
     "Snapshot",
     "StepControl",
     "StiffnessWarning",
+    "Study",
+    "StudyError",
+    "StudyInterrupted",
     "System",
     "SystemDescriptionError",
     "TimeSeries",

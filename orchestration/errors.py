@@ -8,7 +8,7 @@ import re
 import sys
 import warnings
 from pathlib import Path
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 if TYPE_CHECKING:
     import numpy as np
@@ -252,6 +252,24 @@ class StudyError(OrchestrationError):
     """
 
 
+class StoreError(StudyError):
+    """Error of a store of runs: a folder of something else, a damaged record, or a disk that is full.
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> from orchestration.campaigns.store.store import Store
+    >>> from orchestration.errors import StoreError
+    >>> Path("letters").mkdir()
+    >>> Path("letters", "dear reader.txt").touch()
+    >>> try:
+    ...     Store.open("letters")
+    ... except StoreError as error:
+    ...     print(error)
+    letters: the folder is no store and has other files, such as dear reader.txt; name a new folder.
+    """
+
+
 class ClusterError(StudyError):
     """Error of the cluster that makes the runs of a study: machines out of reach, or with other versions.
 
@@ -329,3 +347,38 @@ class RunInterrupted(KeyboardInterrupt):
     def __init__(self, result: RecordedRows) -> None:
         super().__init__("The run was interrupted.")
         self.result = result
+
+
+class StudyInterrupted(KeyboardInterrupt):
+    """Interruption of a study by the user, with the runs until then.
+
+    Attributes
+    ----------
+    table
+        Table of all runs, as `Study.run` returns it; runs that were not made have the status ``missing`` and NaN.
+
+    Examples
+    --------
+    Ctrl-C raises it; here an object that shows progress does the same.
+
+    >>> from orchestration import Study, StudyInterrupted, scenario
+    >>> class Enough:
+    ...     def begin(self, total, names, place):
+    ...         pass
+    ...     def add(self, outcomes, kept):
+    ...         raise KeyboardInterrupt
+    ...     def end(self):
+    ...         pass
+    >>> study = Study(scenario("fig2"), measure="max(abs(controller.e[1]))", stop_time=0.1)
+    >>> try:
+    ...     study.grid({"controller.K": "1000:4000:7"}).run(workers=1, progress=Enough())
+    ... except StudyInterrupted as interrupt:
+    ...     print(interrupt)
+    ...     print(sorted(set(interrupt.table["status"].values.tolist())))
+    The study was interrupted after 1 of 7 runs; ...
+    ['complete', 'missing']
+    """
+
+    def __init__(self, message: str, table: Any) -> None:
+        super().__init__(message)
+        self.table = table

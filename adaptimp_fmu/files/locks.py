@@ -5,7 +5,8 @@ again, and containers that share a folder count them apart.
 """
 
 import os
-from contextlib import suppress
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 try:
@@ -61,6 +62,39 @@ def lock_of_dead_owner(path: Path) -> int | None:
             return file
         os.close(file)
     return None
+
+
+@contextmanager
+def waiting_lock(path: Path) -> Iterator[None]:
+    """Keep other processes out of what they do under the same lock; waits until none of them has the lock.
+
+    Where the system has no locks, nobody is kept out.
+
+    Parameters
+    ----------
+    path
+        File that stands for the lock; it is made if need be, and stays.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be made.
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> from adaptimp_fmu.files.locks import waiting_lock
+    >>> with waiting_lock(Path("counter.lock")):
+    ...     written = Path("counter").write_text("1")
+    """
+    file = os.open(path, _PRESENT | os.O_CREAT, 0o666)
+    try:
+        if fcntl is not None:
+            with suppress(OSError):  # some network file systems have no locks
+                fcntl.flock(file, fcntl.LOCK_EX)
+        yield
+    finally:
+        os.close(file)
 
 
 def _lock(file: int) -> bool | None:

@@ -3,6 +3,7 @@
 An engine makes runs in this process. An executor hands chunks of points to engines, here or on other machines.
 """
 
+import itertools
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Protocol
@@ -59,6 +60,11 @@ class Outcomes:
         """Number of runs."""
         return len(self.numbers)
 
+    def only(self, chosen: np.ndarray) -> "Outcomes":
+        """Those of the runs that a bool array of shape (n,) chooses."""
+        messages = tuple(itertools.compress(self.messages, chosen))
+        return Outcomes(self.numbers[chosen], self.measured[chosen], messages)
+
 
 class Engine(Protocol):
     """Makes the runs of one task in this process."""
@@ -81,6 +87,11 @@ class Engine(Protocol):
 
 class Executor(Protocol):
     """Hands chunks of points to engines."""
+
+    @property
+    def workers(self) -> int:
+        """Number of chunks that can be made at the same time; it may change."""
+        ...
 
     def map(self, chunks: Iterator[Points]) -> Iterator[Outcomes]:
         """Make the runs of all chunks.

@@ -111,6 +111,11 @@ class Measure:
         return hashlib.sha256(text.encode()).hexdigest()
 
     @property
+    def needed(self) -> tuple[str, ...]:
+        """Columns that the measure reads, arrays allowed; all outputs if empty."""
+        return self.columns if self.formula is None else self.formula.columns
+
+    @property
     def label(self) -> str:
         """Names in a text, for messages."""
         return printable(", ".join(self.names), 100)

@@ -53,6 +53,28 @@ class Task:
         return tuple(unit for measure in self.measures for unit in measure.units)
 
     @cached_property
+    def record(self) -> tuple[str, ...] | None:
+        """Columns that the measures need, scalars as ``component.variable``; None if they need all outputs alone."""
+        return self._needed if all(measure.needed for measure in self.measures) else self.everything
+
+    @cached_property
+    def everything(self) -> tuple[str, ...] | None:
+        """All outputs and whatever else the measures need; None if that is all outputs alone."""
+        more = set(self._needed) - set(self.outputs)
+        return tuple(dict.fromkeys((*self.outputs, *self._needed))) if more else None
+
+    @property
+    def outputs(self) -> tuple[str, ...]:
+        """All outputs but Strings, as ``component.variable``."""
+        components = self.system.components
+        return tuple(f"{c.name}.{v.name}" for c in components for v in c.description.of_causality("output"))
+
+    @property
+    def _needed(self) -> tuple[str, ...]:
+        wanted = [column for measure in self.measures for column in measure.needed]
+        return tuple(dict.fromkeys(path for column in wanted for path in self.system.elements(column)))
+
+    @cached_property
     def structure(self) -> str:
         """SHA-256 hash of all that decides a run but its start values and its step, as hexadecimal text.
 

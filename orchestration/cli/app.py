@@ -59,6 +59,8 @@ from orchestration.cli.program import (
     closing,
     with_messages,
 )
+from orchestration.cli.sweep_command import EPILOG as SWEEP_EPILOG
+from orchestration.cli.sweep_command import SweepCommand, sweep
 
 app = typer.Typer(
     cls=Program,
@@ -343,6 +345,7 @@ def check(
 
 
 app.command(cls=IsolatingCommand, epilog=EPILOG)(with_messages(doctor))
+app.command(cls=SweepCommand, epilog=SWEEP_EPILOG)(with_messages(sweep))
 
 
 @app.command(cls=Command, epilog=closing("adaptimp paper", "adaptimp paper -o figures --format svg"))

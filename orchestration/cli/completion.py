@@ -9,6 +9,7 @@ from typing import Any
 
 FILES = (".fmu", ".ssp", ".ssd")
 RESULTS = (".csv", ".parquet")
+STUDIES = (".toml",)
 
 
 def systems(incomplete: str) -> list[str]:
@@ -16,6 +17,25 @@ def systems(incomplete: str) -> list[str]:
     from orchestration.paper.scenarios import SCENARIOS, VARIANTS
 
     return _beginning(incomplete, [*SCENARIOS, *VARIANTS, *_files(incomplete, FILES)])
+
+
+def studies(incomplete: str) -> list[str]:
+    """Systems, and files of studies."""
+    return [*systems(incomplete), *_beginning(incomplete, _files(incomplete, STUDIES))]
+
+
+def measures(incomplete: str) -> list[str]:
+    """Ready measures."""
+    from orchestration.campaigns.registry import ready_measures
+
+    return _beginning(incomplete, ready_measures())
+
+
+def ready_studies(incomplete: str) -> list[str]:
+    """Ready studies of the paper."""
+    from orchestration.paper.studies.ready import READY_STUDIES
+
+    return _beginning(incomplete, READY_STUDIES)
 
 
 def controllers(incomplete: str) -> list[str]:

@@ -3,10 +3,19 @@
 import json as formats
 
 from fmus.catalog import MODELS
+from orchestration.campaigns.registry import ready_measures
 from orchestration.cli.output import output, width
 from orchestration.cli.tables import definitions
 from orchestration.master.algorithm import SUMMARIES
 from orchestration.paper.scenarios import SCENARIOS, VARIANTS
+
+USES = {
+    "scenarios": "run NAME",
+    "fmus": "info NAME",
+    "algorithms": "run fig2 --algorithm NAME",
+    "measures": "sweep fig5 --seeds 1-3 --measure NAME",
+}
+"""What is listed, and the command that takes a name."""
 
 
 def list_all(*, json: bool) -> None:
@@ -15,12 +24,21 @@ def list_all(*, json: bool) -> None:
         "scenarios": {name: scenario.caption for name, scenario in {**SCENARIOS, **VARIANTS}.items()},
         "fmus": {name: declare().description for name, declare in MODELS.items()},
         "algorithms": dict(SUMMARIES),
+        "measures": {name: summary for name, (_, summary) in ready_measures().items()},
     }
     if json:
         output.data(formats.dumps(found, indent=2))
         return
-    for title, use in (("scenarios", "run NAME"), ("fmus", "info NAME"), ("algorithms", "run fig2 --algorithm NAME")):
+    for title, use in USES.items():
         if title != "scenarios":
             output.data("")
         output.data(f"{'FMUs' if title == 'fmus' else title.capitalize()}  (adaptimp {use})")
         output.data(definitions(list(found[title].items()), width(), "  "))
+
+
+def list_ready(*, json: bool) -> None:
+    """Print the names of the ready studies, each with what it is."""
+    from orchestration.paper.studies.ready import READY_STUDIES
+
+    found = {name: study.summary for name, study in READY_STUDIES.items()}
+    output.data(formats.dumps(found, indent=2) if json else definitions(list(found.items()), width()))

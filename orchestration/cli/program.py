@@ -91,9 +91,9 @@ class Program(TyperGroup):
             with Interrupts():
                 return super().invoke(ctx)
         except KeyboardInterrupt as interrupt:
-            from orchestration.errors import RunInterrupted
+            from orchestration.errors import RunInterrupted, StudyInterrupted
 
-            if not isinstance(interrupt, RunInterrupted):  # that was said when its rows were kept
+            if not isinstance(interrupt, RunInterrupted | StudyInterrupted):  # that was said when rows were kept
                 output.error("Interrupted.")
             raise typer.Exit(exit_code_of(interrupt)) from None
 

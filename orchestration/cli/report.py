@@ -17,7 +17,7 @@ from orchestration.results.extremes import Extremes
 
 REFUSED = "refused"
 """Status of a run that did not begin."""
-_STATUS = {
+STATUS = {
     ExitCode.REFUSED: REFUSED,
     **dict.fromkeys((ExitCode.HUNG_UP, ExitCode.INTERRUPTED, ExitCode.TERMINATED), INTERRUPTED),
 }
@@ -73,7 +73,7 @@ class RunReport:
     def ended_by(self, error: BaseException) -> None:
         """Take the status from an exception."""
         self.exit_code = exit_code_of(error)
-        self.status = _STATUS.get(ExitCode(self.exit_code), FAILED)
+        self.status = STATUS.get(ExitCode(self.exit_code), FAILED)
         self.message = str(error) or "The run was interrupted."
 
     def json(self) -> str:

@@ -195,6 +195,42 @@ class Result(Columns, Mapping[str, np.ndarray]):
             return (name,)
         return tuple(self.names[place] for place in np.ravel(self._places(name)))
 
+    def measure(self, formula: str) -> float:
+        """Compute one number of the run.
+
+        Parameters
+        ----------
+        formula
+            Such as ``max(norm(plant.F_ext))``; `orchestration.results.measures.parser.parse_formula` says what can
+            stand in it.
+
+        Returns
+        -------
+        float
+            NaN where no row fulfils the conditions of the formula.
+
+        Raises
+        ------
+        FormulaError
+            If the text is no formula, or an array stands where one number is needed.
+        UnknownNameError
+            If the result lacks a column.
+
+        Examples
+        --------
+        >>> from orchestration import scenario, simulate
+        >>> result = simulate(scenario("fig2"), record=["plant.F_ext", "controller.e"])
+        >>> round(result.measure("max(norm(plant.F_ext))"))  # N
+        557
+        >>> round(result.measure("duration(norm(plant.F_ext) > 0)"), 2)  # s
+        0.12
+        >>> result.measure("rms(norm(controller.e), where=norm(plant.F_ext) > 0)") < 1e-3  # m
+        True
+        """
+        from orchestration.results.measures.parser import parse_formula
+
+        return parse_formula(formula).evaluate(self)
+
     def to_pandas(self) -> "pd.DataFrame":
         """All columns as a DataFrame over time.
 

@@ -20,8 +20,15 @@ FOLDER = "fmus"
 _FINITE_INPUTS = "/* All inputs take outputs that were found to be finite. */\n#define INPUTS_ARE_FINITE\n\n"
 
 
-def c_sources(plan: Plan) -> dict[str, str]:
+def c_sources(plan: Plan, *, variable_step: bool = False) -> dict[str, str]:
     """Return the C sources of a system, without a main function.
+
+    Parameters
+    ----------
+    plan
+        Plan of the program.
+    variable_step
+        Whether the step is a number in the state of the system, which is set after each reset, instead of the plan's.
 
     Returns
     -------
@@ -45,6 +52,9 @@ def c_sources(plan: Plan) -> dict[str, str]:
         "passes": list(_passes(plan)),
         "sampled": any(member.period for member in plan.members),
         "step": list(_inner_step(plan)),
+        "variable_step": variable_step,
+        "given_system": f"const {plan.identifier}_System *s, " if variable_step else "",
+        "give_system": "s, " if variable_step else "",
     }
     found = {name: templates.get_template(f"{name}.j2").render(given) for name in ("step.h", "step.c")}
     found["failure.h"] = runtime_sources()["failure.h"]

@@ -63,7 +63,7 @@ class Formula:
         """
         return Formula(scalar(self.tree, elements))
 
-    def combine(self, values: Sequence[Any]) -> Any:
+    def combine(self, values: Sequence[Any] | np.ndarray) -> Any:
         """Compute the measure from the values of the `reductions`.
 
         Parameters

@@ -13,7 +13,7 @@ PUBLIC = {name: getattr(orchestration, name) for name in orchestration.__all__}
 METHODS = {
     System: ["of", "connect", "set", "replace", "to_c", "to_wasm"],
     Component: ["read"],
-    Result: ["at_ticks", "to_pandas", "to_xarray", "plot", "write", "read"],
+    Result: ["at_ticks", "measure", "to_pandas", "to_xarray", "plot", "write", "read"],
     Fmu: ["outputs", "set", "step", "drive", "save"],
 }
 

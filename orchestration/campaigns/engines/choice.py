@@ -1,0 +1,25 @@
+"""Chooses the engine for a task."""
+
+import logging
+
+from orchestration.campaigns.engine import Engine
+from orchestration.campaigns.engines.master import MasterEngine
+from orchestration.campaigns.engines.native import NativeEngine
+from orchestration.campaigns.task import Task
+from orchestration.errors import ContainerError
+
+_LOG = logging.getLogger(__name__)
+
+
+def engine_for(task: Task) -> Engine:
+    """The fastest engine that can make the runs of a task.
+
+    A system of the project's own FMUs becomes one native library. Every other system, and one of which components are
+    to be isolated, is stepped by the master with FMUs that stay open.
+    """
+    if task.isolation is None:
+        try:
+            return NativeEngine(task)
+        except ContainerError as reason:
+            _LOG.info("the runs are made by the master: %s", reason)
+    return MasterEngine(task)

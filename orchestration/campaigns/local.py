@@ -1,0 +1,105 @@
+"""Makes the runs of a campaign by threads of this process."""
+
+import os
+import threading
+from collections.abc import Iterator
+from queue import SimpleQueue
+
+from orchestration.campaigns.engine import Engine, Outcomes, Points
+from orchestration.errors import StudyError
+from orchestration.fmi.given import shown
+
+
+def worker_count(asked: int | None) -> int:
+    """Number of threads: that which is asked for, else the number of cores that this process may use.
+
+    Raises
+    ------
+    StudyError
+        If it is not a whole number from 1 on.
+    """
+    if asked is None:
+        available = getattr(os, "sched_getaffinity", None)
+        return len(available(0)) if available else os.cpu_count() or 1
+    if isinstance(asked, bool) or not isinstance(asked, int) or asked < 1:
+        msg = f"workers is {shown(asked)}; give a whole number from 1 on."
+        raise StudyError(msg)
+    return asked
+
+
+class LocalExecutor:
+    """Threads that take chunks as they become free; the engine works without the interpreter's lock.
+
+    Parameters
+    ----------
+    engine
+        Engine that all threads use.
+    workers
+        Number of threads.
+    """
+
+    def __init__(self, engine: Engine, workers: int) -> None:
+        self.engine, self.workers = engine, workers
+        self._at_work: list[_Outcomes] = []
+
+    def map(self, chunks: Iterator[Points]) -> "Iterator[Outcomes]":
+        """Make the runs of all chunks; `chunks` must allow several threads to iterate."""
+        self._at_work.append(_Outcomes(self.engine, self.workers, chunks))
+        return self._at_work[-1]
+
+    def wait(self) -> None:
+        """Let the threads finish the chunks that they are at, and end them."""
+        while self._at_work:
+            self._at_work.pop().wait()
+
+    def close(self) -> None:
+        """Free what the engine holds, and end the threads; an engine that is closed cuts off runs under way."""
+        for outcomes in self._at_work:
+            outcomes.stop()
+        self.engine.close()
+        self.wait()
+
+
+class _Outcomes(Iterator[Outcomes]):
+    """Outcomes as threads make them. An interrupt of `next` leaves the threads at work, so `next` may go on."""
+
+    def __init__(self, engine: Engine, workers: int, chunks: Iterator[Points]) -> None:
+        self._engine, self._chunks = engine, chunks
+        self._made: SimpleQueue[Outcomes | BaseException | None] = SimpleQueue()
+        self._stopped = threading.Event()
+        self._working = workers
+        self._threads = [threading.Thread(target=self._work, name=f"campaign-{k}", daemon=True) for k in range(workers)]
+        for thread in self._threads:
+            thread.start()
+
+    def stop(self) -> None:
+        """Let the threads take no further chunk."""
+        self._stopped.set()
+
+    def wait(self) -> None:
+        """Wait until the threads have ended."""
+        self.stop()
+        for thread in self._threads:
+            thread.join()
+
+    def __next__(self) -> Outcomes:
+        while self._working:
+            made = self._made.get()
+            if made is None:
+                self._working -= 1
+            elif isinstance(made, BaseException):
+                self._stopped.set()
+                raise made
+            else:
+                return made
+        raise StopIteration
+
+    def _work(self) -> None:
+        """Make chunk after chunk, until there is none or another thread failed."""
+        try:
+            while not self._stopped.is_set() and (points := next(self._chunks, None)) is not None:
+                self._made.put(self._engine.make(points))
+        except BaseException as error:
+            self._made.put(error)
+        finally:
+            self._made.put(None)

@@ -1,0 +1,236 @@
+"""Parquet files of finished runs in a folder, which any number of processes add to; a file is whole and never changes.
+
+A file is named by the hash of its content. It is written as a draft elsewhere and appears in one step, so a killed
+process leaves no unfinished file. Many small files become one by `merge`: the file with all of their rows appears
+first, and then the small ones go. So each row is in some file at every moment, whoever else adds, merges or dies.
+A reader that misses a file which has just gone looks again, because the rows are in a newer file by then.
+"""
+
+import hashlib
+import os
+import secrets
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from adaptimp_fmu.files.locks import lock_of_dead_owner, locked_new_file
+from orchestration.campaigns.store.row_table import FORMAT, MARK, without_duplicates
+from orchestration.errors import StoreError, warn_caller
+
+if TYPE_CHECKING:
+    import pyarrow as pa
+
+SUFFIX, DRAFT = ".parquet", ".part"
+GROUP_ROWS = 2**16
+"""Largest number of runs in a group of rows."""
+_NAME = 24  # hexadecimal digits of a file's name
+
+
+class StoreWarning(UserWarning):
+    """Warning of a file in a store that cannot be read, or of small files that could not be merged."""
+
+
+class Place(NamedTuple):
+    """Where the files of one study are.
+
+    Attributes
+    ----------
+    rows
+        Folder of the whole files.
+    drafts
+        Folder of the drafts, on the same file system.
+    """
+
+    rows: Path
+    drafts: Path
+
+
+@contextmanager
+def store_errors(path: Path) -> Iterator[None]:
+    """Convert an error of the operating system during writing into an error of the store.
+
+    Raises
+    ------
+    StoreError
+        If something cannot be written.
+    """
+    try:
+        yield
+    except OSError as error:
+        msg = (
+            f"{path}: the store cannot be written: {error.strerror or error}; make room or choose another place,"
+            " and resume: all runs that were written are kept."
+        )
+        raise StoreError(msg) from error
+
+
+def write_rows(place: Place, table: "pa.Table", *, on_disk: bool = False) -> Path:
+    """Write a table as a new file, which is there for good when this function returns, whatever ends the process.
+
+    Parameters
+    ----------
+    place
+        Where the file goes.
+    table
+        Rows of the file.
+    on_disk
+        Whether to wait until the disk has the file, so that not even a loss of power costs the file.
+
+    Returns
+    -------
+    Path
+        Path of the file.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be written.
+    """
+    content = _parquet(table)
+    path = place.rows / f"{hashlib.sha256(content).hexdigest()[:_NAME]}{SUFFIX}"
+    draft, descriptor = _draft(place.drafts)
+    try:
+        with os.fdopen(descriptor, "wb") as file:  # its lock says that the draft has a living owner
+            file.write(content)
+            file.flush()
+            if on_disk:
+                os.fsync(descriptor)
+            if os.name != "nt":
+                draft.replace(path)
+        if os.name == "nt":  # there an open file cannot be moved
+            draft.replace(path)
+    except BaseException:
+        draft.unlink(missing_ok=True)
+        raise
+    return path
+
+
+def remove_drafts_of_dead_processes(drafts: Path) -> None:
+    """Remove the drafts that killed processes left; none of them has a run that was said to be written."""
+    for path in sorted(drafts.glob(f"*{DRAFT}")):
+        descriptor = lock_of_dead_owner(path)
+        if descriptor is not None:
+            with suppress(OSError):  # what cannot be removed does no harm
+                path.unlink(missing_ok=True)
+            os.close(descriptor)
+
+
+def read_rows(folder: Path, columns: Sequence[str] | None = None) -> Iterator["tuple[Path, pa.Table]"]:
+    """Read the tables in a folder, also while other processes add files and merge them.
+
+    A file that is damaged or no file of a store causes a `StoreWarning`, and stays where it is. So does a file whose
+    columns differ from those of the first file, if all columns are read.
+
+    Parameters
+    ----------
+    folder
+        Folder of the files.
+    columns
+        Columns to read. Files that lack one of them are left out. Default: all columns.
+
+    Yields
+    ------
+    tuple
+        Path and table of each file. A run may be in several tables.
+    """
+    seen: set[Path] = set()
+    first: pa.Schema | None = None
+    while True:
+        new = [path for path in sorted(folder.glob(f"*{SUFFIX}")) if path not in seen]
+        if not new:
+            return
+        for path in new:
+            try:
+                table = _read(path, columns)
+            except FileNotFoundError:  # another process has merged it; the next look finds the new file
+                continue
+            seen.add(path)
+            if table is None:
+                continue
+            first = first or table.schema
+            if columns is None and table.schema != first:
+                warn_caller(f"{path} has other columns than the files beside it; move it elsewhere.", StoreWarning)
+                continue
+            yield path, table
+
+
+def merge(place: Place) -> None:
+    """Make one file of all files in a folder; rows in the order of their numbers, each once.
+
+    Files that are damaged, or of something else, stay as they are.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be written. Then all files stay as they are.
+    """
+    found = dict(read_rows(place.rows))
+    if len(found) < 2:
+        return
+    replace_rows(place, list(found), without_duplicates(list(found.values())))
+
+
+def replace_rows(place: Place, old: Sequence[Path], table: "pa.Table") -> Path:
+    """Write a table that has all rows of some files, and remove these files afterwards.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be written. Then all files stay as they are.
+    """
+    new = write_rows(place, table, on_disk=True)
+    for path in old:
+        if path != new:
+            with suppress(OSError):  # another process reads it (Windows); its rows are in the new one
+                path.unlink(missing_ok=True)
+    return new
+
+
+def _parquet(table: "pa.Table") -> bytes:
+    """Bytes of a Parquet file; the same table gives the same bytes."""
+    import pyarrow as pa
+    from pyarrow.parquet import ParquetWriter
+
+    sink = pa.BufferOutputStream()
+    with ParquetWriter(sink, table.schema, compression="zstd") as writer:
+        writer.write_table(table, GROUP_ROWS)
+    return sink.getvalue().to_pybytes()
+
+
+def _draft(folder: Path) -> tuple[Path, int]:
+    """Path and descriptor of a new draft, locked by this process."""
+    while True:
+        path = folder / f"{secrets.token_hex(8)}{DRAFT}"
+        with suppress(FileExistsError):
+            descriptor = locked_new_file(path)
+            if descriptor is not None:
+                return path, descriptor
+
+
+def _read(path: Path, columns: Sequence[str] | None) -> "pa.Table | None":
+    """The table of a file; None if it lacks columns, or with a warning if it cannot be read."""
+    import pyarrow as pa
+    from pyarrow.parquet import ParquetFile
+
+    try:
+        with path.open("rb") as file, ParquetFile(file) as source:
+            refusal = _refusal(source.metadata.metadata)
+            if refusal is None:
+                lacking = columns is not None and not set(columns) <= set(source.schema_arrow.names)
+                return None if lacking else source.read(None if columns is None else list(columns))
+    except FileNotFoundError:
+        raise
+    except (pa.ArrowException, OSError, ValueError) as error:
+        refusal = f"cannot be read ({error})"
+    msg = f"{path} {refusal}; its runs are made anew where they are asked for. Move the file elsewhere."
+    warn_caller(msg, StoreWarning)
+    return None
+
+
+def _refusal(metadata: "dict[bytes, bytes] | Any") -> str | None:
+    """Why a file is none of this version's, from its metadata; None if it is one."""
+    version = (metadata or {}).get(MARK)
+    if version is None:
+        return "is no file of a store"
+    return None if version == FORMAT else f"has format {version.decode(errors='replace')}, not {FORMAT.decode()}"

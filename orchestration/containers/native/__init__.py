@@ -1,0 +1,1 @@
+"""A system as a native library in this process, which makes many runs in one call."""

@@ -1,0 +1,63 @@
+"""Ready measures of the paper's loops: names for what is asked of a run most often.
+
+The formulas name variables of the interface that all arms and controllers share. So the measures work for every
+scenario, and for every system whose components ``plant``, ``controller``, ``actuator``, ``sensor`` and
+``trajectory`` have these variables. In contact means that the wall exerts a force.
+"""
+
+from collections.abc import Mapping
+
+from orchestration.paper.measure import SETTLED
+
+_TOUCHING = "norm(plant.F_ext) > 0"
+_BEFORE = f"before({_TOUCHING})"
+_E = "norm(controller.e)"
+_M2_ERROR = "abs(controller.p_hat[2] - plant.m[2])"
+
+READY: Mapping[str, tuple[str, str]] = {
+    "peak_force": ("max(norm(plant.F_ext))", "largest force of the wall"),
+    "rms_force": (f"rms(norm(plant.F_ext), where={_TOUCHING})", "root mean square of the force in contact"),
+    "impulse": ("integral(norm(plant.F_ext))", "force of the wall, summed over time"),
+    "peak_penetration": ("max(plant.penetration)", "largest depth of the tip in the wall"),
+    "contact_time": (f"duration({_TOUCHING})", "time in contact, without the time between bounces"),
+    "first_contact": (f"first_time({_TOUCHING})", "time of the first contact"),
+    "last_contact": (f"last_time({_TOUCHING})", "time of the last contact"),
+    "force_error": ("max(norm(sensor.F_hat - plant.F_ext))", "largest error of the measured force"),
+    "max_e": (f"max({_E})", "largest error of the tip from its target, which the impedance moves"),
+    "rms_e": (f"rms({_E})", "root mean square of this error"),
+    "max_e_contact": (f"max({_E}, where={_TOUCHING})", "largest error in contact"),
+    "rms_e_contact": (f"rms({_E}, where={_TOUCHING})", "root mean square of the error in contact"),
+    "max_e_free": (f"max({_E}, where=not {_TOUCHING})", "largest error out of contact"),
+    "max_e_before": (f"max({_E}, where={_BEFORE})", "largest error before the first contact"),
+    "max_deviation": ("max(norm(plant.x - trajectory.x_v))", "largest distance of the tip from the commanded path"),
+    "end_error": ("norm(final(plant.x) - initial(plant.x))", "distance of the tip at the end from where it began"),
+    "m2_hat": ("final(controller.p_hat[2])", "estimate of the second mass at the end"),
+    "m2_error": (f"final({_M2_ERROR})", "error of this estimate at the end"),
+    "m2_at_contact": (f"final({_M2_ERROR}, where={_BEFORE})", "error of the estimate just before the first contact"),
+    "m2_in_contact": (f"max({_M2_ERROR}, where={_TOUCHING})", "largest error of the estimate in contact"),
+    "m2_settled": (
+        f"last_time({_M2_ERROR} > {SETTLED}, where={_BEFORE})",
+        f"time from which on the error of the estimate stays within {SETTLED} kg until the first contact",
+    ),
+    "max_torque_1": ("max(abs(controller.tau_cmd[1]))", "largest torque that the first joint is told"),
+    "max_torque_2": ("max(abs(controller.tau_cmd[2]))", "largest torque that the second joint is told"),
+    "rms_torque_1": ("rms(actuator.tau[1])", "root mean square of the torque of the first joint"),
+    "rms_torque_2": ("rms(actuator.tau[2])", "root mean square of the torque of the second joint"),
+    "share_saturated": ("share(norm(actuator.saturated) > 0)", "share of the ticks at which a torque is limited"),
+}
+"""Formula of each measure, as `orchestration.results.measures.parser.parse_formula` reads it, and what it says."""
+
+
+def as_markdown(units: Mapping[str, str]) -> str:
+    """Return the table of the ready measures for a page.
+
+    Parameters
+    ----------
+    units
+        Unit of each measure, by its name.
+    """
+    rows = (
+        f"| `{name}` | {description}{f', {units[name]}' if units[name] else ''} | `{formula}` |"
+        for name, (formula, description) in READY.items()
+    )
+    return "\n".join(("| name | says | formula |", "|---|---|---|", *rows)) + "\n"
