@@ -9,7 +9,7 @@ from orchestration.campaigns.cluster.delivery import Delivery
 from orchestration.campaigns.cluster.payload import Payload
 from orchestration.campaigns.cluster.versions import require_equal
 from orchestration.errors import ClusterError
-from tests.unit.orchestration.campaigns.cluster.engines import Arithmetic, a_task, some_points
+from tests.unit.orchestration.campaigns.cluster.engines import Arithmetic, a_task
 
 OURS = {"adaptimp": "1.2.3", "distributed": "2026.8.0", "python": "3.11.7.final.0", "numpy": "2.3.1", "numba": "0.62.0"}
 
@@ -76,4 +76,5 @@ def test_a_worker_that_joins_later_is_compared_too() -> None:
     delivery = Delivery(Payload.of(a_task(), Arithmetic), {**OURS, "adaptimp": "0.0.1"})
     delivery.setup(SimpleNamespace(address="tcp://late:1"))  # pyright: ignore[reportArgumentType]
     with pytest.raises(ClusterError, match=r"Worker tcp://late:1 has adaptimp .*, but this program adaptimp 0\.0\.1"):
-        delivery.make(some_points(1))
+        with delivery.engine():
+            pass
