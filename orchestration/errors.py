@@ -270,6 +270,13 @@ class StoreError(StudyError):
     """
 
 
+class ClusterError(StudyError):
+    """Error of the cluster that makes the runs of a study: machines out of reach, or with other versions.
+
+    Runs that were finished before are in the store of the study, if it has one.
+    """
+
+
 class SimulationError(OrchestrationError):
     """Error of a run that failed.
 

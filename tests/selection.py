@@ -31,6 +31,7 @@ PROCESSES = (
     "scenarios/test_containers_page.py",
     "scenarios/test_tutorial.py",
     "unit/adaptimp_fmu/test_toolchain.py",
+    "unit/orchestration/campaigns/store/test_full_disk.py",
     "unit/orchestration/check/*",
     "unit/orchestration/results/test_full_disk.py",
     "unit/orchestration/sandbox/test_process.py",

@@ -150,7 +150,6 @@ def make_chunks(chunks: Chunks, workers: Executor, take: Callable[[Outcomes], No
             outcomes = next(made, None)
             if outcomes is None:
                 break
-            chunks.done(len(outcomes))
             take(outcomes)
         except KeyboardInterrupt as error:
             if interrupt is not None:

@@ -32,7 +32,7 @@ class Chunks(Iterator[Points]):
     def __init__(self, numbers: np.ndarray, points: Callable[[np.ndarray], Points], workers: Callable[[], int]) -> None:
         self._numbers, self._points, self._workers = numbers, points, workers
         self._lock = threading.Lock()
-        self._next, self._size, self._done = 0, 1, 0
+        self._next, self._size = 0, 1
         self._began: float | None = None
 
     def __next__(self) -> Points:
@@ -47,21 +47,18 @@ class Chunks(Iterator[Points]):
             self._next += self._size
             return self._points(numbers)
 
-    def done(self, runs: int) -> None:
-        """Count runs that have been made."""
-        self._done += runs
-
     def stop(self) -> None:
         """Give out no further chunk."""
         with self._lock:
             self._next = len(self._numbers)
 
     def _next_size(self, left: int) -> int:
-        """Size by the rate until now; at the end smaller, so that no worker waits long for another."""
+        """Size by the rate until now; at the end smaller, so that no worker waits long for another.
+
+        A worker that asks for a chunk has made the one before, so the rate follows from what was given out.
+        """
         workers = max(1, self._workers())
-        if self._done and self._began is not None:
-            rate = self._done / max(perf_counter() - self._began, 1e-6) / workers
-            size = int(min(GROWTH * self._size, max(1.0, TIME * rate), LARGEST))
-        else:
-            size = 1
-        return max(1, min(size, -(-left // workers), left))
+        if self._next < workers or self._began is None:
+            return 1
+        rate = self._next / max(perf_counter() - self._began, 1e-6) / workers
+        return max(1, min(int(TIME * rate), GROWTH * self._size, LARGEST, -(-left // workers)))

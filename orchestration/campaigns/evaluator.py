@@ -50,7 +50,10 @@ class Evaluator:
             return rows
         executor = LocalExecutor(self.engine, min(workers, len(values)))
         chunks = Chunks(numbers, lambda some: self._pointed(some, values[some]), lambda: executor.workers)
-        make_chunks(chunks, executor, rows.add)
+        try:
+            make_chunks(chunks, executor, rows.add)
+        finally:
+            executor.wait()
         return rows
 
     def _column(self, place: int, column: Any) -> np.ndarray:

@@ -40,13 +40,21 @@ class LocalExecutor:
 
     def __init__(self, engine: Engine, workers: int) -> None:
         self.engine, self.workers = engine, workers
+        self._at_work: list[_Outcomes] = []
 
     def map(self, chunks: Iterator[Points]) -> "Iterator[Outcomes]":
         """Make the runs of all chunks; `chunks` must allow several threads to iterate."""
-        return _Outcomes(self.engine, self.workers, chunks)
+        self._at_work.append(_Outcomes(self.engine, self.workers, chunks))
+        return self._at_work[-1]
+
+    def wait(self) -> None:
+        """Let the threads finish the chunks that they are at, and end them."""
+        while self._at_work:
+            self._at_work.pop().stop()
 
     def close(self) -> None:
-        """Free what the engine holds."""
+        """End the threads, and free what the engine holds."""
+        self.wait()
         self.engine.close()
 
 
@@ -58,9 +66,15 @@ class _Outcomes(Iterator[Outcomes]):
         self._made: SimpleQueue[Outcomes | BaseException | None] = SimpleQueue()
         self._stopped = threading.Event()
         self._working = workers
-        threads = [threading.Thread(target=self._work, name=f"campaign-{k}", daemon=True) for k in range(workers)]
-        for thread in threads:
+        self._threads = [threading.Thread(target=self._work, name=f"campaign-{k}", daemon=True) for k in range(workers)]
+        for thread in self._threads:
             thread.start()
+
+    def stop(self) -> None:
+        """End the threads when they have finished the chunks that they are at."""
+        self._stopped.set()
+        for thread in self._threads:
+            thread.join()
 
     def __next__(self) -> Outcomes:
         while self._working:
@@ -77,10 +91,8 @@ class _Outcomes(Iterator[Outcomes]):
     def _work(self) -> None:
         """Make chunk after chunk, until there is none or another thread failed."""
         try:
-            for points in self._chunks:
+            while not self._stopped.is_set() and (points := next(self._chunks, None)) is not None:
                 self._made.put(self._engine.make(points))
-                if self._stopped.is_set():
-                    break
         except BaseException as error:
             self._made.put(error)
         finally:

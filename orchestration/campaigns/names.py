@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from orchestration.campaigns.factor import SYSTEM, Factor
+from orchestration.campaigns.factor import SYSTEM, Factor, Target
 from orchestration.campaigns.named_measures import MESSAGE, STATUS
 from orchestration.errors import StudyError
 from orchestration.fmi.given import shown
@@ -33,15 +33,28 @@ def column_names(factors: Sequence[Factor], measures: Sequence[str]) -> tuple[st
     return tuple(found)
 
 
-def asked(given: Mapping[str, Any], columns: Mapping[str, Factor], ignored: Sequence[str]) -> dict[Factor, Any]:
+def all_names(columns: Sequence[str], targets: Sequence[Target]) -> dict[str, Factor]:
+    """Factors by their columns, by their own names, and by the only start value that they set.
+
+    Parameters
+    ----------
+    columns, targets
+        Name of the column of each factor, and what the factor sets.
+    """
+    found = {target.names[0]: target.factor for target in targets if len(target.names) == 1 and not target.sets_step}
+    found |= {target.factor.name: target.factor for target in targets}
+    return found | {column: target.factor for column, target in zip(columns, targets, strict=True)}
+
+
+def asked(given: Mapping[str, Any], known: Mapping[str, Factor], ignored: Sequence[str]) -> dict[Factor, Any]:
     """Values by the factors that bear the names; names of no factor are those of start values.
 
     Parameters
     ----------
     given
         Values by the name of a column, of a factor or of a start value.
-    columns
-        Factors of the study by their columns.
+    known
+        Factors of the study by all of their names.
     ignored
         Columns that are no factors, such as measures.
 
@@ -51,11 +64,10 @@ def asked(given: Mapping[str, Any], columns: Mapping[str, Factor], ignored: Sequ
         If a factor is given twice.
     """
     found: dict[Factor, Any] = {}
-    by_name = {factor.name: factor for factor in columns.values()} | dict(columns)
     for name, value in given.items():
         if name in (SYSTEM, STATUS, MESSAGE, *ignored):
             continue
-        factor = by_name.get(name) or Factor(name, name)
+        factor = known.get(name) or Factor(name, name)
         if factor in found:
             msg = f"Factor {factor.name} is given twice, as {name} too; give it once."
             raise StudyError(msg)

@@ -13,7 +13,7 @@ from orchestration.campaigns.factor import SYSTEM, Factor
 from orchestration.campaigns.kept import KeptRuns
 from orchestration.campaigns.local import worker_count
 from orchestration.campaigns.named_measures import functions_of
-from orchestration.campaigns.names import asked, in_words, row_of
+from orchestration.campaigns.names import all_names, asked, in_words, row_of
 from orchestration.campaigns.record import recorded_setting, study_record
 from orchestration.campaigns.running import executors, interrupted, shown_by, stored_study
 from orchestration.campaigns.samples import is_table
@@ -168,8 +168,8 @@ class Study(StudyPlan):
         """What keeps the runs of the study in a store."""
         store = Store.open(folder)
         record = study_record(self._setting, self._design, compares=self._compares)
-        identity = store.save_study(record, self._setting.systems)
-        return KeptRuns(store, identity, self._columns, lambda numbers: self._columns.values(self._design, numbers))
+        identity, columns = store.save_study(record, self._setting.systems), self._columns
+        return KeptRuns(store, identity, columns, lambda numbers: columns.values(self._design, numbers))
 
     def _in_words(self, number: int) -> str:
         """Factors of a run in words."""
@@ -262,9 +262,10 @@ class Study(StudyPlan):
         StudyError
             If a factor with several levels, or the variant, is missing.
         """
-        columns = dict(zip(self._columns.factors, self._design.factors, strict=True))
-        found = asked(given, columns, tuple(self.units))
-        for name, factor in columns.items():
+        columns, factors = self._columns.factors, self._design.factors
+        known = all_names(columns, self._setting.targets(factors))
+        found = asked(given, known, tuple(self.units))
+        for name, factor in zip(columns, factors, strict=True):
             if factor not in found:
                 needed = ", ".join(f"{column}=..." for column in columns)
                 msg = f"The value of {name} is missing; give {needed}, or a row of the table."

@@ -1,17 +1,14 @@
 """An instance of an FMU, which gives typed calls before a run and addresses of functions for the compiled loops."""
 
 import ctypes
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from adaptimp_fmu.files.temporary_folder import runs_nothing
-from orchestration.errors import ArchiveError, InitializationError, SystemDescriptionError, warn_caller
+from orchestration.errors import InitializationError, SystemDescriptionError, warn_caller
 from orchestration.fmi.codes import (
     BOOLEAN,
     INTEGER,
-    NEEDS_TOOL,
     REAL,
     SAVES_STATE,
     SERIALIZES_STATE,
@@ -24,19 +21,17 @@ from orchestration.fmi.deferred import raise_kept
 from orchestration.fmi.description import Description
 from orchestration.fmi.display import listed
 from orchestration.fmi.experiment import UNKNOWN, Experiment
-from orchestration.fmi.library import Library, library_path, needed_functions
+from orchestration.fmi.library import Library
+from orchestration.fmi.loading import MOST_FUNCTIONS, loaded, told_of_tool
 from orchestration.fmi.logging import Messages, callbacks, listen
 from orchestration.fmi.signatures import CO_SIMULATION
 from orchestration.fmi.units import Linear
 from orchestration.sandbox.guard import ProcessChangedWarning
-from orchestration.sandbox.native_library import LibraryError
 
 if TYPE_CHECKING:
     from orchestration.fmi.input_scaling import ScaledInputs
     from orchestration.sandbox.remote import RemoteProcess
 
-MOST_FUNCTIONS = 6
-"""How many missing functions a message names."""
 C_TYPES = {REAL: ctypes.c_double, INTEGER: ctypes.c_int, BOOLEAN: ctypes.c_int, STRING: ctypes.c_char_p}
 
 
@@ -89,12 +84,9 @@ class Instance:
         self.worst = int(Status.OK)
         self.failed_in = ""
         self._announce, self._unloads, self._overwrites = announce, False, False
+        self._identity = identity
         self._callbacks = callbacks(self.messages)
-        self._handle = self._instantiate(identity)
-        if not self._handle:
-            how = library.ending or "failed"
-            msg = f"{name}: fmi2Instantiate {how}; {self.messages.last()}."
-            raise InitializationError(msg)
+        self._handle = self._instantiated()
 
     @classmethod
     def open(
@@ -118,8 +110,8 @@ class Instance:
         InitializationError
             If fmi2Instantiate returns no instance.
         """
-        with _told_of_tool(description):
-            library = _loaded(name, description, folder.absolute(), process)
+        with told_of_tool(description):
+            library = loaded(name, description, folder.absolute(), process)
             resources = (folder.absolute() / "resources").as_uri()
             try:
                 instance = cls(library, name, (description.guid, resources), messages=messages)
@@ -283,6 +275,42 @@ class Instance:
         if not isinstance(state, bytes) and state:
             self.status("fmi2FreeFMUstate", ctypes.byref(state))
 
+    @property
+    def is_lost(self) -> bool:
+        """Whether the FMU must not be called any more: it returned fmi2Fatal, or its process has ended."""
+        return self.worst == Status.FATAL or bool(self.library.ending)
+
+    def reset(self) -> None:
+        """Bring the FMU back to what it was when it was instantiated, by fmi2Reset, and forget its messages.
+
+        Raises
+        ------
+        InitializationError
+            If the call fails.
+        """
+        self.forget()
+        self.call("fmi2Reset")
+
+    def renew(self) -> None:
+        """Free the instance and create another in its place; the library stays loaded, and inputs are not scaled.
+
+        Raises
+        ------
+        InitializationError
+            If fmi2Instantiate returns no instance.
+        """
+        handle, self._handle, self.scaled = self._handle, None, None
+        if handle is not None:
+            self._call("fmi2FreeInstance", handle)
+            raise_kept()
+        self.forget()
+        self._handle = self._instantiated()
+
+    def forget(self) -> None:
+        """Forget what the FMU has logged and returned so far, since another run begins."""
+        self.messages.forget()
+        self.worst, self.failed_in = int(Status.OK), ""
+
     def close(self) -> None:
         """Free the instance, and unload the library if it is the instance's own; a second call does nothing.
 
@@ -297,9 +325,15 @@ class Instance:
             if self._unloads:
                 self.library.close()
 
-    def _instantiate(self, identity: tuple[str, str]) -> int | None:
-        """Call fmi2Instantiate; an instance that nobody will get, because a callback was interrupted, is freed."""
-        guid, resources = (text.encode() for text in identity)
+    def _instantiated(self) -> int:
+        """Call fmi2Instantiate; an instance that nobody will get, because a callback was interrupted, is freed.
+
+        Raises
+        ------
+        InitializationError
+            If there is no instance.
+        """
+        guid, resources = (text.encode() for text in self._identity)
         pointer = ctypes.byref(self._callbacks)
         arguments = (self.name.encode(), CO_SIMULATION, guid, resources, pointer, 0, 1)  # invisible, with logging
         handle: int | None = self._call("fmi2Instantiate", *arguments)
@@ -309,6 +343,9 @@ class Instance:
             if handle:
                 self._call("fmi2FreeInstance", handle)
             raise
+        if not handle:
+            msg = f"{self.name}: fmi2Instantiate {self.library.ending or 'failed'}; {self.messages.last()}."
+            raise InitializationError(msg)
         return handle
 
     def _call(self, function: str, *arguments: Any) -> Any:
@@ -319,43 +356,6 @@ class Instance:
         result = c_function(*arguments)
         self._announce("")
         return result
-
-
-@contextmanager
-def _told_of_tool(description: Description) -> Iterator[None]:
-    """Say in errors that an FMU needs the tool that exported it, if it declares so."""
-    try:
-        yield
-    except (ArchiveError, InitializationError) as error:
-        if not description.can(NEEDS_TOOL):
-            raise
-        msg = f"{error} {description.path.name} declares {NEEDS_TOOL}: the tool that exported it must be installed."
-        raise type(error)(msg) from error
-
-
-def _loaded(name: str, description: Description, folder: Path, process: "RemoteProcess | None") -> Library:
-    """Load the library for this machine in an unpacked FMU; it has all functions that a run may call."""
-    try:
-        path = library_path(folder, description)
-        library = Library(path) if process is None else _remote(path, process)
-    except (OSError, LibraryError) as error:
-        said = str(error).replace(f"{folder}/", "").rstrip(".")  # the folder is a temporary one
-        msg = f"{name}: {description.path.name} cannot be loaded: {said}."
-        if runs_nothing(folder):
-            msg += f" Nothing can be run from {folder.parent} (noexec), so set TMPDIR to another folder."
-        raise ArchiveError(msg) from error
-    if missing := library.lacks(needed_functions(description)):
-        library.close()
-        functions = listed(missing, MOST_FUNCTIONS)
-        msg = f"{name}: {description.path.name} cannot be loaded: its library does not export {functions}."
-        raise ArchiveError(msg)
-    return library
-
-
-def _remote(path: Path, process: "RemoteProcess") -> Library:
-    from orchestration.fmi.remote_library import RemoteLibrary
-
-    return RemoteLibrary(path, process)
 
 
 def c_references(numbers: Iterable[int]) -> Any:

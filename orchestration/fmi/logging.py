@@ -77,6 +77,14 @@ class Messages(deque[str]):
             self._first.clear()
             self._last.clear()
 
+    def forget(self) -> None:
+        """Forget all texts, and whose call they are, but not that a warning was told."""
+        self.clear()
+        self.total = self._before_call = self._warnings = 0
+        self._warning, self.listener = "", None
+        self._first.clear()
+        self._last.clear()
+
     def append(self, text: str) -> None:
         """Take a text."""
         listener, self.listener = self.listener, None

@@ -54,6 +54,8 @@ def scheduled(
         If a time lies outside of the run, a name or value is wrong, or a variable cannot change during a run.
     """
     found: dict[int, dict[str, float | bool | str]] = {}
+    if not changes:
+        return found
     plain = System("_", system.components)
     for time in times_of(changes):
         k = _point(grid, time)

@@ -58,7 +58,7 @@ def opened(system: System, isolation: Isolation | None = None, guard: Guard | No
     """
     with ExitStack() as stack:
         folders: dict[tuple[Path, str], Path] = {}
-        instances, scales = [], _scales(system)
+        instances, scales = [], input_scales(system)
         processes = stack.enter_context(_processes(system, isolation))
         guard = guard or Guard()
         for component in system.components:
@@ -96,7 +96,7 @@ def _processes(system: System, isolation: Isolation | None) -> Iterator[dict[str
         yield started
 
 
-def _scales(system: System) -> dict[str, dict[int, Linear]]:
+def input_scales(system: System) -> dict[str, dict[int, Linear]]:
     """Conversions of inputs by their value references, of each component that has any."""
     found: dict[str, dict[int, Linear]] = {}
     for c in system.connections:

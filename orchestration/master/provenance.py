@@ -66,8 +66,7 @@ def provenance(
         "format": FORMAT,
         "system": system.name,
         "components": _json([_fmu(component, digests) for component in system.components]),
-        "start": _json({c.name: _numbers(c.start) for c in system.components if c.start}),
-        "seeds": _json(_numbers(_seeds(system))),
+        **told_of_values(system),
         "connections": _json([str(connection) for connection in system.connections]),
         "order": _json([component.name for component in ordered.components]),
         "algorithm": algorithm,
@@ -75,6 +74,14 @@ def provenance(
         "start_time": repr(float(start_time)),
         "stop_time": repr(float(stop_time)),
         "versions": _json(versions()),
+    }
+
+
+def told_of_values(system: System) -> dict[str, str]:
+    """Describe the values with which a run starts: those that the system sets, and all seeds in force."""
+    return {
+        "start": _json({c.name: _numbers(c.start) for c in system.components if c.start}),
+        "seeds": _json(_numbers(_seeds(system))),
     }
 
 

@@ -270,13 +270,12 @@ def prepare(
     chosen = find_algorithm(algorithm)
     if order is not None:
         system = system.ordered(order)
-    grid = _grid(system, (stop_time, step, times), chosen, options)
+    grid = chosen_grid(system, (stop_time, step, times), chosen, options)
     report_descriptions(system, strict=options.strict)
     report_stiffness(system, float(grid.lengths.max()))
     around, grid = outside(system, options, grid, controlled=chosen.control is not None)
     _report_unconnected(system, options, {*around.inputs.names, *itertools.chain(*around.changes.values())})
-    isolated = _isolated(system, options)
-    metadata = isolated | provenance(
+    metadata = isolated(system, options) | provenance(
         system,
         algorithm=repr(chosen) if isinstance(algorithm, Algorithm) else chosen.name,
         step=grid.step,
@@ -314,7 +313,7 @@ def _chosen(options: Options | None, given: Mapping[str, Any]) -> Options:
     return replace(options, **given)
 
 
-def _grid(
+def chosen_grid(
     system: System,
     wanted: tuple[float | None, float | None, np.ndarray | None],
     algorithm: Algorithm,
@@ -343,7 +342,7 @@ def _grid(
     return grid
 
 
-def _isolated(system: System, options: Options) -> dict[str, str]:
+def isolated(system: System, options: Options) -> dict[str, str]:
     """Metadata that names the isolated components; empty if there are none.
 
     Raises

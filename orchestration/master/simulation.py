@@ -5,8 +5,8 @@ An algorithm that neither extrapolates nor corrects inputs nor controls its step
 second at a time, so that interrupts are noticed and progress is shown.
 """
 
-from collections.abc import Mapping, Sequence
-from contextlib import ExitStack
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import AbstractContextManager, ExitStack
 from dataclasses import replace
 from pathlib import Path
 from types import TracebackType
@@ -52,6 +52,7 @@ from orchestration.results.result import Result
 from orchestration.sandbox.guard import Guard
 from orchestration.system.system import System
 
+Opening = Callable[[Guard], AbstractContextManager[list[Instance]]]
 _CHUNK_VALUES = 2**17  # recorded in a chunk: they are checked while they are in the processor's cache
 
 
@@ -70,6 +71,9 @@ class Simulation:
         Metadata of the result.
     outside
         Time series, changes and the clock.
+    opening
+        Opens the instances in the order of the components, with a guard of the process. Default: the FMUs are unpacked
+        and loaded, and freed at the end.
 
     Raises
     ------
@@ -106,12 +110,13 @@ class Simulation:
         *,
         metadata: Mapping[str, str] | None = None,
         outside: Outside | None = None,
+        opening: Opening | None = None,
     ) -> None:
         check_crossings(system, options.crossings)
         check_capabilities(system, algorithm, options.crossings, options.ratios)
         check_steps(system, algorithm, options.crossings, unequal=grid.unequal)
         self.system, self.grid, self.algorithm, self.options = system, grid, algorithm, options
-        self._outside = outside or Outside()
+        self._outside, self._opening = outside or Outside(), opening
         self._metadata = dict(metadata or {})
         self._streaming = Streaming()
         self._varies = algorithm.control is not None or bool(options.crossings.outputs)  # the number of rows
@@ -131,9 +136,9 @@ class Simulation:
     def __enter__(self) -> Self:
         """Open and initialize the components, record row 0, and compile the loop."""
         with ExitStack() as stack:
-            instances = opened(self.system, self.options.isolation, self._guard)
-            self._instances: list[Instance] = stack.enter_context(instances)
-            report_libraries(self._instances, strict=self.options.strict)
+            self._instances: list[Instance] = stack.enter_context(self._opened())
+            if self._opening is None:
+                report_libraries(self._instances, strict=self.options.strict)
             run = (self.system, self._instances, self.algorithm, self.grid)
             self._flat = flat_run(*run, options=self.options, outside=self._outside, guard=self._guard)
             self._assembly, self._layout = self._flat.assembly, self._flat.layout
@@ -305,6 +310,11 @@ class Simulation:
         require_type("The snapshot", snapshot, Snapshot, "give one of save(), or of Snapshot.read(path)")
         self._changes = guarded((self._instances, self._guard), self._saving.restore, snapshot)
         self._ended, self._changed_at = "", -1
+
+    def _opened(self) -> AbstractContextManager[list[Instance]]:
+        if self._opening is not None:
+            return self._opening(self._guard)
+        return opened(self.system, self.options.isolation, self._guard)
 
     def _described(self) -> dict[str, str]:
         told = told_afterwards(self._changes, None if self._plain else self._state)

@@ -121,6 +121,11 @@ class RemoteProcess:
         for end in (self._talk, self._bell):
             self._poll.register(end, select.POLLIN)
 
+    @property
+    def pid(self) -> int:
+        """Id of the process."""
+        return self._process.pid
+
     def tell(self, content: Mapping[str, Any], *, limit: float | None = None) -> None:
         """Send a message that has no answer.
 

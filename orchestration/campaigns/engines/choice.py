@@ -3,8 +3,9 @@
 import logging
 
 from orchestration.campaigns.engine import Engine
+from orchestration.campaigns.engines.master import MasterEngine
 from orchestration.campaigns.engines.native import NativeEngine
-from orchestration.campaigns.engines.plain import PlainEngine
+from orchestration.campaigns.isolated import isolates_any
 from orchestration.campaigns.task import Task
 from orchestration.errors import ContainerError
 
@@ -15,11 +16,11 @@ def engine_for(task: Task) -> Engine:
     """The fastest engine that can make the runs of a task.
 
     A system of the project's own FMUs becomes one native library. Every other system, and one of which components are
-    to be isolated, is stepped by the master.
+    isolated, is stepped by the master.
     """
-    if task.isolation is None:
+    if not isolates_any(task):
         try:
             return NativeEngine(task)
         except ContainerError as reason:
             _LOG.info("the runs are made by the master: %s", reason)
-    return PlainEngine(task)
+    return MasterEngine(task)

@@ -32,11 +32,22 @@ def contained_fmu(component: Component, taken: Iterable[str]) -> ContainedFmu:
     ArchiveError
         If the archive is unsafe.
     """
-    path = component.path
-    names = [name for name in entry_names(path) if name.startswith(SOURCES) and not name.endswith("/")]
-    if {name.removeprefix(SOURCES) for name in names}.issuperset(MARKS):
-        return _own(component, names, taken)
-    return foreign_fmu(component, taken)
+    names = _sources(component)
+    return _own(component, names, taken) if _has_marks(names) else foreign_fmu(component, taken)
+
+
+def is_own(component: Component) -> bool:
+    """Whether the FMU of a component brings the sources of this project's runtime."""
+    return _has_marks(_sources(component))
+
+
+def _sources(component: Component) -> list[str]:
+    """Names of the archive's entries that are sources."""
+    return [name for name in entry_names(component.path) if name.startswith(SOURCES) and not name.endswith("/")]
+
+
+def _has_marks(sources: Iterable[str]) -> bool:
+    return {name.removeprefix(SOURCES) for name in sources}.issuperset(MARKS)
 
 
 def _own(component: Component, names: list[str], taken: Iterable[str]) -> ContainedFmu:

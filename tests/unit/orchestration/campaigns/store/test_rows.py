@@ -1,11 +1,9 @@
 """Tests that finished runs are kept, found again and never twice in a table."""
 
-from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
-import pyarrow as pa
 import pytest
 
 from orchestration.campaigns.engine import Outcomes
@@ -13,48 +11,20 @@ from orchestration.campaigns.store import writer as writer_module
 from orchestration.campaigns.store.row_files import StoreWarning
 from orchestration.campaigns.store.row_table import RowColumns
 from orchestration.campaigns.store.store import Store
-from orchestration.campaigns.store.writer import RowWriter
 from orchestration.errors import StoreError
 from tests.unit.orchestration.campaigns.store.rows import (
     COLUMNS,
     FAILED_EVERY,
     MEASURES,
     STUDY,
+    append,
+    assert_rows,
     factors,
+    files,
+    filled,
     keys,
     outcomes,
 )
-from tests.unit.orchestration.results.test_full_disk import full_disk
-
-
-def append(writer: RowWriter, numbers: Sequence[int]) -> None:
-    writer.append(keys(numbers), factors(numbers), outcomes(numbers))
-
-
-def filled(folder: Path, chunks: Sequence[Sequence[int]], study: str = STUDY) -> Store:
-    store = Store.open(folder)
-    with store.writer(study, COLUMNS) as writer:
-        for chunk in chunks:
-            append(writer, chunk)
-    return store
-
-
-def files(store: Store, study: str = STUDY) -> list[Path]:
-    return sorted((store.folder / "rows" / f"study={study}").iterdir())
-
-
-def assert_rows(table: pa.Table, numbers: Sequence[int]) -> None:
-    """The table holds the runs of these numbers, in their order and bit by bit."""
-    assert table["number"].to_pylist() == list(numbers)
-    assert table["key"].to_pylist() == keys(numbers).astype(str).tolist()
-    expected, given = outcomes(numbers), factors(numbers)
-    for i, name in enumerate(MEASURES):
-        assert table[name].to_numpy().tobytes() == np.ascontiguousarray(expected.measured[:, i]).tobytes()
-        assert table[name].null_count == 0
-    for name in COLUMNS.factors:
-        assert table[name].to_numpy().tobytes() == given[name].tobytes()
-    assert table["system"].to_pylist() == given["system"].tolist()
-    assert tuple(table["message"].to_pylist()) == expected.messages
 
 
 def test_runs_come_back_in_order_bit_by_bit(tmp_path: Path) -> None:
@@ -183,31 +153,6 @@ def test_a_file_of_another_study_in_the_folder_is_left_out(tmp_path: Path) -> No
     strange.replace(tmp_path / "rows" / f"study={STUDY}" / "zzz.parquet")
     with pytest.warns(StoreWarning, match=r"zzz\.parquet has other columns than the files beside it"):
         assert_rows(store.table(STUDY), range(3))
-
-
-def test_a_full_disk_keeps_what_was_written(tmp_path: Path) -> None:
-    store, n = Store.open(tmp_path), 2000
-
-    def fill() -> None:
-        with store.writer(STUDY, COLUMNS) as writer:
-            append(writer, range(10))
-            append(writer, range(10, n))
-
-    with full_disk(), pytest.raises(StoreError, match=r"cannot be written: File too large; .* are kept\.$"):
-        fill()
-    assert_rows(store.table(STUDY), range(10))
-    assert list((tmp_path / "unfinished").iterdir()) == []
-
-
-def test_files_that_cannot_be_merged_are_kept_as_they_are(tmp_path: Path) -> None:
-    store = Store.open(tmp_path)
-    writer = store.writer(STUDY, COLUMNS)
-    for k in range(0, 200, 20):
-        append(writer, range(k, k + 20))
-    with full_disk(), pytest.warns(StoreWarning, match=r"cannot be merged: File too large; no run is lost"):
-        writer.close()
-    assert_rows(store.table(STUDY), range(200))
-    assert len(files(store)) == 10
 
 
 def test_a_failure_of_the_campaign_loses_no_run(tmp_path: Path) -> None:

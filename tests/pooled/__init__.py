@@ -1,0 +1,1 @@
+"""FMUs that stay open over many runs: they give the bits of FMUs just loaded, and a crash costs its run."""
