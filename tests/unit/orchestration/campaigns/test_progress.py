@@ -37,7 +37,7 @@ def test_the_best_run_is_remembered_with_its_place(text: str, best: tuple[float,
 
 
 def test_runs_from_the_store_are_no_rate(monkeypatch: pytest.MonkeyPatch) -> None:
-    clock = iter([10.0, 12.0, 12.0])
+    clock = iter([10.0, 11.0, 12.0, 12.0])
     monkeypatch.setattr(progress, "perf_counter", lambda: next(clock))
     tally = Tally()
     tally.begin(10, NAMES, place)
@@ -48,6 +48,18 @@ def test_runs_from_the_store_are_no_rate(monkeypatch: pytest.MonkeyPatch) -> Non
     tally.end()
     assert tally.seconds == 2.0
     assert tally.rate == 2.0
+
+
+def test_the_pace_leaves_out_what_is_prepared(monkeypatch: pytest.MonkeyPatch) -> None:
+    clock = iter([10.0, 17.0, 19.0])
+    monkeypatch.setattr(progress, "perf_counter", lambda: next(clock))
+    tally = Tally()
+    tally.begin(10, NAMES, place)
+    tally.add(outcomes(0, [1.0]), kept=True)
+    tally.add(outcomes(1, [1.0]), kept=False)
+    assert tally.pace == 0.0
+    tally.add(outcomes(2, [1.0] * 6), kept=False)
+    assert tally.pace == 3.0
 
 
 @pytest.mark.parametrize("text", ["peak_force", "least:peak_force", "min:", "min"])
@@ -69,7 +81,9 @@ def shown(*, terminal: bool) -> str:
     bar.begin(10, NAMES, place)
     try:
         bar.add(outcomes(1, [7.0, np.nan]), kept=True)
-        bar.add(outcomes(3, [2.5] * 8), kept=False)
+        assert stream.getvalue() == ""  # what is being prepared has the terminal
+        bar.add(outcomes(3, [2.5] * 4), kept=False)
+        bar.add(outcomes(7, [2.5] * 4), kept=False)
     finally:
         bar.end()
     assert bar.done == 10
