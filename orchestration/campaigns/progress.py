@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from orchestration.campaigns.engine import Outcomes
 
 REFRESHED = 5.0  # times per second that the line is renewed
+BAR, REMAINING = 20, 7  # columns of the bar and of the remaining time
 
 
 class Progress(Protocol):
@@ -202,19 +203,20 @@ class ProgressBar(Tally):
         if self._bar is None and not kept:
             self.show()
         if self._bar is not None:
-            self._bar.update(self._bar.task_ids[0], completed=self.done, description=self.sentence)
+            room = self._bar.console.width - BAR - REMAINING - 2 * len(str(self.total)) - 5  # a slash and four blanks
+            text = self.sentence if len(self.sentence) <= room else f"{self.sentence[: max(0, room - 3)]}..."
+            self._bar.update(self._bar.task_ids[0], completed=self.done, description=text)
 
     def show(self) -> bool:
         """Show the line if there is a terminal; return whether there is one."""
         from rich.console import Console
         from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
-        from rich.table import Column
 
         console = self._console or Console(stderr=True)
         if not (console.is_terminal or console.is_jupyter):
             return False
-        said = TextColumn("{task.description}", markup=False, table_column=Column(no_wrap=True, overflow="ellipsis"))
-        columns = BarColumn(bar_width=20), MofNCompleteColumn(), TimeRemainingColumn(), said
+        said = TextColumn("{task.description}", markup=False)
+        columns = BarColumn(bar_width=BAR), MofNCompleteColumn(), TimeRemainingColumn(), said
         self._bar = Progress(*columns, console=console, transient=True, refresh_per_second=REFRESHED)
         self._bar.add_task("", total=self.total, completed=self.kept)
         self._bar.start()

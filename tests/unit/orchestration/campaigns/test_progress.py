@@ -1,6 +1,7 @@
 """Evidence for the progress of campaigns: what is counted, what a terminal shows, and that a pipe gets nothing."""
 
 import io
+import re
 from collections.abc import Sequence
 
 import numpy as np
@@ -73,10 +74,10 @@ def test_a_goal_without_its_measure_is_refused() -> None:
         Tally(Goal.of("min:peak_forse")).begin(1, NAMES, place)
 
 
-def shown(*, terminal: bool) -> str:
+def shown(*, terminal: bool, width: int = 120) -> str:
     """What a bar writes for ten runs."""
     stream = io.StringIO()
-    console = Console(file=stream, force_terminal=terminal, width=120, color_system=None)
+    console = Console(file=stream, force_terminal=terminal, width=width, color_system=None)
     bar = ProgressBar(Goal.of("min:peak_force"), console)
     bar.begin(10, NAMES, place)
     try:
@@ -95,6 +96,15 @@ def test_a_terminal_shows_counts_failures_and_the_best_run() -> None:
     for said in ("10/10", " runs/s", "1 failed", "min peak_force 2.5 at seed=3"):
         assert said in text
     assert text.endswith("\x1b[1A\x1b[2K")  # the line is gone at the end
+
+
+@pytest.mark.parametrize("width", [40, 60])
+def test_a_narrow_terminal_shows_one_line(width: int) -> None:
+    text = shown(terminal=True, width=width)
+    assert " 10/10 " in text
+    lines = re.sub(r"\x1b\[[?\d]+[hlAK]", "", text).replace("\n", "\r").split("\r")
+    assert max(map(len, lines)) <= width
+    assert "\x1b[1A\x1b[1A" not in text  # the line is the only one that is cleared
 
 
 def test_a_pipe_gets_nothing() -> None:
