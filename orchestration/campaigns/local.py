@@ -50,12 +50,14 @@ class LocalExecutor:
     def wait(self) -> None:
         """Let the threads finish the chunks that they are at, and end them."""
         while self._at_work:
-            self._at_work.pop().stop()
+            self._at_work.pop().wait()
 
     def close(self) -> None:
-        """End the threads, and free what the engine holds."""
-        self.wait()
+        """Free what the engine holds, and end the threads; an engine that is closed cuts off runs under way."""
+        for outcomes in self._at_work:
+            outcomes.stop()
         self.engine.close()
+        self.wait()
 
 
 class _Outcomes(Iterator[Outcomes]):
@@ -71,8 +73,12 @@ class _Outcomes(Iterator[Outcomes]):
             thread.start()
 
     def stop(self) -> None:
-        """End the threads when they have finished the chunks that they are at."""
+        """Let the threads take no further chunk."""
         self._stopped.set()
+
+    def wait(self) -> None:
+        """Wait until the threads have ended."""
+        self.stop()
         for thread in self._threads:
             thread.join()
 
