@@ -5,7 +5,7 @@ Gauss-Seidel. Nothing but fmpy, joblib and NumPy is used.
 """
 
 import shutil
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from time import perf_counter
 from typing import Any
@@ -13,7 +13,10 @@ from typing import Any
 import numpy as np
 
 from orchestration.system.system import System
+from tests.benchmarks.rig import BenchmarkError
 
+CONVERSIONS: dict[str, Any] = {"Real": None, "Integer": int, "Boolean": bool}
+"""Types of FMI, and what makes a value of them out of what another component shows."""
 FORCE, ERROR = ("plant", "F_ext"), ("controller", "e")
 
 
@@ -55,53 +58,83 @@ class Sweep:
 
 
 class _Unit:
-    """An FMU of one run, and what it exchanges."""
+    """An FMU of one run, unzipped and loaded for it."""
 
     def __init__(self, file: str, name: str) -> None:
         from fmpy import extract, read_model_description
         from fmpy.fmi2 import FMU2Slave
 
         self.folder, description = extract(file), read_model_description(file)
+        model = description.coSimulation
+        if model is None:
+            msg = f"{file} is not made for co-simulation."
+            raise BenchmarkError(msg)
         self.variables = {v.name: v for v in description.modelVariables}
         self.slave = FMU2Slave(
             guid=description.guid,
             unzipDirectory=self.folder,
-            modelIdentifier=description.coSimulation.modelIdentifier,
+            modelIdentifier=model.modelIdentifier,
             instanceName=name,
         )
         self.slave.instantiate()
 
-    def set(self, values: Mapping[str, float]) -> None:
-        """Set variables by their names, those of a type in one call."""
-        for kind, put in (
-            ("Real", self.slave.setReal),
-            ("Integer", self.slave.setInteger),
-            ("Boolean", self.slave.setBoolean),
-        ):
-            names = [name for name in values if self.variables[name].type == kind]
-            if names:
-                convert: Any = {"Real": float, "Integer": int, "Boolean": bool}[kind]
-                put([self.variables[name].valueReference for name in names], [convert(values[name]) for name in names])
+    def of_type(self, kind: str, names: Iterable[str]) -> list[str]:
+        """Those names whose variables have a type."""
+        return [name for name in names if self.variables[name].type == kind]
 
-    def get(self, names: Sequence[str]) -> dict[str, float]:
-        """Variables by their names."""
-        found: dict[str, float] = {}
-        for kind, ask in (
-            ("Real", self.slave.getReal),
-            ("Integer", self.slave.getInteger),
-            ("Boolean", self.slave.getBoolean),
-        ):
-            asked = [name for name in names if self.variables[name].type == kind]
-            if asked:
-                values = ask([self.variables[name].valueReference for name in asked])
-                found |= dict(zip(asked, map(float, values), strict=True))
-        return found
+    def references(self, names: Iterable[str]) -> list[int]:
+        """Value references of variables."""
+        return [self.variables[name].valueReference for name in names]
 
     def end(self) -> None:
         """Free the FMU and its folder."""
         self.slave.terminate()
         self.slave.freeInstance()
         shutil.rmtree(self.folder, ignore_errors=True)
+
+
+class _Loop:
+    """The components of one run, and where the values are that they exchange."""
+
+    def __init__(self, sweep: Sweep, units: Mapping[str, _Unit]) -> None:
+        shown = [
+            (name, kind, output)
+            for name, unit in units.items()
+            for kind in CONVERSIONS
+            for output in unit.of_type(kind, [n for n, v in unit.variables.items() if v.causality == "output"])
+        ]
+        self.column = {(name, output): j for j, (name, _, output) in enumerate(shown)}
+        self.values: list[Any] = [0.0] * len(shown)
+        self.parts = []
+        for name, unit in units.items():
+            given, sets, gets = sweep.links[name], [], []
+            for kind, convert in CONVERSIONS.items():
+                inputs = unit.of_type(kind, given)
+                if inputs:
+                    put, taken = getattr(unit.slave, f"set{kind}"), [self.column[given[i]] for i in inputs]
+                    sets.append((put, unit.references(inputs), taken, convert))
+                outputs = [output for owner, of_kind, output in shown if (owner, of_kind) == (name, kind)]
+                if outputs:
+                    begin = self.column[name, outputs[0]]
+                    get = getattr(unit.slave, f"get{kind}")
+                    gets.append((get, unit.references(outputs), begin, begin + len(outputs)))
+            self.parts.append((unit.slave, sets, gets))
+
+    def step(self, t: float, h: float | None) -> None:
+        """Let each component take its inputs, step unless h is None, as during initialization, and show its outputs."""
+        values = self.values
+        for slave, sets, gets in self.parts:
+            for put, references, taken, convert in sets:
+                put(references, [convert(values[j]) for j in taken] if convert else [values[j] for j in taken])
+            if h is not None:
+                slave.doStep(t, h)
+            for get, references, begin, end in gets:
+                values[begin:end] = get(references)
+
+    def norm(self, component: str, array: str) -> float:
+        """Euclidean norm of an array of two outputs."""
+        first, second = (self.values[self.column[component, f"{array}[{i}]"]] for i in (1, 2))
+        return float(np.sqrt(first * first + second * second))
 
 
 def measured(sweep: Sweep, given: Mapping[str, float]) -> tuple[float, float, float]:
@@ -122,36 +155,25 @@ def _stepped(sweep: Sweep, units: Mapping[str, _Unit], given: Mapping[str, float
     """Norms of the force at the communication points, and of the error over the steps."""
     for name, unit in units.items():
         varied = {path.partition(".")[2]: value for path, value in given.items() if path.startswith(f"{name}.")}
-        unit.set({**sweep.starts[name], **varied})
+        starts = {**sweep.starts[name], **varied}
+        for kind, convert in CONVERSIONS.items():
+            names = unit.of_type(kind, starts)
+            if names:
+                values = [(convert or float)(starts[n]) for n in names]
+                getattr(unit.slave, f"set{kind}")(unit.references(names), values)
         unit.slave.setupExperiment(startTime=0.0)
         unit.slave.enterInitializationMode()
-    shown = {
-        name: [output for output, v in unit.variables.items() if v.causality == "output"]
-        for name, unit in units.items()
-    }
-    values = {name: unit.get(shown[name]) for name, unit in units.items()}
-    for _ in units:  # until the last output has reached the last input
-        for name, unit in units.items():
-            unit.set({into: values[source][output] for into, (source, output) in sweep.links[name].items()})
-            values[name] = unit.get(shown[name])
+    loop, n = _Loop(sweep, units), round(sweep.stop_time / sweep.step)
+    for _ in range(len(units) + 1):  # until the last output has reached the last input
+        loop.step(0.0, None)
     for unit in units.values():
         unit.slave.exitInitializationMode()
-    n = round(sweep.stop_time / sweep.step)
     force, error = np.empty(n + 1), np.empty(n)
-    force[0] = _norm(values, *FORCE)
+    force[0] = loop.norm(*FORCE)
     for k in range(n):
-        t = k * sweep.step
-        for name, unit in units.items():
-            unit.set({into: values[source][output] for into, (source, output) in sweep.links[name].items()})
-            unit.slave.doStep(currentCommunicationPoint=t, communicationStepSize=sweep.step)
-            values[name] = unit.get(shown[name])
-        force[k + 1], error[k] = _norm(values, *FORCE), _norm(values, *ERROR)
+        loop.step(k * sweep.step, sweep.step)
+        force[k + 1], error[k] = loop.norm(*FORCE), loop.norm(*ERROR)
     return force, error
-
-
-def _norm(values: Mapping[str, Mapping[str, float]], component: str, array: str) -> float:
-    first, second = (values[component][f"{array}[{i}]"] for i in (1, 2))
-    return float(np.sqrt(first * first + second * second))
 
 
 def time_sweep(sweep: Sweep, rows: Sequence[Mapping[str, float]], workers: int) -> tuple[float, np.ndarray]:
