@@ -24,6 +24,7 @@ PROCESSES = (
     "conformance/platforms/*",
     "conformance/sanitizers/*",
     "conformance/test_description.py",
+    "faults/test_campaign_kills.py",
     "faults/test_check_command.py",
     "faults/test_kills.py",
     "faults/test_lies.py",

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from orchestration.campaigns.isolated import isolation_of
 from orchestration.campaigns.task import Task
 from orchestration.master.simulate import simulate
 from orchestration.results.result import Result
@@ -34,5 +35,5 @@ def single_run(
         float(step),
         task.algorithm,
         record=record,
-        isolate=task.isolation,
+        isolate=isolation_of(task),
     )

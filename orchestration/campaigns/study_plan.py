@@ -58,7 +58,7 @@ class StudyPlan:
             stop_time,
             step,
             find_algorithm(algorithm).name,
-            Isolation.of(isolate),
+            Isolation(()) if isolate is False else Isolation.of(isolate),
         )
         self._compares = isinstance(system, Mapping)
         self._design = Design(tuple(systems))

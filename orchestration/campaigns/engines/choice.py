@@ -5,6 +5,7 @@ import logging
 from orchestration.campaigns.engine import Engine
 from orchestration.campaigns.engines.master import MasterEngine
 from orchestration.campaigns.engines.native import NativeEngine
+from orchestration.campaigns.isolated import isolates_any
 from orchestration.campaigns.task import Task
 from orchestration.errors import ContainerError
 
@@ -15,9 +16,9 @@ def engine_for(task: Task) -> Engine:
     """The fastest engine that can make the runs of a task.
 
     A system of the project's own FMUs becomes one native library. Every other system, and one of which components are
-    to be isolated, is stepped by the master with FMUs that stay open.
+    isolated, is stepped by the master.
     """
-    if task.isolation is None:
+    if not isolates_any(task):
         try:
             return NativeEngine(task)
         except ContainerError as reason:

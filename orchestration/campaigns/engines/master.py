@@ -12,29 +12,15 @@ from contextlib import contextmanager
 import numpy as np
 
 from orchestration.campaigns.engine import Outcomes, Points
+from orchestration.campaigns.isolated import foreign_components, isolation_of
 from orchestration.campaigns.measure import measured
 from orchestration.campaigns.task import Task
-from orchestration.containers.contained.containment import is_own
 from orchestration.errors import OrchestrationError, StudyError
-from orchestration.fmi.isolation import Isolation
 from orchestration.master.options import Options
 from orchestration.master.reruns import Reruns
 from orchestration.master.reuse import Learned
 
 LONGEST_END = 10.0  # s that runs may take to end when the engine is closed
-
-
-def foreign_components(task: Task) -> tuple[str, ...]:
-    """Names of the components whose FMUs are not of this project."""
-    return tuple(component.name for component in task.system.components if not is_own(component))
-
-
-def isolation_of(task: Task) -> Isolation | None:
-    """Which components live in processes of their own: those that the task names, or else all FMUs of other tools."""
-    if task.isolation is not None:
-        return task.isolation
-    foreign = foreign_components(task)
-    return Isolation(foreign) if foreign else None
 
 
 class MasterEngine:
@@ -124,12 +110,17 @@ class MasterEngine:
 
 
 def _recorded(task: Task) -> tuple[str, ...] | None:
-    """What the measures need, and all outputs of FMUs of other tools, since one that is not finite fails a run."""
+    """What the measures need, and all outputs of FMUs of other tools, since one that is not finite fails a run.
+
+    Outputs are in the order of the system, so that a failed run names the output that `simulate` names.
+    """
     if task.record is None:
         return None
-    outputs = (
-        f"{name}.{variable.name}"
-        for name in foreign_components(task)
-        for variable in task.system.component(name).description.of_causality("output")
-    )
-    return tuple(dict.fromkeys((*task.record, *outputs)))
+    foreign = foreign_components(task)
+    outputs = [
+        f"{component.name}.{variable.name}"
+        for component in task.system.components
+        for variable in component.description.of_causality("output")
+    ]
+    kept = [path for path in outputs if path in task.record or path.partition(".")[0] in foreign]
+    return tuple(dict.fromkeys((*kept, *task.record)))
