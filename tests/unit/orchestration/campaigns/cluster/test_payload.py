@@ -66,7 +66,8 @@ def test_the_code_of_a_file_beside_the_program_travels(beside: ModuleType) -> No
 
 
 def test_a_measure_that_cannot_be_sent_is_told(tmp_path: Path) -> None:
+    message = r"A function among the measures logged cannot be sent to workers: .*files"
     with (tmp_path / "log").open("w") as log:
         task = replace(a_task(), measures=(Measure.of(lambda result: log.write(str(result)), "logged"),))
-        with pytest.raises(ClusterError, match=r"A function among the measures logged cannot be sent to workers: .*files"):
+        with pytest.raises(ClusterError, match=message):
             Payload.of(task, Arithmetic)
