@@ -164,9 +164,7 @@ def test_an_engine_that_cannot_be_made_is_an_error_with_the_worker(threads: Loca
 
 
 def test_a_module_that_a_worker_lacks_is_told(threads: LocalCluster) -> None:
-    with pytest.raises(
-        ClusterError, match=r"ModuleNotFoundError: .*no_such_module.*; install it there"
-    ):
+    with pytest.raises(ClusterError, match=r"ModuleNotFoundError: .*no_such_module.*; install it there"):
         ClusterExecutor(a_task(), threads, import_something)
 
 
