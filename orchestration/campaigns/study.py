@@ -20,6 +20,7 @@ from orchestration.campaigns.running import executors, interrupted, shown_by, st
 from orchestration.campaigns.samples import is_table
 from orchestration.campaigns.setting import require_runnable
 from orchestration.campaigns.single import single_run
+from orchestration.campaigns.stability import predicted
 from orchestration.campaigns.store.store import Store
 from orchestration.campaigns.study_plan import StudyPlan
 from orchestration.campaigns.table import evaluated_frame, evaluated_row, table_of
@@ -312,6 +313,33 @@ class Study(StudyPlan):
         variant, given = self._asked(row_of(values, further))
         rows = self._evaluator(variant, tuple(given)).rows([[value] for value in given.values()], 1)
         return evaluated_row(tuple(self.units), rows)
+
+    def stability(self, at: float = 0.0) -> "xr.Dataset | pd.DataFrame":
+        """Predict for each run whether its algorithm is stable, without making the run.
+
+        A verdict takes some tenths of a second, and seeds do not change it: leave them out.
+
+        Parameters
+        ----------
+        at
+            Time of the operating point, s, as for `System.stability`. The run to this point is made.
+
+        Returns
+        -------
+        Dataset or DataFrame
+            As of `run`, with the only measure ``growth_rate``, 1/s: how fast the fastest small deviation grows. It is
+            positive where the algorithm is unstable, and at most 0 where no deviation visibly grows.
+
+        Examples
+        --------
+        >>> from orchestration import Study, scenario
+        >>> study = Study(scenario("fig2"), algorithm="jacobi", measure="max_e").grid({"sample_time": [1e-3, 7e-3]})
+        >>> (study.stability()["growth_rate"] > 0).values.tolist()
+        [False, True]
+        """
+        jobs = [self._setting.job(variant, self._design) for variant in self._setting.systems]
+        columns, rows = predicted(jobs, self._columns, at)
+        return table_of(columns, self._design, rows)
 
     def _evaluated(self, table: "pd.DataFrame", further: Mapping[str, Any], workers: int) -> "pd.DataFrame":
         """Measures of a DataFrame's rows, which are runs of one variant."""
