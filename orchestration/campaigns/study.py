@@ -16,7 +16,7 @@ from orchestration.campaigns.local import worker_count
 from orchestration.campaigns.named_measures import functions_of
 from orchestration.campaigns.names import all_names, asked, in_words, row_of
 from orchestration.campaigns.record import recorded_setting, study_record
-from orchestration.campaigns.running import executors, interrupted, shown_by, stored_study
+from orchestration.campaigns.running import executors, interrupted, load_tables, shown_by, stored_study
 from orchestration.campaigns.samples import is_table
 from orchestration.campaigns.setting import require_runnable
 from orchestration.campaigns.single import single_run
@@ -130,6 +130,7 @@ class Study(StudyPlan):
         jobs = [self._setting.job(variant, self._design) for variant in self._setting.systems]
         for job in jobs:
             require_runnable(job)
+        load_tables()
         rows, columns, show = Rows.empty(len(self), len(self.units)), self._columns, shown_by(progress)
         folder = self._folder if store is None else a_path("The store of a study", store)
         with ExitStack() as stack:
