@@ -16,8 +16,8 @@ import pytest
 
 TESTS = Path(__file__).parent
 
-DISTURBED = {"concurrent", "multiprocessing", "signal", "subprocess", "threading", "time"}
-"""Packages of Python with which a test starts processes or threads, sends signals or reads clocks."""
+DISTURBED = {"concurrent", "distributed", "multiprocessing", "signal", "subprocess", "threading", "time"}
+"""Packages with which a test starts processes or threads, sends signals or reads clocks."""
 
 PROCESSES = (
     "benchmarks/*",

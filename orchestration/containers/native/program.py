@@ -154,7 +154,7 @@ class NativeProgram:
         >>> walls = np.array([[1e4], [1e5], [-1.0]])  # N/m
         >>> runs = program.runs(walls, np.full(3, 1e-4), stop_time=1.0)
         >>> (1e3 * runs.reduced[:2, 0]).round(2).tolist()  # mm
-        [0.0, 0.0]
+        [13.23, 5.57]
         >>> runs.messages[2]
         'plant: fmi2SetReal returned fmi2Error; its last message: "fmi2SetReal: K_f = -1 must be at least 0 N/m.".'
         """
