@@ -28,7 +28,6 @@ from orchestration.results.result import Result
 
 if TYPE_CHECKING:
     import pandas as pd
-    import xarray as xr
 
 
 class Study(StudyPlan):
@@ -86,7 +85,7 @@ class Study(StudyPlan):
         store: str | Path | None = None,
         cluster: Any = None,
         progress: Any = False,
-    ) -> "xr.Dataset | pd.DataFrame":
+    ) -> Any:
         """Make all runs.
 
         Parameters
@@ -113,6 +112,18 @@ class Study(StudyPlan):
             After Ctrl-C, when the chunks that were being made are finished; it has the table until then.
         SystemDescriptionError
             If the system cannot be run as asked.
+
+        Examples
+        --------
+        A run whose start values are refused is a row, too:
+
+        >>> from orchestration import Study, scenario
+        >>> study = Study(scenario("fig2"), measure="deepest = max(plant.penetration)", stop_time=1.0)
+        >>> table = study.grid({"plant.K_f": [1e4, 1e5, -1.0]}).run()
+        >>> table["deepest"].round(4).values.tolist(), table["deepest"].attrs["units"]
+        ([..., ..., nan], 'm')
+        >>> print(table["message"].values[-1])
+        plant: ... K_f = -1 must be at least 0 N/m...
         """
         jobs = [self._setting.job(variant, self._design) for variant in self._setting.systems]
         for job in jobs:
@@ -199,7 +210,7 @@ class Study(StudyPlan):
         >>> study = Study(scenario("fig2"), measure="max(abs(controller.e[1]))", stop_time=0.2)
         >>> table = study.samples({"plant.K_f": "1e4:1e6 log"}, n=4).run()
         >>> result = study.result(table.loc[2])
-        >>> float(abs(result.at_ticks("controller.e[1]")).max()) == table.loc[2, "max(abs(controller.e[1]))"]
+        >>> bool(abs(result.at_ticks("controller.e[1]")).max() == table.loc[2, "max(abs(controller.e[1]))"])
         True
         """
         variant, given = self._asked(row_of(row, values))

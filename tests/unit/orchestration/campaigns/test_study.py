@@ -23,6 +23,7 @@ from orchestration import (
 from tests.unit.orchestration.small_models import H
 
 pytestmark = pytest.mark.usefixtures("plain")
+HALF: Any = 1.5
 GROWTH = (1 + 2 * H) ** 4
 """Factor by which x grows over the four steps of the loop; the number has an exact double."""
 OVERFLOW = 1.7e308
@@ -124,7 +125,7 @@ def test_a_measure_without_an_instant_is_nan_in_a_run_that_succeeded(loop: Syste
 
 
 @pytest.mark.parametrize("wrong", [{"stop_time": 2.5 * H}, {"step": 0.3 * H}])
-def test_a_system_that_cannot_be_run_is_refused_before_the_runs(loop: System, wrong: dict[str, float]) -> None:
+def test_a_system_that_cannot_be_run_is_refused_before_the_runs(loop: System, wrong: dict[str, Any]) -> None:
     with pytest.raises(SystemDescriptionError):
         Study(loop, "max(plant.x)", **wrong).grid({"x_start": [1, 2]}).run()
 
@@ -188,7 +189,7 @@ WRONG: dict[str, tuple[Callable[[Study], Any], type[OrchestrationError], str]] =
     "no row": (lambda s: s.result(5), StudyError, "A row is 5"),
     "a value that is none": (lambda s: s.result(x_start=None, offset=0), SystemDescriptionError, "x_start = None"),
     "no worker": (lambda s: s.run(workers=0), StudyError, "workers is 0"),
-    "half a worker": (lambda s: s.run(workers=1.5), StudyError, "workers is 1.5"),
+    "half a worker": (lambda s: s.run(workers=HALF), StudyError, "workers is 1.5"),
     "no progress": (lambda s: s.run(progress=3), StudyError, "progress is 3"),
     "a variant that is not there": (lambda s: s.result(system="b", x_start=1, offset=0), StudyError, "no variant"),
 }
