@@ -13,6 +13,8 @@ from functools import partial
 from types import TracebackType
 from typing import Self
 
+import numpy as np
+
 from orchestration.errors import OrchestrationError
 from orchestration.fmi.isolation import Isolation
 from orchestration.fmi.pool import Reuse
@@ -149,7 +151,7 @@ class Reruns:
         if not failed:
             warn_of_slow_ones(self._open, ways)
         self.learned.learn(after, ways)
-        return truth
+        return self._asked(truth)
 
     def _attempt(self, point: _Point, ways: Ways) -> Result | None:
         """All that a run records with FMUs in the given ways; None if it fails."""
@@ -174,6 +176,21 @@ class Reruns:
         with run:
             run.run()
             return run.result()
+
+    def _asked(self, whole: Result) -> Result:
+        """The columns that are recorded, of a result with all of them."""
+        if self._options.record is None:
+            return whole
+        asked = [f"{component}.{variable}" for component, variable in recorded_paths(self.system, self._options.record)]
+        names = tuple(name for name in asked if name not in whole.texts)
+        places = [whole.names.index(name) for name in names]
+        return replace(
+            whole,
+            names=names,
+            rows=np.ascontiguousarray(whole.rows[:, places]),
+            units={name: whole.units[name] for name in names},
+            texts={name: whole.texts[name] for name in asked if name in whole.texts},
+        )
 
     def _everything(self) -> list[str] | None:
         """All outputs and all other columns that are recorded."""

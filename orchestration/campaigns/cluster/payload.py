@@ -6,7 +6,9 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, fields
 from functools import cached_property
-from importlib.metadata import packages_distributions
+from pathlib import Path
+from sysconfig import get_path
+from types import ModuleType
 from typing import Any
 
 from adaptimp_fmu.files.temporary_folder import temporary_folder
@@ -87,12 +89,11 @@ def _pickled(content: Any, functions: list[Any]) -> bytes:
 
 @contextmanager
 def _by_value(modules: set[str]) -> Iterator[None]:
-    """Let cloudpickle send the code of modules that belong to no installed package, such as files beside a program."""
+    """Let cloudpickle send the code of modules that are not installed, such as files beside a program."""
     import cloudpickle
 
-    installed = _OURS | sys.stdlib_module_names | packages_distributions().keys()
-    own = [sys.modules[name] for name in modules if name in sys.modules and name.partition(".")[0] not in installed]
-    sent = [module for module in own if module.__name__ not in cloudpickle.list_registry_pickle_by_value()]
+    already = cloudpickle.list_registry_pickle_by_value()
+    sent = [sys.modules[name] for name in modules - already if name in sys.modules and _is_own(sys.modules[name])]
     for module in sent:
         cloudpickle.register_pickle_by_value(module)
     try:
@@ -100,3 +101,11 @@ def _by_value(modules: set[str]) -> Iterator[None]:
     finally:
         for module in sent:
             cloudpickle.unregister_pickle_by_value(module)
+
+
+def _is_own(module: ModuleType) -> bool:
+    """Whether a module belongs neither to Python, nor to an installed package, nor to this project."""
+    if module.__name__.partition(".")[0] in _OURS or not getattr(module, "__file__", None):
+        return False
+    file = Path(str(module.__file__)).resolve()
+    return not any(file.is_relative_to(Path(get_path(kind)).resolve()) for kind in ("stdlib", "purelib", "platlib"))

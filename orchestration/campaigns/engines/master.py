@@ -110,12 +110,17 @@ class MasterEngine:
 
 
 def _recorded(task: Task) -> tuple[str, ...] | None:
-    """What the measures need, and all outputs of FMUs of other tools, since one that is not finite fails a run."""
+    """What the measures need, and all outputs of FMUs of other tools, since one that is not finite fails a run.
+
+    Outputs are in the order of the system, so that a failed run names the output that `simulate` names.
+    """
     if task.record is None:
         return None
-    outputs = (
-        f"{name}.{variable.name}"
-        for name in foreign_components(task)
-        for variable in task.system.component(name).description.of_causality("output")
-    )
-    return tuple(dict.fromkeys((*task.record, *outputs)))
+    foreign = foreign_components(task)
+    outputs = [
+        f"{component.name}.{variable.name}"
+        for component in task.system.components
+        for variable in component.description.of_causality("output")
+    ]
+    kept = [path for path in outputs if path in task.record or path.partition(".")[0] in foreign]
+    return tuple(dict.fromkeys((*kept, *task.record)))

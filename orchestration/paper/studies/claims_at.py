@@ -16,10 +16,11 @@ import numpy as np
 from orchestration.errors import SimulationError
 from orchestration.paper.claims import criteria, judged
 from orchestration.paper.claims.criteria import Criterion
-from orchestration.paper.laboratory import Job, Laboratory
+from orchestration.paper.laboratory import Job
 from orchestration.paper.measure import ESTIMATE, RECORDED, NoContactError, Summary, contact, summarize
 from orchestration.paper.numbers import TORQUE_SHARE
 from orchestration.paper.scenarios import UNSATURATED
+from orchestration.paper.studies.native_runs import Runner
 from orchestration.paper.studies.open_values import Setting
 from orchestration.results.result import Result
 
@@ -54,7 +55,7 @@ class Evidence:
     failures: Mapping[str, str] = field(default_factory=dict)
 
 
-def evidence_at(laboratory: Laboratory, setting: Setting, seeds: Sequence[int]) -> Evidence:
+def evidence_at(laboratory: Runner, setting: Setting, seeds: Sequence[int]) -> Evidence:
     """Make the runs of a setting for some seeds of the noise; the limits of torque come from the first seed."""
     runs = _Runs(laboratory, setting)
     noise: dict[str, Sequence[Summary]] = {}
@@ -85,7 +86,7 @@ def evidence_at(laboratory: Laboratory, setting: Setting, seeds: Sequence[int]) 
 class _Runs:
     """The runs at a setting."""
 
-    laboratory: Laboratory
+    laboratory: Runner
     setting: Setting
 
     def noise_bound(self) -> float:

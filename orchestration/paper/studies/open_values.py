@@ -47,7 +47,8 @@ class OpenValue:
     log
         Whether the range is filled evenly in the logarithm.
     choices
-        The values that are possible, if they are not a range; `low` and `high` are then their ends.
+        The values that are possible, if they are not a range; `low` and `high` are then their ends. A value that stands
+        here several times has a larger share of the settings.
     """
 
     name: str
@@ -67,6 +68,12 @@ class OpenValue:
         if self.log:
             return self.low * (self.high / self.low) ** share
         return self.low + (self.high - self.low) * share
+
+    def share_of(self, value: float) -> float:
+        """The share of the range at which a value lies; the inverse of `at` for a range."""
+        if self.log:
+            return float(np.log(value / self.low) / np.log(self.high / self.low))
+        return (value - self.low) / (self.high - self.low)
 
 
 def _choice(name: str, unit: str, choices: tuple[float, ...], chosen: float, texts: tuple[str, str]) -> OpenValue:
@@ -117,10 +124,11 @@ OPEN_VALUES = (
     _choice(
         "contact_gated",
         "",
-        (1.0, 0.0),
+        (1.0, 1.0, 1.0, 0.0),
         1.0,
         (
-            "1: no noise without contact, as in the free motion of the figures; 0: a real sensor is always noisy",
+            "1, in three of four settings: no noise without contact, as in the free motion of the figures; 0: a real"
+            " sensor is always noisy",
             "all",
         ),
     ),
@@ -134,7 +142,13 @@ OPEN_VALUES = (
         "all",
     ),
     OpenValue(
-        "depth", "m", DEPTH, 5e-3, 25e-3, "the steady force of the segment, K depth, is then 20 to 100 N", "C5 to C10, C16"
+        "depth",
+        "m",
+        DEPTH,
+        5e-3,
+        25e-3,
+        "the steady force of the segment, K depth, is then 20 to 100 N",
+        "C5 to C10, C16",
     ),
     OpenValue(
         "Psi_1",
@@ -188,7 +202,14 @@ OPEN_VALUES = (
         ),
     ),
     OpenValue(
-        "Psi_2", "1/s", PSI, 20.0, 300.0, "as Psi_1, and algorithm 2 has no upper limit", "C4 to C6, C8 to C10", log=True
+        "Psi_2",
+        "1/s",
+        PSI,
+        20.0,
+        300.0,
+        "as Psi_1, and algorithm 2 has no upper limit",
+        "C4 to C6, C8 to C10",
+        log=True,
     ),
     OpenValue(
         "Gamma_2",
@@ -232,11 +253,35 @@ def settings(n: int) -> Mapping[str, np.ndarray]:
 
     The points are scrambled with a fixed seed. A longer sequence begins with the points of a shorter one.
     """
+    shares = _sobol(n)
+    return {value.name: value.at(shares[:, i]) for i, value in enumerate(OPEN_VALUES)}
+
+
+def settings_near(setting: Setting, n: int, width: float) -> Mapping[str, np.ndarray]:
+    """The first n Sobol points of a box around a setting, each value with shape (n,).
+
+    Parameters
+    ----------
+    width
+        Width of the box, as a share of each range; the box ends where a range ends. Choices stay as they are.
+    """
+    shares = _sobol(n)
+    found = {}
+    for i, value in enumerate(OPEN_VALUES):
+        if value.choices:
+            found[value.name] = np.full(n, setting[value.name])
+        else:
+            middle = value.share_of(setting[value.name])
+            found[value.name] = value.at(np.clip(middle + width * (shares[:, i] - 0.5), 0, 1))
+    return found
+
+
+def _sobol(n: int) -> np.ndarray:
+    """The first n points of the unit cube, shape (n, n_values)."""
     from scipy.stats import qmc
 
     sobol = qmc.Sobol(len(OPEN_VALUES), scramble=True, rng=np.random.default_rng(SOBOL_SEED))
-    shares = sobol.random_base2(max(n - 1, 0).bit_length())[:n]
-    return {value.name: value.at(shares[:, i]) for i, value in enumerate(OPEN_VALUES)}
+    return sobol.random_base2(max(n - 1, 0).bit_length())[:n]
 
 
 def setting_at(points: Mapping[str, np.ndarray], number: int) -> Setting:

@@ -12,8 +12,8 @@ import numpy as np
 
 from adaptimp_fmu.files.whole_file import write_whole
 from orchestration.errors import OrchestrationError
-from orchestration.paper.laboratory import Laboratory
 from orchestration.paper.studies.claims_at import QUESTIONS, SCENARIOS, evidence_at, verdicts
+from orchestration.paper.studies.native_runs import Runner
 from orchestration.paper.studies.open_values import setting_at, settings
 
 COLUMNS = (*QUESTIONS, *(f"{name} failed" for name in SCENARIOS))
@@ -25,7 +25,7 @@ class TableError(OrchestrationError):
     """The file of a table is not one of this study."""
 
 
-def make_table(path: Path, n: int, laboratory: Laboratory, workers: int, tell: Tell) -> np.ndarray:
+def make_table(path: Path, n: int, laboratory: Runner, workers: int, tell: Tell) -> np.ndarray:
     """Answer the questions at the first n settings, and write the table.
 
     Parameters
@@ -57,7 +57,7 @@ def make_table(path: Path, n: int, laboratory: Laboratory, workers: int, tell: T
     return answers[:n]
 
 
-def answer_at(laboratory: Laboratory, points: Mapping[str, np.ndarray], number: int) -> np.ndarray:
+def answer_at(laboratory: Runner, points: Mapping[str, np.ndarray], number: int) -> np.ndarray:
     """The row of a setting; the seed of its noise is its number plus 1."""
     found = evidence_at(laboratory, setting_at(points, number), [number + 1])
     failed = [name not in found.noise for name in SCENARIOS]

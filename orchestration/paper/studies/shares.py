@@ -78,7 +78,7 @@ def parts(value: OpenValue, points: np.ndarray, answers: np.ndarray, thirds: int
         For each part, from the lowest values on, its name and the share.
     """
     if value.choices:
-        return [(f"{choice:g}", share(answers[points == choice])) for choice in sorted(value.choices)]
+        return [(f"{choice:g}", share(answers[points == choice])) for choice in sorted({*value.choices})]
     ends = value.at(np.arange(thirds + 1) / thirds)
     number = np.clip(np.searchsorted(ends, points, side="right") - 1, 0, thirds - 1)
     return [(f"{ends[i]:.3g} to {ends[i + 1]:.3g}", share(answers[number == i])) for i in range(thirds)]
@@ -87,8 +87,8 @@ def parts(value: OpenValue, points: np.ndarray, answers: np.ndarray, thirds: int
 def first_order_index(value: OpenValue, points: np.ndarray, answers: np.ndarray) -> float:
     """The part of the variance of the answers that an open value explains alone, from 0 to 1.
 
-    It is the variance of the shares over `BINS` parts of the range, less what chance gives them, over the variance of the
-    answers. An answer that is the same everywhere has no variance, and the index is 0.
+    It is the variance of the shares over `BINS` parts of the range, less what chance gives them, over the variance of
+    the answers. An answer that is the same everywhere has no variance, and the index is 0.
     """
     whole = share(answers)
     variance = whole.value * (1 - whole.value)
