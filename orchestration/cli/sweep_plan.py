@@ -3,6 +3,8 @@
 import time
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from orchestration.analysis.doctor.finding import counted
 from orchestration.campaigns.factor import STEP
 from orchestration.campaigns.local import worker_count
@@ -35,7 +37,7 @@ def tell_plan(study: "Study", report: SweepReport, workers: int | None) -> None:
     points = study.points
     report.factors = tuple(points.columns)
     output.say(f"{report.system}: {counted(len(points), 'run')}, {_steps(study, points)} ({study.stop_time:g} s)")
-    rows = [(name, *_values(points[name])) for name in points.columns]
+    rows = [(name, *_values(points[name].to_numpy())) for name in points.columns]
     output.say(table(("factor", "number", "values"), rows, width(), numbers=("number",), together=2))
     output.say("measures: " + ", ".join(f"{name} [{unit}]" if unit else name for name, unit in study.units.items()))
     one, threads = _time_of_run(study, points), worker_count(workers)
@@ -55,12 +57,15 @@ def _time_of_run(study: "Study", points: "pd.DataFrame") -> float:
 
 def _steps(study: "Study", points: "pd.DataFrame") -> str:
     """The number of steps of each run, in words; runs that vary the step have different numbers."""
-    varied = next((points[name] for name in (SAMPLE_TIME, STEP) if name in points), None)
-    ends = (study.step,) if varied is None else dict.fromkeys((varied.max(), varied.min()))
-    return " to ".join(str(round(study.stop_time / step)) for step in ends) + " steps each"
+    lengths = [study.step] if study.step is not None else []
+    for name in {SAMPLE_TIME, STEP} & set(points.columns):
+        column = points[name].to_numpy()
+        lengths = [float(column.max()), float(column.min())]
+    numbers = dict.fromkeys(str(round(study.stop_time / length)) for length in lengths)
+    return f"{' to '.join(numbers)} steps each"
 
 
-def _values(column: "pd.Series") -> tuple[str, str]:
+def _values(column: np.ndarray) -> tuple[str, str]:
     """How many values a factor has, and the values; of many the first ones and the last one."""
     values = list(dict.fromkeys(column.tolist()))
     if len(values) > MOST_VALUES:

@@ -57,9 +57,10 @@ def test_a_terminal_reads_counts_and_extremes(adaptimp: Command, study: Study) -
     assert outcome.err == ""
     assert re.match(r"fig2: 6 runs: 6 complete, 0 failed; \S+ runs/s, \S+ s\n", outcome.out)
     line = next(line for line in outcome.out.splitlines() if line.startswith("depth"))
-    at = table["depth"].where(table["depth"] == table["depth"].min(), drop=True)
-    place = f"K_f={float(at['K_f'][0]):g}, K={float(at['K'][0]):g}"
-    assert " ".join(line.split()) == f"depth m min {float(table['depth'].min()):.6g} {place}"
+    frame = table.to_dataframe().reset_index()
+    at = frame.loc[frame["depth"].idxmin()].to_dict()
+    place = f"K_f={at['K_f']:g}, K={at['K']:g}"
+    assert " ".join(line.split()) == f"depth m min {at['depth']:.6g} {place}"
 
 
 def documented() -> list[str]:
@@ -78,10 +79,11 @@ def read(outcome: Outcome) -> dict[str, Any]:
 
 def test_the_object_has_the_documented_keys(adaptimp: Command, study: Study) -> None:
     table = study.run()
+    assert isinstance(table, xr.Dataset)
     found = read(adaptimp("sweep", *GRID, "--json"))
     assert (found["status"], found["runs"], found["complete"], found["failed"]) == ("complete", 6, 6, 0)
     assert found["factors"] == ["K_f", "K"]
-    assert found["measures"]["depth"]["max"] == float(table["depth"].max())
+    assert found["measures"]["depth"]["max"] == table["depth"].to_numpy().max()
     refused = read(adaptimp("sweep", "fig2", "--vary", "plant.K=1,2", *MEASURES, "--json"))
     assert (refused["status"], refused["exit_code"], refused["runs"]) == ("refused", 2, 0)
 
