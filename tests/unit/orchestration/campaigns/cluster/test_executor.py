@@ -2,7 +2,6 @@
 
 import os
 from collections.abc import Iterator
-from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -12,21 +11,16 @@ import numpy as np
 import pytest
 from distributed import Client, LocalCluster
 
-from orchestration.campaigns.chunks import Chunks
 from orchestration.campaigns.cluster.delivery import Delivery, make_runs
 from orchestration.campaigns.cluster.executor import ClusterExecutor
 from orchestration.campaigns.cluster.flights import PER_THREAD
 from orchestration.campaigns.engine import Outcomes, Points
-from orchestration.campaigns.engines.choice import engine_for
-from orchestration.campaigns.measure import Measure
 from orchestration.errors import ClusterError
-from orchestration.results.measures.parser import parse_formula
 from tests.unit.orchestration.campaigns.cluster.engines import (
     Arithmetic,
     Closing,
     a_task,
     in_chunks,
-    reach,
     refuse,
     some_points,
 )
@@ -77,22 +71,6 @@ def test_two_processes_give_the_bits_of_this_one(processes: LocalCluster) -> Non
     assert measured[:, 0].tobytes() == here.measured[:, 0].tobytes()
     assert os.getpid() not in measured[:, 1]
     assert messages == [""] * ROWS
-
-
-def test_native_runs_on_workers_have_the_bits_of_this_process(processes: LocalCluster) -> None:
-    formula = parse_formula("max(abs(controller.e[1]))")
-    measures = Measure(("max_e",), ("m",), formula), Measure.of(reach)
-    task = replace(a_task(), measures=measures, stop_time=0.05)
-    points = some_points(ROWS)
-    executor = ClusterExecutor(task, processes)
-    try:
-        numbers, measured, messages = joined(list(executor.map(Chunks(points.numbers, points.__getitem__, lambda: 2))))
-    finally:
-        executor.close()
-    assert numbers == list(range(ROWS))
-    assert messages == [""] * ROWS
-    assert len(np.unique(measured[:, 0])) > ROWS // 2
-    assert measured.tobytes() == engine_for(task).make(points).measured.tobytes()
 
 
 @pytest.mark.parametrize("given", ["address", "client", "cluster"])
