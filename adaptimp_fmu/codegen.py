@@ -27,7 +27,7 @@ _IN = {"t": "double t", "r": "const double *r"} | {
     name: f"const double *{name}" for name in ("x", "u", "p", "c", "m", "w", "s", "v", "q")
 }
 _SEAM = {
-    "calibrate": (("p",), ("c", "checks", "active")),
+    "calibrate": (("p",), ("c", "checks", "ticks")),
     "initial": (("t", "u", "p", "c"), ("x",)),
     "tick": (("t", "x", "u", "p", "c", "w"), ("y", "next", "checks")),
     "tick_update": (("t", "x", "u", "p", "c", "w"), ("y", "next", "checks")),

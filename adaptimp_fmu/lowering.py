@@ -97,9 +97,9 @@ def _extract(flat: ca.SX, known: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX]:
 
 
 def _calibration(model: Model, p: ca.SX, derived: ca.SX) -> ca.Function:
-    """Return the constants, the checks of the parameters, and the function that tells whether the noise is on."""
+    """Return the function of the parameters that gives the constants, the checks and the noise's ticks per draw."""
     checks = stack([check.value for check in model.static_checks])
-    results = {"c": derived, "checks": checks, "active": _noise_active(model)}
+    results = {"c": derived, "checks": checks, "ticks": _ticks_per_draw(model)}
     return _function("calibrate", {"p": p}, results)
 
 
@@ -138,8 +138,8 @@ def _routines(model: Model) -> Sequence[Routine]:
     return routines
 
 
-def _noise_active(model: Model) -> ca.SX:
-    return model.noise.active if isinstance(model, SampledModel) and model.noise else ca.SX(0)
+def _ticks_per_draw(model: Model) -> ca.SX:
+    return model.noise.ticks_per_draw if isinstance(model, SampledModel) and model.noise else ca.SX(0)
 
 
 def _require_complete(model: Model) -> None:

@@ -12,13 +12,19 @@ from adaptimp_fmu.variables import Role, Type, Variable
 
 @dataclass(frozen=True)
 class Noise:
-    """Random numbers, drawn anew at each tick: a function of four uniform numbers in (0, 1)."""
+    """Random numbers, drawn anew after every `ticks` ticks: a function of four uniform numbers in (0, 1)."""
 
     symbol: ca.SX
     uniforms: ca.SX
     value: ca.SX
     active: ca.SX
     seed_name: str
+    ticks: ca.SX
+
+    @property
+    def ticks_per_draw(self) -> ca.SX:
+        """The number of ticks that share a draw, a whole number from 1 to 2^53; 0 while the noise is off."""
+        return ca.if_else(self.active > 0, ca.fmin(ca.fmax(self.ticks, 1), 2.0**53), 0)
 
 
 @dataclass
@@ -86,8 +92,8 @@ class SampledModel(Model):
         self._evolve(state, value)
         next(s for s in self.states if s.symbol is state).slow = True
 
-    def random(self, value: Callable[[ca.SX], ca.SX], *, active: ca.SX, seed: str) -> ca.SX:
-        """Declare noise that is drawn at every tick.
+    def random(self, value: Callable[[ca.SX], ca.SX], *, active: ca.SX, seed: str, ticks: ca.SX | None = None) -> ca.SX:
+        """Declare noise that is drawn at every tick, or after every so many ticks and held in between.
 
         Parameters
         ----------
@@ -97,6 +103,9 @@ class SampledModel(Model):
             The noise is zero, and costs nothing, unless this function of parameters is positive.
         seed
             Name of the Integer parameter that is the generator's key. The parameter may be declared later.
+        ticks
+            Number of ticks that share a draw, a whole number that is a function of parameters; 1 by default. Draw k
+            serves the ticks from k `ticks` on.
 
         Returns
         -------
@@ -117,7 +126,7 @@ class SampledModel(Model):
         uniforms = ca.SX.sym("uniforms", 4)
         drawn = ca.vec(ca.SX(value(uniforms)))
         symbol = ca.SX.sym("noise", drawn.numel())
-        self.noise = Noise(symbol, uniforms, drawn, ca.SX(active), seed)
+        self.noise = Noise(symbol, uniforms, drawn, ca.SX(active), seed, ca.SX(1 if ticks is None else ticks))
         return symbol
 
     def require_named_parameters(self) -> None:

@@ -7,8 +7,10 @@ delta of eq. (21)):
     r = min(noise_std sqrt(-2 ln(1 - u0 (1 - exp(-noise_bound^2 / (2 noise_std^2))))), noise_bound)
     error = r (cos 2 pi u1, sin 2 pi u1)
 
-with u0, u1 uniform in (0, 1), drawn anew at each tick from (seed, tick). With `contact_gated` the
-error is zero while no force acts. A bias, a range and a resolution follow, all off by default:
+with u0, u1 uniform in (0, 1), drawn anew at each tick from (seed, tick). With `noise_period` > 0 the
+error has a bandwidth: draw k serves the ticks from k noise_period on, and is held until the next draw.
+noise_period must be a whole multiple of the sampling period. With `contact_gated` the error is zero while
+no force acts. A bias, a range and a resolution follow, all off by default:
 
     F_hat = resolution floor(clip(F_ext + bias + error, -range, range) / resolution + 1/2)
 """
@@ -22,6 +24,7 @@ from fmus import icons
 from fmus.project import group_signals, publish
 
 OFF = 1e9  # N, a range that limits nothing
+ROUNDING = 1e-9  # relative, by which a multiple of the sampling period may be off
 
 
 def force_sensor() -> SampledModel:
@@ -62,6 +65,7 @@ def force_sensor() -> SampledModel:
         ca.if_else(std > 0, bound, 1),
         "noise_bound must be positive where noise_std is",
     )
+    ticks = ticks_per_draw(model)
     bias = model.parameter("bias", [0.0, 0.0], unit="N", description="Constant error of each component")
     resolution = model.parameter(
         "resolution",
@@ -77,7 +81,7 @@ def force_sensor() -> SampledModel:
         limits=POSITIVE,
         description="Largest absolute component that is measured; 1e9 = no limit",
     )
-    noise = model.random(lambda u: truncated_normal(u[0], u[1], std, bound), active=std, seed="seed")
+    noise = model.random(lambda u: truncated_normal(u[0], u[1], std, bound), active=std, seed="seed", ticks=ticks)
     free = ca.logic_and(gated, ca.logic_and(F_ext[0] == 0, F_ext[1] == 0))
     force = F_ext + bias + ca.if_else(free, 0, noise)
     within = ca.fmin(ca.fmax(force, -span), span)
@@ -86,6 +90,24 @@ def force_sensor() -> SampledModel:
     model.output("F_hat", F_hat, unit="N", description="Measured force")
     group_signals(model)
     return model
+
+
+def ticks_per_draw(model: SampledModel) -> ca.SX:
+    """Declare `noise_period`, and return the number of ticks for which an error is held."""
+    period = model.parameter(
+        "noise_period",
+        0.0,
+        unit="s",
+        limits=NOT_NEGATIVE,
+        description="Time for which a draw of the noise is held, a whole multiple of sample_time; 0 = one tick",
+    )
+    ratio = period / model.period
+    ticks = ca.fmax(ca.floor(ratio + 0.5), 1)
+    model.require(
+        ca.if_else(period > 0, ROUNDING * ticks - ca.fabs(ratio - ticks), 1),
+        "noise_period must be 0 or a whole multiple of sample_time",
+    )
+    return ticks
 
 
 def truncated_normal(u0: ca.SX, u1: ca.SX, std: ca.SX, bound: ca.SX) -> ca.SX:

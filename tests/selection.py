@@ -16,14 +16,15 @@ import pytest
 
 TESTS = Path(__file__).parent
 
-DISTURBED = {"concurrent", "multiprocessing", "signal", "subprocess", "threading", "time"}
-"""Packages of Python with which a test starts processes or threads, sends signals or reads clocks."""
+DISTURBED = {"concurrent", "distributed", "multiprocessing", "signal", "subprocess", "threading", "time"}
+"""Packages with which a test starts processes or threads, sends signals or reads clocks."""
 
 PROCESSES = (
     "benchmarks/*",
     "conformance/platforms/*",
     "conformance/sanitizers/*",
     "conformance/test_description.py",
+    "faults/test_campaign_kills.py",
     "faults/test_check_command.py",
     "faults/test_kills.py",
     "faults/test_lies.py",

@@ -88,8 +88,9 @@ static const char *const model_checks[AT_LEAST_ONE(MODEL_N_CHECKS)];
 static const char *const model_states[AT_LEAST_ONE(MODEL_N_STATES)];
 
 /* t: time, x: states, u: inputs, p: parameters, c: constants derived from p alone,
- * m: modes of the events (1 while the indicator is positive), w: noise, y: outputs. */
-static void model_calibrate(const double *p, double *c, double *checks, double *noise_active);
+ * m: modes of the events (1 while the indicator is positive), w: noise, y: outputs,
+ * ticks_per_draw: ticks for which a draw of the noise is held, 0 while the noise is off. */
+static void model_calibrate(const double *p, double *c, double *checks, double *ticks_per_draw);
 static void model_initial(double t, const double *u, const double *p, const double *c, double *x);
 #ifndef CONTAINED
 /* Outputs in initialization mode along the directions v of the inputs and q of the parameters, with

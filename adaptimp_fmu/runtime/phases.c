@@ -33,7 +33,7 @@ static void refresh_outputs(State *s) {
     double static_checks[AT_LEAST_ONE(MODEL_N_STATIC_CHECKS)];
     double checks[AT_LEAST_ONE(MODEL_N_CHECKS)];
     if (!s->outputs_stale) return;
-    model_calibrate(parameters(s), s->constants, static_checks, &s->noise_active);
+    model_calibrate(parameters(s), s->constants, static_checks, &s->ticks_per_draw);
     initialize_states(s);
     show_initial_outputs(s, checks);
     s->outputs_stale = 0;

@@ -20,11 +20,13 @@ static double tick_time(const State *s) {
 }
 
 #if MODEL_N_NOISE || !defined(CONTAINED)
-/* Uniform numbers of the present tick: a function of seed and tick alone, so a rollback replays them. */
+/* Uniform numbers of the present draw, which serves `ticks_per_draw` ticks: a function of seed and tick
+ * alone, so a rollback replays them. */
 static void draw_uniforms(const State *s, double uniforms[4]) {
 #if MODEL_N_NOISE
     uint64_t block[4];
-    philox4x64((uint64_t)s->tick, model_seed(s->values), block);
+    const int64_t n = (int64_t)s->ticks_per_draw;
+    philox4x64((uint64_t)(n <= 1 ? s->tick : s->tick / n), model_seed(s->values), block);
     for (int i = 0; i < 4; ++i) uniforms[i] = uniform(block[i]);
 #else
     (void)s;
@@ -36,7 +38,7 @@ static void draw_uniforms(const State *s, double uniforms[4]) {
 static void draw_noise(const State *s, double *w) {
 #if MODEL_N_NOISE
     double uniforms[4];
-    if (!(s->noise_active > 0)) {
+    if (!(s->ticks_per_draw > 0)) {
         memset(w, 0, MODEL_N_NOISE * sizeof *w);
         return;
     }

@@ -21,7 +21,7 @@ typedef struct {
     double end_rates[AT_LEAST_ONE(MODEL_N_INPUTS)];
     double step_start;
 #endif
-    double noise_active;
+    double ticks_per_draw;                         /* of the noise; 0 while it is off */
     double start_time, stop_time, time;
     double latest_end;                             /* the stop time, or the largest number */
     int64_t tick;                                  /* ticks run since the start */

@@ -113,7 +113,7 @@ static IN_PLACE int states_valid(const Instance *instance, const double *x, doub
 static RARE int recalibrated(Instance *instance) {
     State *s = STATE_OF(instance);
     double checks[AT_LEAST_ONE(MODEL_N_STATIC_CHECKS)];
-    model_calibrate(parameters(s), s->constants, checks, &s->noise_active);
+    model_calibrate(parameters(s), s->constants, checks, &s->ticks_per_draw);
     if (!checks_pass(instance, checks, MODEL_N_STATIC_CHECKS, model_static_checks)) return 0;
     s->constants_stale = 0;
     constants_changed(s);

@@ -1,7 +1,7 @@
 """Runs a study and prints what came out, and where: ``adaptimp sweep``."""
 
 import shlex
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -89,10 +89,16 @@ class _Bar(ProgressBar):
         super().__init__(goal)
         self._line = line
 
-    def begin(self, total: int, names: Sequence[str], place: Callable[[int], str]) -> None:
-        """Begin to count, after the line of before has gone."""
+    def show(self) -> bool:
+        """Show the count from now on, if there is a terminal."""
         self._line.end()
-        super().begin(total, names, place)
+        self._line.hidden = super().show()
+        return self._line.hidden
+
+    def end(self) -> None:
+        """Clear the count."""
+        super().end()
+        self._line.hidden = False
 
 
 def _folders(request: SweepRequest) -> Iterator[Path]:

@@ -19,7 +19,7 @@ from orchestration.results.columns import COMPLETE, FAILED
 if TYPE_CHECKING:
     import pandas as pd
 
-HEAD = ("measure", "unit", "min", "at", "max", "at")
+HEAD = ("measure", "unit", "", "value", "at")
 MOST_SENTENCES = 5  # kinds of failures that the JSON object has
 _NUMBER = re.compile(r"(?<![\w\[.])[-+]?\d[\d.]*(?:e[-+]?\d+)?")
 
@@ -111,11 +111,12 @@ class SweepReport:
 
     def table(self, width: int) -> str:
         """The extremes of each measure, for a terminal."""
-        rows = []
-        for name, found in self.measures.items():
-            ends = [cell for key in ("min", "max") for cell in _cells(found[key], found[f"{key}_at"])]
-            rows.append((name, found["unit"], *ends))
-        return table(HEAD, rows, width, numbers=("min", "max"), together=2)
+        rows = [
+            (name, found["unit"], end, *_cells(found[end], found[f"{end}_at"]))
+            for name, found in self.measures.items()
+            for end in ("min", "max")
+        ]
+        return table(HEAD, rows, width, numbers=("value",), together=4)
 
 
 def commonest(messages: Sequence[str]) -> list[dict[str, Any]]:

@@ -17,7 +17,7 @@ static double values[MODEL_N_VARIABLES];
 static double states[AT_LEAST_ONE(MODEL_N_STATES)], constants[AT_LEAST_ONE(MODEL_N_CONSTANTS)];
 static double checks[AT_LEAST_ONE(MODEL_N_CHECKS) + AT_LEAST_ONE(MODEL_N_STATIC_CHECKS)];
 static const double *const p = values, *const c = constants;
-static double start_time, noise_active;
+static double start_time, ticks_per_draw;
 static int64_t ticks_run;
 double *const NAME(inputs) = values + MODEL_FIRST_INPUT;
 double *const NAME(outputs) = values + MODEL_FIRST_OUTPUT;
@@ -26,16 +26,17 @@ const int64_t NAME(n_inputs) = MODEL_N_INPUTS;
 #if MODEL_SAMPLED
 static void begin(void) {}
 
-/* The runtime's draw: block `ticks_run` of the generator, nothing if the noise is off. */
+/* The runtime's draw: the generator's block of the present tick, nothing if the noise is off. */
 static void draw_noise(double *w) {
 #if MODEL_N_NOISE
     uint64_t block[4];
     double uniforms[4];
-    if (!(noise_active > 0)) {
+    if (!(ticks_per_draw > 0)) {
         memset(w, 0, MODEL_N_NOISE * sizeof *w);
         return;
     }
-    philox4x64((uint64_t)ticks_run, model_seed(p), block);
+    const int64_t n = (int64_t)ticks_per_draw;
+    philox4x64((uint64_t)(n <= 1 ? ticks_run : ticks_run / n), model_seed(p), block);
     for (int i = 0; i < 4; ++i) uniforms[i] = uniform(block[i]);
     model_noise(uniforms, p, c, w);
 #else
@@ -108,6 +109,6 @@ void NAME(start)(const double *given, double t0) {
     memcpy(values, given, sizeof values);
     start_time = t0;
     ticks_run = 0;
-    model_calibrate(p, constants, checks, &noise_active);
+    model_calibrate(p, constants, checks, &ticks_per_draw);
     begin();
 }

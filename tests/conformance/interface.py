@@ -151,6 +151,7 @@ INTERFACES = {
             "noise_bound": Signal("N", 0.0),
             "contact_gated": Signal("", 1.0),
             "seed": Signal(""),
+            "noise_period": Signal("s", 0.0),
             "bias": Signal("N", (0.0, 0.0)),
             "resolution": Signal("N", 0.0),
             "range": Signal("N", 1e9),

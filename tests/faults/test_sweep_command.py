@@ -59,7 +59,7 @@ def test_a_terminal_reads_counts_and_extremes(adaptimp: Command, study: Study) -
     line = next(line for line in outcome.out.splitlines() if line.startswith("depth"))
     at = table["depth"].where(table["depth"] == table["depth"].min(), drop=True)
     place = f"K_f={float(at['K_f'][0]):g}, K={float(at['K'][0]):g}"
-    assert " ".join(line.split()).startswith(f"depth m {float(table['depth'].min()):.6g} {place} ")
+    assert " ".join(line.split()) == f"depth m min {float(table['depth'].min()):.6g} {place}"
 
 
 def documented() -> list[str]:

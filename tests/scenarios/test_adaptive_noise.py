@@ -45,6 +45,15 @@ def test_half_the_step_gives_the_same_columns(name: str) -> None:
     np.testing.assert_array_equal(seen[~(np.abs(whole["plant.F_ext"][:-1]) > 0).any(axis=1)], 0)
 
 
+def test_a_noise_period_gives_the_noise_a_bandwidth() -> None:
+    """Held for three ticks, the draws are those of the white noise of the same seed, in their order."""
+    systems = (system("fig7", {"sensor.contact_gated": 0.0, "sensor.noise_period": n * TS}) for n in (0, 3))
+    white, held = (simulate(given, stop_time=0.03, options=Options(strict=True)) for given in systems)
+    expected = np.repeat(noise(white), 3, axis=0)[: len(noise(held))]
+    np.testing.assert_array_equal(noise(held), expected)
+    assert len(np.unique(noise(white), axis=0)) == len(noise(white))
+
+
 def test_the_same_seed_repeats_and_another_does_not() -> None:
     first = noisy("fig7", 1, TS)
     again = noisy.__wrapped__("fig7", 1, TS)

@@ -1,25 +1,18 @@
 """Measures the claims about adaptive control, Figs. 5 to 7, over 30 noise seeds: C4 to C10 and C16."""
 
-from collections.abc import Callable
-
 import numpy as np
 
 from orchestration.paper.claims import criteria as limits
+from orchestration.paper.claims import judged
 from orchestration.paper.claims.claim import Finding, Question
+from orchestration.paper.claims.judged import FIGURES, spread
 from orchestration.paper.evidence import Evidence
 from orchestration.paper.laboratory import SEEDS
-from orchestration.paper.measure import SETTLED, Summary
+from orchestration.paper.measure import SETTLED
 from orchestration.paper.numbers import TIP_START, TORQUE_LIMITS
 
-FIGURES = ("fig5", "fig6", "fig7")
 SEEDS_TEXT = f"seeds {SEEDS[0]}-{SEEDS[-1]}"
 ALL_SEEDS = "all seeds"
-
-
-def spread(summaries: list[Summary], value: Callable[[Summary], float]) -> tuple[float, float]:
-    """Median and largest of a value over runs."""
-    values = [value(summary) for summary in summaries]
-    return float(np.median(values)), float(max(values))
 
 
 def _approaches(evidence: Evidence) -> Finding:
@@ -29,13 +22,13 @@ def _approaches(evidence: Evidence) -> Finding:
         f"{name} within {100 * SETTLED:g} % from {settled[name]:.2f} s, {error[name]:.1%} off at contact"
         for name in FIGURES
     )
-    return Finding({limits.M2_SETTLED: [*settled.values()], limits.M2_AT_CONTACT: [*error.values()]}, text)
+    return Finding(judged.approach(evidence.noise), text)
 
 
 def _deviates_little(evidence: Evidence) -> Finding:
     spreads = {name: spread(evidence.noise[name], lambda s: s.m2_in_contact) for name in FIGURES}
     text = "; ".join(f"{name} {median:.1%}, worst {worst:.1%}" for name, (median, worst) in spreads.items())
-    return Finding({limits.M2_IN_CONTACT: [worst for _, worst in spreads.values()]}, f"median: {text}")
+    return Finding(judged.deviation(evidence.noise), f"median: {text}")
 
 
 def _recovers(evidence: Evidence) -> Finding:
@@ -43,7 +36,7 @@ def _recovers(evidence: Evidence) -> Finding:
     text = "; ".join(
         f"{name} {median * 1e3:.3g} ms, worst {worst * 1e3:.3g} ms" for name, (median, worst) in spreads.items()
     )
-    return Finding({limits.M2_RECOVERY: [worst for _, worst in spreads.values()]}, f"median: {text}")
+    return Finding(judged.recovery(evidence.noise), f"median: {text}")
 
 
 def _saturation(evidence: Evidence) -> Finding:
@@ -51,16 +44,10 @@ def _saturation(evidence: Evidence) -> Finding:
     e5, e6 = (spread(s, lambda x: x.e_contact)[0] for s in (free, saturated))
     f5, f6 = (spread(s, lambda x: x.force_error)[0] for s in (free, saturated))
     worst = spread(saturated, lambda s: s.e_max)[1]
-    end = spread(saturated, lambda s: s.end)[1]
     result = evidence.results["fig6"]
     share = max(result[f"actuator.saturated[{i}]"].mean() for i in (1, 2))
     return Finding(
-        {
-            limits.SATURATED_ERROR: e6 - e5,
-            limits.SATURATED_FORCE: f6 - f5,
-            limits.BOUNDED_ERROR: worst,
-            limits.END: end,
-        },
+        judged.saturation(evidence.noise),
         f"medians, without and with saturation: |e| in contact {e5 * 1e3:.2g} and {e6 * 1e3:.2g} mm, force"
         f" error {f5:.3g} and {f6:.3g} N; bounded: |e| <= {worst * 1e3:.2g} mm in all runs. The limit is"
         f" reached during {share:.2%} of the run, in peaks of the sliding term F_c of a few samples: cutting"
@@ -83,10 +70,7 @@ def _less_torque(evidence: Evidence) -> Finding:
             f" {len(two)} seeds"
         )
     return Finding(
-        {
-            limits.TORQUE_RATIO: np.median(ratio, axis=0),
-            limits.TORQUE_WITHIN: np.median(two, axis=0) - allowed,
-        },
+        judged.torque(evidence.noise, allowed),
         f"algorithm 2 over algorithm 1, {'; '.join(joints)}",
     )
 
@@ -94,7 +78,7 @@ def _less_torque(evidence: Evidence) -> Finding:
 def _small_in_free_motion(evidence: Evidence) -> Finding:
     start, free = (spread(evidence.noise["fig7"], f)[1] for f in (lambda s: s.e_start, lambda s: s.e_free))
     return Finding(
-        {limits.START_ERROR: start, limits.FREE_ERROR: free},
+        judged.free_motion(evidence.noise),
         f"|e| <= {start * 1e3:.2g} mm while m2_hat adapts, <= {free * 1e3:.2g} mm from half of the free motion on",
     )
 
@@ -104,12 +88,7 @@ def _slightly_larger(evidence: Evidence) -> Finding:
     e1, e2 = (spread(s, lambda x: x.e_contact)[0] for s in (one, two))
     f1, f2 = (spread(s, lambda x: x.force_error)[0] for s in (one, two))
     return Finding(
-        {
-            limits.LARGER_ERROR: e2 - e1,
-            limits.SLIGHTLY_LARGER_ERROR: e2 - e1,
-            limits.LARGER_FORCE: f2 - f1,
-            limits.SLIGHTLY_LARGER_FORCE: f2 - f1,
-        },
+        judged.contact_errors(evidence.noise),
         f"medians of algorithms 1 and 2: |e| in contact {e1 * 1e3:.2g} and {e2 * 1e3:.2g} mm, force error"
         f" {f1:.3g} and {f2:.3g} N",
     )
@@ -121,7 +100,7 @@ def _fixed_inverse(evidence: Evidence) -> Finding:
     m2 = spread(runs, lambda s: s.m2_in_contact)[1]
     end = spread(runs, lambda s: s.end)[1]
     return Finding(
-        {limits.BOUNDED_ERROR: e, limits.M2_IN_CONTACT: m2, limits.END: end},
+        judged.fixed_inverse(evidence.noise),
         f"all {len(runs)} runs: |e| <= {e * 1e3:.2g} mm, m2_hat off by at most {m2:.1%} in contact, end"
         f" {end * 1e3:.2g} mm from ({TIP_START[0]:g}, {TIP_START[1]:g})",
     )

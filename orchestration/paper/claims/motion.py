@@ -4,6 +4,7 @@ import numpy as np
 
 from orchestration.paper import theory
 from orchestration.paper.claims import criteria as limits
+from orchestration.paper.claims import judged
 from orchestration.paper.claims.claim import Finding, Question
 from orchestration.paper.evidence import Evidence
 from orchestration.paper.measure import at_ticks, contact, distance_from_start, largest_norm, norms
@@ -56,14 +57,12 @@ def _wrong_mass_degrades(evidence: Evidence) -> Finding:
 
 def _tirt_only_in_contact(evidence: Evidence) -> Finding:
     result = evidence.results["fig5"]
-    distance = norms(at_ticks(result, "controller.x_t") - at_ticks(result, "trajectory.x_v"))
-    times = result.tick_times("controller.x_t[1]")
-    touch = contact(result)
-    before = distance[times < touch.first].max()
-    at_end = distance[times >= touch.last][0]
-    later = distance[times >= touch.last + LATER][0]
+    values = judged.reference_in_contact(result)
+    before, at_end = values[limits.TIRT_BEFORE_CONTACT], values[limits.TIRT_AT_END]
+    times, distance = judged.reference_distance(result)
+    later = distance[times >= contact(result).last + LATER][0]
     return Finding(
-        {limits.TIRT_BEFORE_CONTACT: before, limits.TIRT_AT_END: at_end},
+        values,
         f"|x_t - x_v| {before * 1e3:.2g} mm at most before contact; {at_end * 1e3:.2g} mm when contact ends,"
         f" {later * 1e3:.2g} mm {LATER:g} s later: x_t may be replaced by x_v before the first contact; stopping at"
         " loss of contact makes the reference jump by that much",

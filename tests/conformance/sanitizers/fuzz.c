@@ -196,7 +196,7 @@ static void forget_derived(State *s) {
 #else
 static void forget_derived(State *s) {
     memset(s->constants, 0, sizeof s->constants);
-    s->noise_active = s->constants_stale = s->outputs_stale = 0;
+    s->ticks_per_draw = s->constants_stale = s->outputs_stale = 0;
     if (s->phase != INITIALIZATION) return;
     memset(outputs(s), 0, MODEL_N_OUTPUTS * sizeof(double));
     memset(s->states, 0, sizeof s->states);

@@ -183,9 +183,9 @@ static const char *const model_states[] = {
     "dx_t[2]",
 };
 
-static void model_calibrate(const double *p, double *restrict constants, double *restrict checks, double *restrict active) {
+static void model_calibrate(const double *p, double *restrict constants, double *restrict checks, double *restrict ticks) {
     const double *arguments[] = {p};
-    double *results[] = {constants, checks, active};
+    double *results[] = {constants, checks, ticks};
     calibrate(arguments, results, 0, 0, 0);
 }
 

@@ -59,6 +59,17 @@ def test_tunables_changed_in_the_middle_act_as_in_the_master(order: str, tmp_pat
     assert expected.rows.tobytes() != simulate(system, stop_time=0.2, algorithm=order).rows.tobytes()
 
 
+def test_noise_that_is_held_for_several_ticks_is_that_of_the_master(tmp_path: Path) -> None:
+    system = figure("fig5")
+    system = system.set({"sensor.noise_period": 3 * system.run_step(), "sensor.contact_gated": False})
+    expected = simulate(system, stop_time=0.02)
+    program = Program.of(system, tmp_path)
+    program.initialize()
+    rows = program.rows([1] * (len(expected.time) - 1))
+    assert rows.tobytes() == expected.rows.tobytes()
+    assert len(np.unique(expected["sensor.F_hat"], axis=0)) == np.ceil((len(expected.time) - 1) / 3)
+
+
 def test_a_copy_of_the_memory_is_a_snapshot(tmp_path: Path) -> None:
     program = Program.of(figure("fig7"), tmp_path)
     program.initialize()

@@ -107,6 +107,53 @@ def test_a_rolled_back_sensor_repeats_its_noise(open_fmu: Open) -> None:
     assert len(np.unique(first, axis=0)) == 20
 
 
+@pytest.mark.parametrize("ticks", [1, 3, 10])
+def test_a_held_draw_serves_the_ticks_of_its_period(open_fmu: Open, ticks: int) -> None:
+    sensor = open_fmu("ForceSensor")
+    sensor.initialize(NOISY | {"noise_period": ticks * TS})
+    shown = sensor.get("F_hat[1]", "F_hat[2]") - FORCE
+    np.testing.assert_allclose(shown, drawn(7, range(1))[0], rtol=0, atol=ROUNDING)
+    expected = np.repeat(drawn(7, range(20)), ticks, axis=0)
+    np.testing.assert_allclose(errors(sensor, 20 * ticks, TS), expected, rtol=0, atol=ROUNDING)
+
+
+def test_a_held_draw_survives_steps_of_any_length_and_a_rollback(open_fmu: Open) -> None:
+    held = NOISY | {"noise_period": 4 * TS}
+    whole, halves, triple = (open_fmu("ForceSensor") for _ in range(3))
+    for sensor in (whole, halves, triple):
+        sensor.initialize(held)
+    expected = errors(whole, 60, TS)
+    assert len(np.unique(expected, axis=0)) == 15
+    np.testing.assert_array_equal(errors(halves, 120, TS / 2), np.repeat(expected, 2, axis=0))
+    errors(triple, 2, 3 * TS)  # to tick 6, in the midst of a draw
+    saved = triple.instance.save()
+    for _ in range(2):
+        np.testing.assert_array_equal(errors(triple, 18, 3 * TS, first=2), expected[8::3])
+        triple.instance.restore(saved)
+
+
+def test_a_period_longer_than_the_run_gives_one_draw(open_fmu: Open) -> None:
+    sensor = open_fmu("ForceSensor")
+    sensor.initialize(NOISY | {"noise_period": 1e300 * TS})
+    assert len(np.unique(errors(sensor, 50, TS), axis=0)) == 1
+
+
+@pytest.mark.parametrize("ticks", [0.5, 1.001, 2.5, 1e-6])
+def test_a_period_between_ticks_is_an_error(open_fmu: Open, ticks: float) -> None:
+    sensor = open_fmu("ForceSensor")
+    sensor.set({"sample_time": TS, "noise_period": ticks * TS})
+    sensor.enter()
+    assert sensor.instance.status("fmi2ExitInitializationMode") == Status.ERROR
+    assert any("noise_period must be 0 or a whole multiple of sample_time" in text for text in sensor.messages)
+
+
+def test_a_period_is_a_multiple_within_rounding(open_fmu: Open) -> None:
+    sensor = open_fmu("ForceSensor")
+    # 6e-5 / 1e-5 = 6.000000000000001.
+    sensor.initialize(NOISY | {"sample_time": 1e-5, "noise_period": 6e-5})
+    np.testing.assert_allclose(errors(sensor, 60, 1e-5), np.repeat(drawn(7, range(10)), 6, axis=0), atol=ROUNDING)
+
+
 @pytest.mark.parametrize(("gated", "noisy"), [(True, False), (False, True)])
 def test_gating_silences_the_sensor_only_while_no_force_acts(open_fmu: Open, gated: bool, noisy: bool) -> None:
     sensor = open_fmu("ForceSensor")

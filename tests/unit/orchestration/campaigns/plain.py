@@ -1,4 +1,4 @@
-"""The plainest engine: each run is made alone by `simulate`. All other engines give its bits."""
+"""The plainest engine, which makes each run alone by `simulate`: what all other engines are compared with."""
 
 import math
 

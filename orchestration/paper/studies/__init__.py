@@ -1,0 +1,1 @@
+"""Ready studies of the paper's systems, and what is read from their tables."""

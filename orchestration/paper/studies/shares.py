@@ -1,0 +1,108 @@
+"""Statistics of yes-or-no answers over many settings: shares with their confidence, and the values that decide.
+
+Sources: E. B. Wilson, "Probable inference, the law of succession, and statistical inference", J. Am. Stat. Assoc. 22
+(1927); E. Plischke, E. Borgonovo and C. L. Smith, "Global sensitivity measures from given data", Eur. J. Oper. Res. 226
+(2013).
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import sqrt
+
+import numpy as np
+
+from orchestration.paper.studies.open_values import OpenValue
+
+QUANTILE = 1.959963984540054  # of the normal distribution, for 95 %
+BINS = 16  # of a range, for the first-order index
+
+
+@dataclass(frozen=True)
+class Share:
+    """How many of n settings answer yes.
+
+    Attributes
+    ----------
+    low, high
+        Ends of Wilson's confidence interval of the share, at 95 %.
+    """
+
+    yes: int
+    n: int
+
+    @property
+    def value(self) -> float:
+        """The share, from 0 to 1; NaN of no setting."""
+        return self.yes / self.n if self.n else float("nan")
+
+    @property
+    def low(self) -> float:
+        """Lower end of the interval."""
+        return self._interval()[0]
+
+    @property
+    def high(self) -> float:
+        """Upper end of the interval."""
+        return self._interval()[1]
+
+    def _interval(self) -> tuple[float, float]:
+        if not self.n:
+            return 0.0, 1.0
+        z2 = QUANTILE**2 / self.n
+        middle = (self.value + z2 / 2) / (1 + z2)
+        half = QUANTILE / (1 + z2) * sqrt(self.value * (1 - self.value) / self.n + z2 / (4 * self.n))
+        return (
+            0.0 if self.yes == 0 else middle - half,
+            1.0 if self.yes == self.n else middle + half,
+        )
+
+
+def share(answers: np.ndarray) -> Share:
+    """The share of yes among answers of 0 or 1, shape (n,)."""
+    return Share(int(answers.sum()), len(answers))
+
+
+def parts(value: OpenValue, points: np.ndarray, answers: np.ndarray, thirds: int = 3) -> list[tuple[str, Share]]:
+    """Shares where an open value lies in each part of its range, or has each of its choices.
+
+    Parameters
+    ----------
+    points
+        The value at each setting, shape (n,).
+    answers
+        0 or 1, shape (n,).
+
+    Returns
+    -------
+    list
+        For each part, from the lowest values on, its name and the share.
+    """
+    if value.choices:
+        return [(f"{choice:g}", share(answers[points == choice])) for choice in sorted({*value.choices})]
+    ends = value.at(np.arange(thirds + 1) / thirds)
+    number = np.clip(np.searchsorted(ends, points, side="right") - 1, 0, thirds - 1)
+    return [(f"{ends[i]:.3g} to {ends[i + 1]:.3g}", share(answers[number == i])) for i in range(thirds)]
+
+
+def first_order_index(value: OpenValue, points: np.ndarray, answers: np.ndarray) -> float:
+    """The part of the variance of the answers that an open value explains alone, from 0 to 1.
+
+    It is the variance of the shares over `BINS` parts of the range, less what chance gives them, over the variance of
+    the answers. An answer that is the same everywhere has no variance, and the index is 0.
+    """
+    whole = share(answers)
+    variance = whole.value * (1 - whole.value)
+    if not whole.n or not variance:
+        return 0.0
+    found = [part for _, part in parts(value, points, answers, BINS) if part.n]
+    between = sum(part.n * (part.value - whole.value) ** 2 for part in found) / whole.n
+    by_chance = (len(found) - 1) / (whole.n - 1) * variance
+    return float(np.clip((between - by_chance) / variance, 0, 1))
+
+
+def deciding(
+    values: Sequence[OpenValue], points: dict[str, np.ndarray], answers: np.ndarray, least: float
+) -> list[tuple[OpenValue, float]]:
+    """The open values whose first-order index is at least `least`, the largest first."""
+    found = [(value, first_order_index(value, points[value.name], answers)) for value in values]
+    return sorted((pair for pair in found if pair[1] >= least), key=lambda pair: -pair[1])

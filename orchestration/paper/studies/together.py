@@ -1,0 +1,124 @@
+"""Looks for a setting at which C4 to C10 hold together: from the best of the table, its neighbours, over all seeds."""
+
+import json
+from collections.abc import Callable, Iterator, Mapping
+from concurrent.futures import Executor
+from dataclasses import asdict, dataclass
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+
+from adaptimp_fmu.files.whole_file import write_whole
+from orchestration.paper.laboratory import SEEDS
+from orchestration.paper.studies.claims_at import evidence_at, verdicts
+from orchestration.paper.studies.native_runs import Runner
+from orchestration.paper.studies.open_values import CHOSEN, Setting, setting_at, settings, settings_near
+from orchestration.paper.studies.robustness_table import COLUMNS
+
+SECTION_V = ("C4", "C5", "C6", "C7", "C8", "C9", "C10")
+STARTS, NEIGHBOURS, CANDIDATES = 8, 64, 16
+WIDTH = 0.2  # of the box around a setting, as a share of each range
+Tell = Callable[[str], None]
+
+
+@dataclass(frozen=True)
+class Judged:
+    """A setting and its verdicts over the seeds `SEEDS`.
+
+    Attributes
+    ----------
+    origin
+        Where the setting comes from.
+    """
+
+    origin: str
+    setting: Mapping[str, float]
+    verdicts: Mapping[str, bool]
+
+    @property
+    def held(self) -> int:
+        """How many of C4 to C10 hold."""
+        return sum(self.verdicts[claim] for claim in SECTION_V)
+
+
+@dataclass(frozen=True)
+class Search:
+    """What the search has found.
+
+    Attributes
+    ----------
+    chosen
+        The setting of the scenarios.
+    best
+        The settings that were judged over the seeds, the best first.
+    tried
+        Number of settings near those of the table, each with one seed.
+    all_hold
+        Number of settings, of the table and near it, at which C4 to C10 hold with one seed.
+    """
+
+    chosen: Judged
+    best: tuple[Judged, ...]
+    tried: int
+    all_hold: int
+
+
+def search(answers: np.ndarray, laboratory: Runner, pool: Executor, tell: Tell) -> Search:
+    """Look for settings at which C4 to C10 hold.
+
+    1. Take the `STARTS` settings of the table at which most of the seven claims hold.
+    2. Judge `NEIGHBOURS` settings in a box around each, with one seed.
+    3. Judge the `CANDIDATES` best of all these over the seeds `SEEDS`.
+
+    Parameters
+    ----------
+    answers
+        The table, shape (n, n_columns).
+    tell
+        Called with a sentence after each step.
+    """
+    held = answers[:, [COLUMNS.index(claim) for claim in SECTION_V]].sum(axis=1)
+    points = settings(len(answers))
+    starts = np.argsort(-held, kind="stable")[:STARTS]
+    known = [(int(held[i]), f"setting {i}", setting_at(points, int(i))) for i in starts]
+    near = list(_neighbours(known))
+    counts = list(pool.map(partial(_held, laboratory), [setting for _, setting in near]))
+    found = known + [(count, origin, setting) for count, (origin, setting) in zip(counts, near, strict=True)]
+    tell(f"{len(near)} neighbours: C4 to C10 hold at {sum(count == len(SECTION_V) for count in counts)}")
+    found.sort(key=lambda row: -row[0])
+    jobs = [("chosen", CHOSEN), *((origin, setting) for _, origin, setting in found[:CANDIDATES])]
+    chosen, *rest = pool.map(partial(_judged, laboratory), jobs)
+    best = tuple(sorted(rest, key=lambda judged: -judged.held))
+    tell(f"{len(best)} candidates over {len(SEEDS)} seeds: at most {best[0].held} of C4 to C10 hold")
+    every = int((held == len(SECTION_V)).sum()) + sum(count == len(SECTION_V) for count in counts)
+    return Search(chosen, best, len(near), every)
+
+
+def write_search(path: Path, found: Search) -> None:
+    """Write what a search has found as JSON."""
+    write_whole(path, f"{json.dumps(asdict(found), indent=1)}\n".encode())
+
+
+def read_search(path: Path) -> Search:
+    """Read what a search has found."""
+    record = json.loads(path.read_text(encoding="utf-8"))
+    best = tuple(Judged(**entry) for entry in record["best"])
+    return Search(Judged(**record["chosen"]), best, record["tried"], record["all_hold"])
+
+
+def _neighbours(known: list[tuple[int, str, Setting]]) -> Iterator[tuple[str, Setting]]:
+    for _, origin, setting in known:
+        box = settings_near(setting, NEIGHBOURS, WIDTH)
+        for number in range(NEIGHBOURS):
+            yield f"near {origin}", setting_at(box, number)
+
+
+def _held(laboratory: Runner, setting: Setting) -> int:
+    found = verdicts(evidence_at(laboratory, setting, SEEDS[:1]))
+    return sum(found[claim] for claim in SECTION_V)
+
+
+def _judged(laboratory: Runner, job: tuple[str, Setting]) -> Judged:
+    origin, setting = job
+    return Judged(origin, dict(setting), verdicts(evidence_at(laboratory, setting, SEEDS)))

@@ -1,0 +1,98 @@
+"""Workers that are killed and a scheduler that is restarted cost time, and neither lose nor repeat a run."""
+
+import math
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import dask.config
+import pytest
+from distributed import LocalCluster
+
+from orchestration.campaigns.cluster.executor import ClusterExecutor
+from orchestration.errors import ClusterError
+from tests.unit.orchestration.campaigns.cluster.engines import (
+    Arithmetic,
+    a_task,
+    deadly,
+    in_chunks,
+    some_points,
+)
+from tests.unit.orchestration.campaigns.cluster.machines import machines
+from tests.unit.orchestration.campaigns.cluster.test_executor import joined
+
+pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="Windows has no SIGKILL")
+ROWS = 60
+ENDS = 2  # workers that a chunk may end before Dask gives the chunk up
+SETTINGS = {
+    "distributed.scheduler.allowed-failures": ENDS - 1,
+    # A local cluster gives up a worker that it does not see for some time, s, as on a machine that is busy.
+    "distributed.deploy.lost-worker-timeout": 600,
+}
+
+
+@pytest.fixture
+def processes() -> Iterator[Any]:
+    """Two workers in processes of their own, which are started again when they die."""
+    with (
+        dask.config.set(SETTINGS),
+        LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=":0") as cluster,
+    ):
+        yield cluster
+
+
+def test_the_chunks_of_a_killed_worker_are_made_again(processes: LocalCluster, tmp_path: Path) -> None:
+    task, points, marker = a_task(), some_points(ROWS), tmp_path / "killed"
+    executor = ClusterExecutor(task, processes, deadly(17, marker))
+    try:
+        numbers, measured, messages = joined(list(executor.map(iter(in_chunks(points, 4)))))
+    finally:
+        executor.close()
+    assert marker.exists()
+    assert numbers == list(range(ROWS))
+    assert measured[:, 0].tobytes() == Arithmetic(task).make(points).measured[:, 0].tobytes()
+    assert messages == [""] * ROWS
+
+
+def test_a_run_that_kills_every_worker_costs_its_row_only(processes: LocalCluster) -> None:
+    task, points = a_task(), some_points(ROWS)
+    executor = ClusterExecutor(task, processes, deadly(17))
+    try:
+        numbers, measured, messages = joined(list(executor.map(iter(in_chunks(points, 4)))))
+    finally:
+        executor.close()
+    here = Arithmetic(task).make(points).measured[:, 0]
+    assert numbers == list(range(ROWS))
+    assert [k for k in range(ROWS) if measured[k, 0] != here[k]] == [17]
+    assert math.isnan(measured[17, 0])
+    assert messages[17].startswith(f"The run ended the process of its worker, {ENDS} times, at last that of tcp://")
+    assert not any(message for k, message in enumerate(messages) if k != 17)
+
+
+def test_a_scheduler_that_is_restarted_loses_nothing(tmp_path: Path) -> None:
+    task, points = a_task(), some_points(ROWS)
+    with machines(tmp_path) as cluster:
+        executor = ClusterExecutor(task, cluster.address, Arithmetic)
+        running = executor.map(iter(in_chunks(points, 1)))
+        outcomes = [next(running) for _ in range(5)]
+        cluster.kill_scheduler()
+        cluster.start()
+        outcomes += running
+        executor.close()
+    numbers, measured, messages = joined(outcomes)
+    assert numbers == list(range(ROWS))
+    assert measured[:, 0].tobytes() == Arithmetic(task).make(points).measured[:, 0].tobytes()
+    assert len(set(measured[:, 1])) > 2  # processes of before and after
+    assert messages == [""] * ROWS
+
+
+def test_a_scheduler_that_stays_away_is_an_error(tmp_path: Path) -> None:
+    with machines(tmp_path) as cluster:
+        executor = ClusterExecutor(a_task(), cluster.address, Arithmetic, patience=1.0)
+        running = executor.map(iter(in_chunks(some_points(ROWS), 1)))
+        next(running)
+        cluster.kill_scheduler()
+        with pytest.raises(ClusterError, match=r"was lost, and was out of reach for 1 s.* resume the study from its"):
+            list(running)
+        executor.close()
