@@ -136,7 +136,7 @@ def _rescue(table: "xr.Dataset | pd.DataFrame", out: Path, report: SweepReport) 
     """Write the rows of a campaign that was interrupted beside the file for the whole table."""
     frame, file = frame_of(table), partial_path(out)
     existed = file.exists()
-    made = frame[frame["status"] != MISSING]
+    made = frame.query(f"status != '{MISSING}'")
     write_table(made, file)
     report.file = file
     output.remark(f"{written(file, existed=existed)}: the {len(made)} rows before that")

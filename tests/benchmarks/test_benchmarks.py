@@ -10,11 +10,7 @@ import pytest
 
 from adaptimp_fmu import host_platform
 from orchestration.paper.built_fmus import find_scenario, fmus
-<<<<<<< HEAD
-from tests.benchmarks import campaign, containers, isolation, master, overhead, scale, scaling, start
-=======
-from tests.benchmarks import containers, isolation, master, overhead, reruns, scale, scaling, start
->>>>>>> pool
+from tests.benchmarks import campaign, containers, isolation, master, overhead, reruns, scale, scaling, start
 from tests.benchmarks.forms import CProgram
 from tests.benchmarks.rig import BenchmarkError, Rig
 from tests.benchmarks.sizes import BINARY_LIMIT, MODULE_LIMIT

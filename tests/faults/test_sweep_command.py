@@ -57,9 +57,10 @@ def test_a_terminal_reads_counts_and_extremes(adaptimp: Command, study: Study) -
     assert outcome.err == ""
     assert re.match(r"fig2: 6 runs: 6 complete, 0 failed; \S+ runs/s, \S+ s\n", outcome.out)
     line = next(line for line in outcome.out.splitlines() if line.startswith("depth"))
-    at = table["depth"].where(table["depth"] == table["depth"].min(), drop=True)
-    place = f"K_f={float(at['K_f'][0]):g}, K={float(at['K'][0]):g}"
-    assert " ".join(line.split()) == f"depth m min {float(table['depth'].min()):.6g} {place}"
+    frame = table.to_dataframe().reset_index()
+    at = frame.loc[frame["depth"].idxmin()].to_dict()
+    place = f"K_f={at['K_f']:g}, K={at['K']:g}"
+    assert " ".join(line.split()) == f"depth m min {at['depth']:.6g} {place}"
 
 
 def documented() -> list[str]:
@@ -78,10 +79,11 @@ def read(outcome: Outcome) -> dict[str, Any]:
 
 def test_the_object_has_the_documented_keys(adaptimp: Command, study: Study) -> None:
     table = study.run()
+    assert isinstance(table, xr.Dataset)
     found = read(adaptimp("sweep", *GRID, "--json"))
     assert (found["status"], found["runs"], found["complete"], found["failed"]) == ("complete", 6, 6, 0)
     assert found["factors"] == ["K_f", "K"]
-    assert found["measures"]["depth"]["max"] == float(table["depth"].max())
+    assert found["measures"]["depth"]["max"] == table["depth"].to_numpy().max()
     refused = read(adaptimp("sweep", "fig2", "--vary", "plant.K=1,2", *MEASURES, "--json"))
     assert (refused["status"], refused["exit_code"], refused["runs"]) == ("refused", 2, 0)
 
@@ -185,6 +187,15 @@ def test_a_dry_run_makes_no_table(adaptimp: Command, tmp_path: Path) -> None:
     assert "measures: depth [m], max(abs(controller.e[1])) [m]" in lines
     assert re.fullmatch(r"One run takes .* here, so all of them take about .* with 2 workers\.", lines[-1])
     assert not list(tmp_path.iterdir())
+
+
+def test_a_dry_run_of_steps_and_of_too_many_runs(adaptimp: Command) -> None:
+    steps = adaptimp("sweep", "fig2", "--vary", "sample_time=1e-4,1e-3", *MEASURES, *SHORT, "--dry-run")
+    assert steps.out.startswith("fig2: 2 runs, 10 to 100 steps each (0.01 s)\n")
+    many = ("--vary", "K_f=1:2:100000", "--vary", "m=1:2:100000", "--seeds", "1-10")
+    assert adaptimp("sweep", "fig2", *many, *MEASURES, "--dry-run").out == (
+        "fig2: 100000000000 runs, too many to list their factors\n"
+    )
 
 
 def test_the_same_study_from_a_file(adaptimp: Command, tmp_path: Path) -> None:
