@@ -144,5 +144,6 @@ def _engine(name: str) -> Iterator[Engine]:
     except ClusterError:
         raise
     except Exception as error:
-        msg = f"Worker {worker.address} cannot make the runs: {type(error).__name__}: {printable(error, 1000)}"
+        remedy = "; install it there." if isinstance(error, ImportError) else ""
+        msg = f"Worker {worker.address} cannot make the runs: {type(error).__name__}: {printable(error, 1000)}{remedy}"
         raise ClusterError(msg) from error

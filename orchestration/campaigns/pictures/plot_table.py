@@ -11,6 +11,7 @@ from orchestration.campaigns.pictures.marginals import draw_marginals
 from orchestration.campaigns.pictures.seeds import draw_seeds
 from orchestration.campaigns.pictures.style import save, settings
 from orchestration.campaigns.sensitivity import has_indices, sensitivity
+from orchestration.campaigns.stability import GROWTH_RATE
 from orchestration.campaigns.view import View
 from orchestration.errors import StudyError
 from orchestration.fmi.given import a_number, a_path, shown
@@ -32,6 +33,7 @@ def plot_table(
     *,
     kind: str | None = None,
     limit: float | None = None,
+    stability: "xr.Dataset | None" = None,
 ) -> "Figure":
     """Draw a measure over the factors of a study.
 
@@ -46,9 +48,12 @@ def plot_table(
     kind
         ``"marginals"``: the measure over each factor, median and quantiles over the rest. ``"heat-map"``: over two
         factors. ``"boundary"``: where runs succeed and keep within the limit. ``"seeds"``: quantiles over seeds.
-        ``"sensitivity"``: indices of `sensitivity`. Default: boundary if there is a limit, else what suits the table.
+        ``"sensitivity"``: indices of `sensitivity`. Default: boundary if there is a limit or a prediction, else what
+        suits the table.
     limit
         Largest value of the measure that is good, for a boundary.
+    stability
+        What `Study.stability` predicts for a grid of the same factors; its border is drawn into a boundary.
 
     Returns
     -------
@@ -73,11 +78,12 @@ def plot_table(
     """
     view = View.of(table, measure)
     limit = None if limit is None else a_number("The limit", limit, StudyError, view.units.get(measure, ""))
-    chosen = kind or (BOUNDARY if limit is not None else best_kind(view))
+    chosen = kind or (best_kind(view) if limit is stability is None else BOUNDARY)
+    growth = None if stability is None else View.of(stability, GROWTH_RATE)
     draw: Mapping[str, Callable[[], Figure]] = {
         MARGINALS: lambda: draw_marginals(view),
         HEAT_MAP: lambda: draw_heat_map(view),
-        BOUNDARY: lambda: draw_boundary(view, limit),
+        BOUNDARY: lambda: draw_boundary(view, limit, growth),
         SEEDS: lambda: draw_seeds(view),
         SENSITIVITY: lambda: draw_indices(sensitivity(table, measure)),
     }

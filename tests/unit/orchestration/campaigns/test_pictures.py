@@ -156,10 +156,23 @@ def test_cells_end_between_their_levels() -> None:
     np.testing.assert_array_equal(edges(np.array([0.1, 10.0]), logarithmic=False), [0, 5.05, 14.95])  # none is negative
 
 
+RATES = grid({"K_f": K, "m": MASSES}, lambda **f: force(**f) - 900).rename(peak="growth_rate")
+
+
+def test_predicted_stability_is_drawn_over_a_boundary() -> None:
+    figure = plot_table(MAP, "peak", stability=RATES)
+    rings = next(line for line in figure.axes[0].lines if line.get_marker() == "o")
+    unstable = RATES["growth_rate"].to_series() > 0
+    assert sorted(zip(*map(np.asarray, rings.get_data()), strict=True)) == sorted(unstable[unstable].index)
+    assert legend(figure)[-1].startswith("predicted border of stability")
+
+
 REFUSED: dict[str, tuple[Any, dict[str, Any]]] = {
     "There is no picture of the kind 'heatmap'; did you mean heat-map?": (MAP, {"kind": "heatmap"}),
     "A map needs two factors that vary besides seeds, and the table has K_f": (SEEDED, {"kind": "heat-map"}),
     "No seed varies in the table": (MAP, {"kind": "seeds"}),
+    "make them by the stability of the same study, without seeds": (MAP, {"stability": RATES.isel(m=slice(2))}),
+    "The growth rates are not those of a grid": (SAMPLED, {"stability": RATES}),
     "The limit is 'low'; give a plain number, in N.": (MAP, {"limit": "low"}),
     "a picture cannot have the suffix .gif; choose .png, .svg, .pdf.": (MAP, {"path": "peak.gif"}),
     "a picture cannot have the suffix of nothing; choose": (MAP, {"path": "peak"}),

@@ -1,5 +1,6 @@
 """Engines whose numbers can be predicted, and which end their worker, count or fail as a test asks for."""
 
+import importlib
 import os
 import signal
 from functools import partial
@@ -103,6 +104,12 @@ def refuse(task: Task) -> Arithmetic:
     """Refuse a task, as an engine does that cannot make its runs."""
     msg = f"System {task.system.name} has no engine here."
     raise StudyError(msg)
+
+
+def import_something(task: Task) -> Arithmetic:
+    """Need a module that is not there."""
+    importlib.import_module("no_such_module")
+    return Arithmetic(task)
 
 
 class Measuring(Arithmetic):

@@ -20,6 +20,7 @@ from tests.unit.orchestration.campaigns.cluster.engines import (
     Arithmetic,
     Closing,
     a_task,
+    import_something,
     in_chunks,
     refuse,
     some_points,
@@ -160,6 +161,11 @@ def test_an_engine_that_cannot_be_made_is_an_error_with_the_worker(threads: Loca
     with pytest.raises(ClusterError, match=r"Worker inproc://.* cannot make the runs: StudyError: System fig7 has no"):
         ClusterExecutor(a_task(), threads, refuse)
     assert not any("adaptimp" in name for worker in threads.workers.values() for name in worker.plugins)
+
+
+def test_a_module_that_a_worker_lacks_is_told(threads: LocalCluster) -> None:
+    with pytest.raises(ClusterError, match=r"ModuleNotFoundError: .*no_such_module.*; install it there"):
+        ClusterExecutor(a_task(), threads, import_something)
 
 
 def test_chunks_are_called_back_when_nobody_wants_them(executor: ClusterExecutor) -> None:
