@@ -29,6 +29,7 @@ PROCESSES = (
     "faults/test_kills.py",
     "faults/test_lies.py",
     "interop/*",
+    "pooled/*",
     "scenarios/test_containers_page.py",
     "scenarios/test_tutorial.py",
     "unit/adaptimp_fmu/test_toolchain.py",
