@@ -16,18 +16,20 @@ import pytest
 
 TESTS = Path(__file__).parent
 
-DISTURBED = {"concurrent", "multiprocessing", "signal", "subprocess", "threading", "time"}
-"""Packages of Python with which a test starts processes or threads, sends signals or reads clocks."""
+DISTURBED = {"concurrent", "distributed", "multiprocessing", "signal", "subprocess", "threading", "time"}
+"""Packages with which a test starts processes or threads, sends signals or reads clocks."""
 
 PROCESSES = (
     "benchmarks/*",
     "conformance/platforms/*",
     "conformance/sanitizers/*",
     "conformance/test_description.py",
+    "faults/test_campaign_kills.py",
     "faults/test_check_command.py",
     "faults/test_kills.py",
     "faults/test_lies.py",
     "interop/*",
+    "pooled/*",
     "scenarios/test_containers_page.py",
     "scenarios/test_tutorial.py",
     "unit/adaptimp_fmu/test_toolchain.py",
@@ -44,6 +46,7 @@ QUICK = ("golden/*", "property/*", "unit/*", "faults/*", "conformance/*")
 SLOW = (
     "faults/test_cli_examples.py",
     "faults/test_doctor_command.py",
+    "faults/test_sweep_command.py",
     "unit/fmus/test_documented_examples.py",
     "unit/orchestration/analysis/test_doctor.py",
     "unit/orchestration/analysis/test_stability.py",

@@ -26,11 +26,14 @@ class Job:
         Numbers of the runs, a range.
     points
         Makes the points of some runs of their numbers.
+    step
+        Communication step of all runs, s; None if they vary it.
     """
 
     task: Task
     numbers: range
     points: Callable[[np.ndarray], Points]
+    step: float | None
 
 
 @dataclass(eq=False)

@@ -204,7 +204,7 @@ def path_of(system: System, name: str) -> str:
         msg = f"Factor {name}: components {', '.join(bearers)} have a start value of this name;"
         msg = f"{msg} write {' or '.join(f'{bearer}.{name}' for bearer in bearers)}."
         raise StudyError(msg)
-    known = [f"{c.name}.{v.name}" for c in system.components for v in c.description.variables.values() if v.can_start]
+    known = {v.name: None for c in system.components for v in c.description.variables.values() if v.can_start}
     msg = f"Factor {name}: no component has a start value of this name; {suggestion(name, known)}"
     raise StudyError(msg)
 

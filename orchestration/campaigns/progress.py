@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from orchestration.campaigns.engine import Outcomes
 
 REFRESHED = 5.0  # times per second that the line is renewed
+BAR, REMAINING = 20, 7  # columns of the bar and of the remaining time
 
 
 class Progress(Protocol):
@@ -125,6 +126,7 @@ class Tally:
         self._column = 0
         self._place: Callable[[int], str] = str
         self._began = self._ended = 0.0
+        self._first: tuple[int, float] | None = None  # runs made by the first chunk, and when it was finished, s
 
     @property
     def seconds(self) -> float:
@@ -135,6 +137,13 @@ class Tally:
     def rate(self) -> float:
         """Runs made per second; runs from the store do not count. 0 before the first run."""
         return (self.done - self.kept) / self.seconds if self.done > self.kept else 0.0
+
+    @property
+    def pace(self) -> float:
+        """Runs made per second since the first chunk, without what is prepared before it; 0 before the second one."""
+        if self._first is None or self.done - self.kept <= self._first[0]:
+            return 0.0
+        return (self.done - self.kept - self._first[0]) / ((self._ended or perf_counter()) - self._first[1])
 
     def begin(self, total: int, names: Sequence[str], place: Callable[[int], str]) -> None:
         """Begin to count.
@@ -153,6 +162,8 @@ class Tally:
         self.done += n
         self.kept += n if kept else 0
         self.failed += sum(message != "" for message in outcomes.messages)
+        if self._first is None and not kept:
+            self._first = n, perf_counter()
         if self.goal is not None:
             self._look(outcomes, self.goal)
 
@@ -186,26 +197,30 @@ class ProgressBar(Tally):
         self._console = console
         self._bar: Bar | None = None
 
-    def begin(self, total: int, names: Sequence[str], place: Callable[[int], str]) -> None:
-        """Begin to count, and show the line."""
+    def add(self, outcomes: "Outcomes", kept: bool) -> None:
+        """Count finished runs, and renew the line, which appears with the first run that is made."""
+        super().add(outcomes, kept)
+        if self._bar is None and not kept:
+            self.show()
+        if self._bar is not None:
+            room = self._bar.console.width - BAR - REMAINING - 2 * len(str(self.total)) - 5  # a slash and four blanks
+            text = self.sentence if len(self.sentence) <= room else f"{self.sentence[: max(0, room - 3)]}..."
+            self._bar.update(self._bar.task_ids[0], completed=self.done, description=text)
+
+    def show(self) -> bool:
+        """Show the line if there is a terminal; return whether there is one."""
         from rich.console import Console
         from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
-        super().begin(total, names, place)
         console = self._console or Console(stderr=True)
         if not (console.is_terminal or console.is_jupyter):
-            return
+            return False
         said = TextColumn("{task.description}", markup=False)
-        columns = BarColumn(bar_width=20), MofNCompleteColumn(), TimeRemainingColumn(), said
+        columns = BarColumn(bar_width=BAR), MofNCompleteColumn(), TimeRemainingColumn(), said
         self._bar = Progress(*columns, console=console, transient=True, refresh_per_second=REFRESHED)
-        self._bar.add_task("", total=total)
+        self._bar.add_task("", total=self.total, completed=self.kept)
         self._bar.start()
-
-    def add(self, outcomes: "Outcomes", kept: bool) -> None:
-        """Count finished runs, and renew the line."""
-        super().add(outcomes, kept)
-        if self._bar is not None:
-            self._bar.update(self._bar.task_ids[0], completed=self.done, description=self.sentence)
+        return True
 
     def end(self) -> None:
         """Clear the line."""
@@ -217,7 +232,7 @@ class ProgressBar(Tally):
     @property
     def sentence(self) -> str:
         """What stands beside the bar: the rate, failures, and the best run."""
-        parts = [f"{self.rate:.3g} runs/s"] if self.rate else []
+        parts = [f"{self.pace:.3g} runs/s"] if self.pace else []
         parts += [f"{self.failed} failed"] if self.failed else []
         if self.goal and self.best:
             value, where = self.best

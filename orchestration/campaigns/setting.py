@@ -92,7 +92,10 @@ class Setting:
         task, pointed = self.task(variant, design.factors)
         each = len(design) // len(design.variants)
         first = each * design.variants.index(variant)
-        return Job(task, range(first, first + each), lambda numbers: pointed(numbers, design.values(numbers)))
+        numbers = range(first, first + each)
+        varies = any(target(task.system, factor).sets_step for factor in design.factors)
+        step = None if varies else task.system.run_step(self.step)
+        return Job(task, numbers, lambda some: pointed(some, design.values(some)), step)
 
 
 def require_runnable(job: Job) -> None:
@@ -103,10 +106,8 @@ def require_runnable(job: Job) -> None:
     SystemDescriptionError
         If it cannot.
     """
-    task = job.task
-    if job.task.system.step is None:
+    task, system, step = job.task, job.task.system, job.step
+    if step is None and system.step is None:
         first = job.points(np.array([job.numbers.start]))
         system, step = task.system_of(first.values[0]), float(first.steps[0])
-    else:
-        system, step = task.system, None
     prepare(system, task.stop_time, step, task.algorithm, isolate=task.isolation)

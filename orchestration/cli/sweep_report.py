@@ -19,7 +19,7 @@ from orchestration.results.columns import COMPLETE, FAILED
 if TYPE_CHECKING:
     import pandas as pd
 
-HEAD = ("measure", "unit", "min", "at", "max", "at")
+HEAD = ("measure", "unit", "", "value", "at")
 MOST_SENTENCES = 5  # kinds of failures that the JSON object has
 _NUMBER = re.compile(r"(?<![\w\[.])[-+]?\d[\d.]*(?:e[-+]?\d+)?")
 
@@ -80,7 +80,7 @@ class SweepReport:
             Units by the names of the measures.
         """
         self.factors, self.runs = tuple(factors), len(frame)
-        self.complete = int((frame["status"] == COMPLETE).sum())
+        self.complete = list(frame["status"]).count(COMPLETE)
         self.failed = self.runs - self.complete
         self.failures = commonest([str(message) for message in frame["message"][frame["status"] != COMPLETE]])
         self.measures = {name: _extremes(frame, name, unit, factors) for name, unit in units.items()}
@@ -111,11 +111,12 @@ class SweepReport:
 
     def table(self, width: int) -> str:
         """The extremes of each measure, for a terminal."""
-        rows = []
-        for name, found in self.measures.items():
-            ends = [cell for key in ("min", "max") for cell in _cells(found[key], found[f"{key}_at"])]
-            rows.append((name, found["unit"], *ends))
-        return table(HEAD, rows, width, numbers=("min", "max"), together=2)
+        rows = [
+            (name, found["unit"], end, *_cells(found[end], found[f"{end}_at"]))
+            for name, found in self.measures.items()
+            for end in ("min", "max")
+        ]
+        return table(HEAD, rows, width, numbers=("value",), together=4)
 
 
 def commonest(messages: Sequence[str]) -> list[dict[str, Any]]:

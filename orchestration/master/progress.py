@@ -25,6 +25,11 @@ class ProgressLine:
         Where the line goes, usually standard error.
     after
         Duration after which a thing is shown, s; 0 shows everything at once.
+
+    Attributes
+    ----------
+    hidden
+        Whether something else is shown on the terminal, so that nothing is shown here.
     """
 
     def __init__(self, console: Console, after: float) -> None:
@@ -35,6 +40,7 @@ class ProgressLine:
         self._timer: Timer | None = None
         self._lock = Lock()
         self._text = ""
+        self.hidden = False
 
     def begin(self, text: str) -> None:
         """Say that something else begins; an empty text says that what was going on has ended."""
@@ -77,7 +83,7 @@ class ProgressLine:
 
     def _show(self, text: str) -> None:
         with self._lock:
-            if text != self._text:  # it has ended in the meantime
+            if self.hidden or text != self._text:  # it may have ended in the meantime
                 return
             if self._console.is_terminal or self._console.is_jupyter:
                 self._bar.start()

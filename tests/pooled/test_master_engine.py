@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import xarray as xr
 
 from orchestration import Isolation, SimulationError, Study, simulate
 from orchestration.campaigns.engine import Outcomes, Points
@@ -69,9 +70,10 @@ def made(engine: MasterEngine, points: Points, workers: int, size: int = 5) -> O
 
 
 def truth(task: Task, values: np.ndarray) -> tuple[list[float], str]:
-    """Measures of a run of its own, and why it failed."""
+    """Measures of a run of its own, and why it failed; FMUs that crash are isolated."""
+    isolate = isolation_of(task) if values[2] != Deed.NOTHING else None
     try:
-        result = simulate(task.system_of(values), task.stop_time, STEP, task.algorithm, isolate=isolation_of(task))
+        result = simulate(task.system_of(values), task.stop_time, STEP, task.algorithm, isolate=isolate)
     except SimulationError as error:
         return [np.nan] * 3, str(error)
     return [*ends(result).values(), len(result.time)], ""
@@ -95,7 +97,7 @@ def test_a_third_of_the_runs_fails_and_the_others_have_their_bits(pooled: Pooled
     before = set(children())
     bad = [Deed.CRASH, Deed.DIVERGE, Deed.END, Deed.REFUSE, Deed.NOT_A_NUMBER, Deed.FATAL, Deed.CRASH, Deed.DISCARD]
     deeds = [bad[k // 3 % len(bad)] if k % 3 == 1 else Deed.NOTHING for k in range(60)]
-    deeds[31] = deeds[49] = Deed.HANG
+    deeds[31] = Deed.HANG
     points, task = points_of(deeds), task_of(pooled(), isolation=Isolation(["m"], time_limit=10.0))
     engine = MasterEngine(task)
     try:
@@ -107,7 +109,6 @@ def test_a_third_of_the_runs_fails_and_the_others_have_their_bits(pooled: Pooled
     for k, deed in enumerate(deeds):
         assert bool(outcomes.messages[k]) == (deed != Deed.NOTHING)
         assert np.isnan(outcomes.measured[k]).all() == (deed != Deed.NOTHING)
-    assert outcomes.messages[31] == outcomes.messages[49]
     assert outcomes.messages[31].startswith("m: fmi2DoStep did not return within 10 s at t = 0.5 s (step 4); ")
     require_truth(task, points, outcomes, [k for k in range(60) if deeds[k] != Deed.HANG])
 
@@ -188,7 +189,8 @@ def test_a_study_isolates_fmus_of_other_tools_and_repeats_a_row(pooled: Pooled) 
         {"m.deed": [float(Deed.NOTHING), float(Deed.CRASH)], "source.p": [1.0, 2.0, 3.0]}
     )
     table = study.run(workers=2)
-    assert (table["status"] == [["complete"] * 3, ["failed"] * 3]).all()
+    assert isinstance(table, xr.Dataset)
+    assert table["status"].values.tolist() == [["complete"] * 3, ["failed"] * 3]
     for p in (1.0, 2.0, 3.0):
         row = table.sel(p=p)
         assert row["end"].values[0] == study.result(deed=0.0, p=p)["m.y"][-1]

@@ -1,9 +1,9 @@
 """Follows a page of Markdown as its reader would: writes its files, types its commands, keeps what they print.
 
-A fence of ``sh`` is typed into one shell for the whole page. A fence of ``text`` is what the commands
-before it print. Any other fence is a file, named at the end of the line before it: **`name`**. There is
-one difference to a reader's machine: ``uv run COMMAND`` is ``COMMAND`` with the scripts of this Python
-first, so nothing is installed.
+A fence of ``sh`` is typed into one shell for the whole page. A fence of ``text`` is what the commands before it print.
+Any other fence is a file, named at the end of the line before it: **`name`**. A fence of ``python`` without a name, and
+what it shows, are left to `tests.scenarios.pages`. There is one difference to a reader's machine: ``uv run COMMAND`` is
+``COMMAND`` with the scripts of this Python first, so nothing is installed.
 
     uv run python -m tests.scenarios.tutorial PAGE FOLDER    prints all there is to show, for who edits the page
 """
@@ -82,21 +82,23 @@ def follow(page: Path, folder: Path, skip: tuple[str, ...] = ()) -> list[Printed
     AssertionError
         If a command fails, with all it printed.
     """
-    printed, last = [], ""
+    printed, last, typed = [], "", True
     shell = subprocess.Popen(
         ["sh"], cwd=folder, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
     )
     with shell:
         here = _typed(shell, UV, folder / "start.sh")[1]
         for block in blocks(page):
-            if block.kind == "text":
-                printed.append(Printed(block.line, block.text, last))
+            if block.kind == "python" and not block.file:
+                typed = False
+            elif block.kind == "text":
+                printed += [Printed(block.line, block.text, last)] if typed else []
             elif block.kind != "sh":
                 (here / block.file).parent.mkdir(parents=True, exist_ok=True)
                 (here / block.file).write_text(block.text, encoding="utf-8")
             elif not block.text.startswith(skip or ("\0",)):
                 last, here = _typed(shell, block.text, folder / f"line_{block.line}.sh")
-                last = WAIT.sub("", last)
+                last, typed = WAIT.sub("", last), True
     return printed
 
 

@@ -2,7 +2,7 @@
 
 import logging
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from time import monotonic
 from typing import TYPE_CHECKING, Any
 
@@ -46,16 +46,18 @@ class Connection:
         self._patience, self._prepare = patience, prepare
         self._scheduler: str | None = None
         self._client: Client | None = None
-        self._without_workers: float | None = None
-        try:
-            self._open(FIRST)
-        except OSError as error:
-            self.close()
-            msg = (
-                f"No scheduler of Dask was reached at {self.address} within {FIRST:g} s: {printable(error, 500)}."
-                " Start it there with dask scheduler, or give another address."
-            )
-            raise ClusterError(msg) from error
+        self._threads, self._with_workers = 0, monotonic()
+        with ExitStack() as undone:
+            undone.callback(self.close)
+            try:
+                self._open(FIRST)
+            except OSError as error:
+                msg = (
+                    f"No scheduler of Dask was reached at {self.address} within {FIRST:g} s: {printable(error, 500)}."
+                    " Start it there with dask scheduler, or give another address."
+                )
+                raise ClusterError(msg) from error
+            undone.pop_all()
 
     @property
     def client(self) -> "Client":
@@ -70,8 +72,13 @@ class Connection:
             raise LostError
         return self._client
 
+    @property
     def threads(self) -> int:
-        """Number of threads of all workers.
+        """Number of threads of all workers when the scheduler was asked last, at least 1."""
+        return max(1, self._threads)
+
+    def look(self) -> None:
+        """Ask the scheduler for its workers.
 
         Raises
         ------
@@ -82,18 +89,30 @@ class Connection:
         """
         client = self.client
         try:
-            threads = sum(client.nthreads(callback_timeout=CALL).values())
+            by_worker: Any = client.nthreads(callback_timeout=CALL)
             if client.status != "running" or client.scheduler_info()["id"] != self._scheduler:
                 raise LostError
         except OSError as error:
             raise LostError from error
-        if threads:
-            self._without_workers = None
-            return threads
-        self._without_workers = self._without_workers or monotonic()
-        if monotonic() - self._without_workers > self._patience:
+        self._threads = sum(by_worker.values())
+        now = monotonic()
+        if self._threads:
+            self._with_workers = now
+        elif now - self._with_workers > self._patience:
             raise ClusterError(self._no_worker())
-        return 0
+
+    def prepare(self) -> None:
+        """Prepare the workers again.
+
+        Raises
+        ------
+        LostError
+            If the scheduler is out of reach.
+        """
+        try:
+            self._prepare(self.client)
+        except OSError as error:
+            raise LostError from error
 
     def renew(self) -> None:
         """Connect to the scheduler again.
@@ -138,6 +157,8 @@ class Connection:
         self._scheduler = self._client.scheduler_info()["id"]
         self._await_worker(self._client)
         self._prepare(self._client)
+        by_worker: Any = self._client.nthreads(callback_timeout=CALL)
+        self._threads, self._with_workers = sum(by_worker.values()), monotonic()
 
     def _await_worker(self, client: "Client") -> None:
         """Wait for the first worker."""
@@ -169,7 +190,7 @@ def _silent(name: str) -> Iterator[None]:
 
 def _address(cluster: Any) -> tuple[str, Any]:
     """Address of the scheduler, and what a client needs for encrypted connections, if anything."""
-    from distributed.comm import get_address_host_port
+    from distributed.comm.addressing import get_address_host_port
 
     if isinstance(cluster, str):
         address = cluster if "://" in cluster else f"tcp://{cluster}"

@@ -6,12 +6,16 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, fields
 from functools import cached_property
-from importlib.metadata import packages_distributions
+from pathlib import Path
+from pickle import PicklingError
+from sysconfig import get_path
+from types import ModuleType
 from typing import Any
 
 from adaptimp_fmu.files.temporary_folder import temporary_folder
 from orchestration.campaigns.engine import Engine
 from orchestration.campaigns.task import Task
+from orchestration.errors import ClusterError, printable
 from orchestration.system.system import System
 
 MakeEngine = Callable[[Task], Engine]
@@ -42,13 +46,18 @@ class Payload:
         ------
         SystemDescriptionError
             If an SSP package cannot hold the system.
-        TypeError, pickle.PicklingError
+        ClusterError
             If a measure refers to something that cannot be sent, such as an open file.
         """
         others = {field.name: getattr(task, field.name) for field in fields(task) if field.name != "system"}
+        try:
+            rest = _pickled((others, make_engine), [m.function for m in task.measures])
+        except (TypeError, PicklingError) as error:
+            names = printable(", ".join(task.measure_names), 200)
+            msg = f"A function among the measures {names} cannot be sent to workers: {printable(error, 500)}."
+            raise ClusterError(msg) from error
         with temporary_folder() as folder:
-            package = task.system.write(folder / _FILE).read_bytes()
-        return cls(package, _pickled((others, make_engine), [m.function for m in task.measures]))
+            return cls(task.system.write(folder / _FILE).read_bytes(), rest)
 
     @cached_property
     def name(self) -> str:
@@ -87,12 +96,11 @@ def _pickled(content: Any, functions: list[Any]) -> bytes:
 
 @contextmanager
 def _by_value(modules: set[str]) -> Iterator[None]:
-    """Let cloudpickle send the code of modules that belong to no installed package, such as files beside a program."""
+    """Let cloudpickle send the code of modules that are not installed, such as files beside a program."""
     import cloudpickle
 
-    installed = _OURS | sys.stdlib_module_names | packages_distributions().keys()
-    own = [sys.modules[name] for name in modules if name in sys.modules and name.partition(".")[0] not in installed]
-    sent = [module for module in own if module.__name__ not in cloudpickle.list_registry_pickle_by_value()]
+    already = cloudpickle.list_registry_pickle_by_value()
+    sent = [sys.modules[name] for name in modules - already if name in sys.modules and _is_own(sys.modules[name])]
     for module in sent:
         cloudpickle.register_pickle_by_value(module)
     try:
@@ -100,3 +108,11 @@ def _by_value(modules: set[str]) -> Iterator[None]:
     finally:
         for module in sent:
             cloudpickle.unregister_pickle_by_value(module)
+
+
+def _is_own(module: ModuleType) -> bool:
+    """Whether a module belongs neither to Python, nor to an installed package, nor to this project."""
+    if module.__name__.partition(".")[0] in _OURS or not getattr(module, "__file__", None):
+        return False
+    file = Path(str(module.__file__)).resolve()
+    return not any(file.is_relative_to(Path(get_path(kind)).resolve()) for kind in ("stdlib", "purelib", "platlib"))

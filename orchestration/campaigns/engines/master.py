@@ -37,6 +37,7 @@ class MasterEngine:
     def __init__(self, task: Task) -> None:
         self.task = task
         self._options = Options(record=_recorded(task), isolate=isolation_of(task))
+        self._own = [name for name in task.system if name not in foreign_components(task)]
         self._learned = Learned()
         self._idle: list[Reruns] = []
         self._busy: set[Reruns] = set()
@@ -91,8 +92,8 @@ class MasterEngine:
                 self._change.notify_all()
 
     def _opened(self) -> Reruns:
-        task = self.task
-        return Reruns(task.system, task.stop_time, task.algorithm, self._options, learned=self._learned)
+        task, shared = self.task, {"trusted": self._own, "learned": self._learned}
+        return Reruns(task.system, task.stop_time, task.algorithm, self._options, **shared)
 
     def _row(self, runs: Reruns, values: np.ndarray, step: float) -> tuple[tuple[float, ...], str]:
         """Measures of a run, and why it failed."""
@@ -110,12 +111,17 @@ class MasterEngine:
 
 
 def _recorded(task: Task) -> tuple[str, ...] | None:
-    """What the measures need, and all outputs of FMUs of other tools, since one that is not finite fails a run."""
+    """What the measures need, and all outputs of FMUs of other tools, since one that is not finite fails a run.
+
+    Outputs are in the order of the system, so that a failed run names the output that `simulate` names.
+    """
     if task.record is None:
         return None
-    outputs = (
-        f"{name}.{variable.name}"
-        for name in foreign_components(task)
-        for variable in task.system.component(name).description.of_causality("output")
-    )
-    return tuple(dict.fromkeys((*task.record, *outputs)))
+    foreign = foreign_components(task)
+    outputs = [
+        f"{component.name}.{variable.name}"
+        for component in task.system.components
+        for variable in component.description.of_causality("output")
+    ]
+    kept = [path for path in outputs if path in task.record or path.partition(".")[0] in foreign]
+    return tuple(dict.fromkeys((*kept, *task.record)))

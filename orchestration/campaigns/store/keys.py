@@ -27,20 +27,13 @@ FORMAT = "1"
 _AT_ONCE = 4096  # runs whose start values are written out at the same time; 100 values of each take 3 MB
 
 
-def run_keys(task: Task, points: Points) -> np.ndarray:
-    """Return the key of each run.
+class RunKeys:
+    """Makes the keys of a task's runs.
 
     Parameters
     ----------
     task
         What the runs have in common.
-    points
-        Start values and communication steps of the runs.
-
-    Returns
-    -------
-    ndarray
-        Keys as hexadecimal digits, bytes of length `KEY_LENGTH`, shape (n,).
 
     Raises
     ------
@@ -49,18 +42,36 @@ def run_keys(task: Task, points: Points) -> np.ndarray:
     StudyError
         If the content of a measure's function cannot be told.
     """
-    numbers = {path: float(value) for path, value in task.start_values.items() if not isinstance(value, str)}
-    names = sorted(numbers.keys() | set(task.varied))
-    common = _common(task, names)
-    places = [names.index(path) for path in task.varied]
-    shared = np.array([numbers.get(path, np.nan) for path in names] + [np.nan], "<f8")
-    keys = np.empty(len(points), f"S{KEY_LENGTH}")
-    for begin in range(0, len(points), _AT_ONCE):
-        part = points[begin : begin + _AT_ONCE]
-        content = np.tile(shared, (len(part), 1))
-        content[:, places], content[:, -1] = part.values, part.steps
-        keys[begin : begin + len(part)] = [_key(common, row) for row in content]
-    return keys
+
+    def __init__(self, task: Task) -> None:
+        self.task = task
+        numbers = {path: float(value) for path, value in task.start_values.items() if not isinstance(value, str)}
+        names = sorted(numbers.keys() | set(task.varied))
+        self._places = [names.index(path) for path in task.varied]
+        self._shared = np.array([numbers.get(path, np.nan) for path in names] + [np.nan], "<f8")
+        self._common = _common(task, names)
+
+    def of(self, points: Points) -> np.ndarray:
+        """Return the key of each run: hexadecimal digits, bytes of length `KEY_LENGTH`, shape (n,).
+
+        Parameters
+        ----------
+        points
+            Start values and communication steps of the runs.
+        """
+        keys = np.empty(len(points), f"S{KEY_LENGTH}")
+        for begin in range(0, len(points), _AT_ONCE):
+            part = points[begin : begin + _AT_ONCE]
+            content = np.tile(self._shared, (len(part), 1))
+            content[:, self._places], content[:, -1] = part.values, part.steps
+            keys[begin : begin + len(part)] = [self._key(row) for row in content]
+        return keys
+
+    def _key(self, numbers: np.ndarray) -> str:
+        """Key of one run, from what is common and its own numbers."""
+        digest = self._common.copy()
+        digest.update(numbers.tobytes())
+        return digest.hexdigest()
 
 
 def _common(task: Task, names: list[str]) -> "hashlib.blake2b":
@@ -69,10 +80,3 @@ def _common(task: Task, names: list[str]) -> "hashlib.blake2b":
     measures = sorted((measure.names, measure.identity) for measure in task.measures)
     content = json.dumps([FORMAT, task.structure, names, texts, measures])
     return hashlib.blake2b(content.encode(), digest_size=KEY_LENGTH // 2)
-
-
-def _key(common: "hashlib.blake2b", numbers: np.ndarray) -> str:
-    """Key of one run, from the hash of what is common and its own numbers."""
-    digest = common.copy()
-    digest.update(numbers.tobytes())
-    return digest.hexdigest()

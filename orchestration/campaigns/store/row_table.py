@@ -6,7 +6,7 @@ bits; the unit of a column is its field metadata ``unit``.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -87,11 +87,11 @@ class RowColumns:
 
         self._require_fit(keys, factors, outcomes)
         measured = np.asarray(outcomes.measured, np.float64)
-        columns: list[Any] = [pa.array(np.asarray(outcomes.numbers, np.int64)), pa.array(keys.astype(str).tolist())]
-        columns += [pa.array(list(map(str, factors[name]))) for name in self.texts]
-        columns += [_doubles(factors[name]) for name in self.factors]
-        columns += [_doubles(measured[:, i]) for i in range(len(self.measures))]
-        columns.append(pa.array([text.encode(errors="replace").decode() for text in outcomes.messages], pa.string()))
+        columns = [_array(outcomes.numbers, np.int64), _texts(keys.tolist())]
+        columns += [_texts([_encoded(value) for value in factors[name]]) for name in self.texts]
+        columns += [_array(factors[name], np.float64) for name in self.factors]
+        columns += [_array(measured[:, i], np.float64) for i in range(len(self.measures))]
+        columns.append(_texts([_encoded(message) for message in outcomes.messages]))
         return pa.table(columns, schema=self.schema())
 
     def _require_fit(self, keys: np.ndarray, factors: Mapping[str, np.ndarray], outcomes: Outcomes) -> None:
@@ -190,9 +190,23 @@ def without_duplicates(tables: "Sequence[pa.Table]") -> "pa.Table":
     return table.take(kept).combine_chunks()
 
 
-def _doubles(values: np.ndarray) -> "pa.Array":
-    """Arrow array on the memory of doubles, so that NaN stays a number."""
+def _array(values: np.ndarray, kind: type[np.number]) -> "pa.Array":
+    """Arrow array on the memory of numbers; ``pyarrow.array`` would import pandas, while workers wait for a second."""
     import pyarrow as pa
 
-    memory = np.ascontiguousarray(values, np.float64)
-    return pa.Array.from_buffers(pa.float64(), len(memory), [None, pa.py_buffer(memory)])
+    memory = np.ascontiguousarray(values, kind)
+    return pa.Array.from_buffers(pa.from_numpy_dtype(memory.dtype), len(memory), [None, pa.py_buffer(memory)])
+
+
+def _texts(encoded: Sequence[bytes]) -> "pa.Array":
+    """Arrow array of texts in UTF-8."""
+    import pyarrow as pa
+
+    ends = np.cumsum([0, *map(len, encoded)]).astype(np.int32)
+    buffers = [None, pa.py_buffer(ends), pa.py_buffer(b"".join(encoded))]
+    return pa.Array.from_buffers(pa.string(), len(encoded), buffers)
+
+
+def _encoded(text: object) -> bytes:
+    """A text in UTF-8; half of a character that UTF-8 lacks becomes a question mark."""
+    return str(text).encode(errors="replace")

@@ -20,8 +20,14 @@ import numpy as np
 from adaptimp_fmu.files.whole_file import SUFFIX as DRAFT
 from adaptimp_fmu.files.whole_file import write_whole
 from orchestration.campaigns.engine import Points
-from orchestration.campaigns.store.keys import run_keys
-from orchestration.campaigns.store.row_files import Place, read_rows, remove_drafts_of_dead_processes, store_errors
+from orchestration.campaigns.store.keys import RunKeys
+from orchestration.campaigns.store.row_files import (
+    Place,
+    read_rows,
+    read_study,
+    remove_drafts_of_dead_processes,
+    store_errors,
+)
 from orchestration.campaigns.store.row_table import Found, RowColumns, Search, without_duplicates
 from orchestration.campaigns.store.studies import UNFINISHED, StoredStudy, read_studies, write_study
 from orchestration.campaigns.store.writer import RowWriter
@@ -49,6 +55,7 @@ class Store:
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
+        self._keys: RunKeys | None = None
 
     @classmethod
     def open(cls, folder: str | Path, *, new: bool = True) -> "Store":
@@ -78,7 +85,9 @@ class Store:
 
     def keys(self, task: Task, points: Points) -> np.ndarray:
         """Return the keys of runs, shape (n,); see `orchestration.campaigns.store.keys`."""
-        return run_keys(task, points)
+        if self._keys is None or self._keys.task is not task:
+            self._keys = RunKeys(task)
+        return self._keys.of(points)
 
     def find(self, keys: np.ndarray, measures: tuple[str, ...], study: str = "") -> Found:
         """Find runs by their keys among the runs of all studies.
@@ -120,7 +129,7 @@ class Store:
         StoreError
             If the store has no runs of the study.
         """
-        tables = [table for _, table in read_rows(self._place(study).rows)]
+        tables = list(read_study(self._place(study).rows).values())
         if not tables:
             known = ", ".join(found.identity for found in self.studies()) or "none"
             msg = f"{self.folder}: there are no runs of study {study}; the studies in the store are: {known}."

@@ -116,15 +116,17 @@ class ReductionText:
             case Unary("abs", of):
                 return f"real_fabs({self._computed(of)})"
             case Unary("sqrt", of):
-                return f"real_sqrt({self._computed(of)})"
+                return f"REAL_SQRT({self._computed(of)})"
             case Unary(op, of):
                 return f"{'!' if op == 'not' else op}{self._computed(of)}"
+            case Binary(">", Norm((_, _, *_) as of), Number(0.0)):  # a root is positive if its radicand is
+                return f"{self._computed(_squares(of))} > 0.0"
             case Binary(op, left, right):
                 return f"{self._computed(left)} {_LOGIC.get(op, op)} {self._computed(right)}"
             case Norm((only,)):
                 return f"real_fabs({self._computed(only)})"
             case Norm(of):
-                return f"real_sqrt({self._computed(_squares(of))})"
+                return f"REAL_SQRT({self._computed(_squares(of))})"
             case _:
                 msg = f"{node!r} is no number and no condition at an instant."
                 raise TypeError(msg)
@@ -137,7 +139,7 @@ class ReductionText:
             self._names["flag", condition] = flag
             self.begin.append(f"int {flag} = 0;")
             self._lines(condition).append(f"{flag} |= {self._computed(condition)};")
-        self._names[node] = f"!{flag}" if isinstance(node, Before) else flag
+        self._names[node] = f"(!{flag})" if isinstance(node, Before) else flag
         return self._names[node]
 
     # ---- reductions ----
@@ -188,15 +190,15 @@ class ReductionText:
         A root grows with its radicand, rounding included, so the extreme of a norm is the root of the extreme of the
         sums of squares.
         """
-        value, root = reduction.value, False
-        if isinstance(value, Norm) and len(value.of) > 1:
-            value, root = _squares(value.of), True
+        value = reduction.value
+        root = isinstance(value, Norm) and len(value.of) > 1
         sign, start = (">", "-REAL_INFINITY") if reduction.kind == "max" else ("<", "REAL_INFINITY")
-        x, where = self._computed(value), self._where(reduction)
+        x = self._computed(_squares(value.of) if isinstance(value, Norm) and root else value)
+        where = self._where(reduction)
         m = self._accumulator("m", start)
-        lines = self._at_instants(by_steps)
-        lines.append(_if(where, f"if (!({x} {_not(sign)} {m}) && !real_is_nan({m})) {m} = {x};"))
-        found = f"real_sqrt({m})" if root else m
+        newer = f"{x} {sign} {m}" if _is_a_number(value) else f"!({x} {_not(sign)} {m}) && !real_is_nan({m})"
+        self._at_instants(by_steps).append(_if(where, f"if ({newer}) {m} = {x};"))
+        found = f"REAL_SQRT({m})" if root else m
         return self._or_none(reduction, by_steps, found)
 
     def _time_of_extreme(self, reduction: Reduction, by_steps: bool) -> str:
@@ -248,7 +250,7 @@ class ReductionText:
         term = f"{x} * {x}" if reduction.kind == "rms" else x
         self._at_instants(by_steps).append(_if(where, f"{total} += {term};"))
         found = f"{total} / {count}"
-        return self._or_none(reduction, by_steps, f"real_sqrt({found})" if reduction.kind == "rms" else found)
+        return self._or_none(reduction, by_steps, f"REAL_SQRT({found})" if reduction.kind == "rms" else found)
 
     def _or_none(self, reduction: Reduction, by_steps: bool, found: str) -> str:
         """A value at the end, or NaN if there was no instant."""
@@ -271,6 +273,30 @@ def _squares(of: Sequence[Expression]) -> Expression:
     for part in of[1:]:
         total = Binary("+", total, Binary("*", part, part))
     return total
+
+
+def _is_finite(node: Expression) -> bool:
+    """Whether a number is certainly finite; a run in which a column is not finite fails."""
+    match node:
+        case Number() | Column() | Time():
+            return True
+        case Unary("-" | "abs", of):
+            return _is_finite(of)
+        case _:
+            return False
+
+
+def _is_a_number(node: Expression) -> bool:
+    """Whether a number is certainly not NaN."""
+    match node:
+        case Unary("-" | "abs", of):
+            return _is_a_number(of)
+        case Binary("+" | "-" | "*", left, right):
+            return _is_finite(left) and _is_finite(right)
+        case Norm(of):
+            return all(map(_is_a_number, of))
+        case _:
+            return _is_finite(node)
 
 
 def _not(sign: str) -> str:

@@ -1,6 +1,7 @@
 """Evidence for the progress of campaigns: what is counted, what a terminal shows, and that a pipe gets nothing."""
 
 import io
+import re
 from collections.abc import Sequence
 
 import numpy as np
@@ -37,7 +38,7 @@ def test_the_best_run_is_remembered_with_its_place(text: str, best: tuple[float,
 
 
 def test_runs_from_the_store_are_no_rate(monkeypatch: pytest.MonkeyPatch) -> None:
-    clock = iter([10.0, 12.0, 12.0])
+    clock = iter([10.0, 11.0, 12.0, 12.0])
     monkeypatch.setattr(progress, "perf_counter", lambda: next(clock))
     tally = Tally()
     tally.begin(10, NAMES, place)
@@ -48,6 +49,18 @@ def test_runs_from_the_store_are_no_rate(monkeypatch: pytest.MonkeyPatch) -> Non
     tally.end()
     assert tally.seconds == 2.0
     assert tally.rate == 2.0
+
+
+def test_the_pace_leaves_out_what_is_prepared(monkeypatch: pytest.MonkeyPatch) -> None:
+    clock = iter([10.0, 17.0, 19.0])
+    monkeypatch.setattr(progress, "perf_counter", lambda: next(clock))
+    tally = Tally()
+    tally.begin(10, NAMES, place)
+    tally.add(outcomes(0, [1.0]), kept=True)
+    tally.add(outcomes(1, [1.0]), kept=False)
+    assert tally.pace == 0.0
+    tally.add(outcomes(2, [1.0] * 6), kept=False)
+    assert tally.pace == 3.0
 
 
 @pytest.mark.parametrize("text", ["peak_force", "least:peak_force", "min:", "min"])
@@ -61,15 +74,17 @@ def test_a_goal_without_its_measure_is_refused() -> None:
         Tally(Goal.of("min:peak_forse")).begin(1, NAMES, place)
 
 
-def shown(*, terminal: bool) -> str:
+def shown(*, terminal: bool, width: int = 120) -> str:
     """What a bar writes for ten runs."""
     stream = io.StringIO()
-    console = Console(file=stream, force_terminal=terminal, width=120, color_system=None)
+    console = Console(file=stream, force_terminal=terminal, width=width, color_system=None)
     bar = ProgressBar(Goal.of("min:peak_force"), console)
     bar.begin(10, NAMES, place)
     try:
         bar.add(outcomes(1, [7.0, np.nan]), kept=True)
-        bar.add(outcomes(3, [2.5] * 8), kept=False)
+        assert stream.getvalue() == ""  # what is being prepared has the terminal
+        bar.add(outcomes(3, [2.5] * 4), kept=False)
+        bar.add(outcomes(7, [2.5] * 4), kept=False)
     finally:
         bar.end()
     assert bar.done == 10
@@ -81,6 +96,15 @@ def test_a_terminal_shows_counts_failures_and_the_best_run() -> None:
     for said in ("10/10", " runs/s", "1 failed", "min peak_force 2.5 at seed=3"):
         assert said in text
     assert text.endswith("\x1b[1A\x1b[2K")  # the line is gone at the end
+
+
+@pytest.mark.parametrize("width", [40, 60])
+def test_a_narrow_terminal_shows_one_line(width: int) -> None:
+    text = shown(terminal=True, width=width)
+    assert " 10/10 " in text
+    lines = re.sub(r"\x1b\[[?\d]+[hlAK]", "", text).replace("\n", "\r").split("\r")
+    assert max(map(len, lines)) <= width
+    assert "\x1b[1A\x1b[1A" not in text  # the line is the only one that is cleared
 
 
 def test_a_pipe_gets_nothing() -> None:

@@ -11,7 +11,7 @@ import pytest
 from orchestration import Component, Result, System
 from orchestration.campaigns.engine import Points
 from orchestration.campaigns.measure import Measure
-from orchestration.campaigns.store.keys import KEY_LENGTH, run_keys
+from orchestration.campaigns.store.keys import KEY_LENGTH, RunKeys
 from orchestration.campaigns.task import Task
 
 
@@ -35,13 +35,13 @@ def points(*values: tuple[float, ...], step: float = 1e-4) -> Points:
 
 
 def key(of: Task, *values: float, step: float = 1e-4) -> bytes:
-    (only,) = run_keys(of, points(values, step=step))
+    (only,) = RunKeys(of).of(points(values, step=step))
     return only
 
 
 def test_keys_are_hexadecimal_and_depend_on_values_and_step_only(fig2: System) -> None:
     rows = Points(np.array([0, 1, 2, 3]), np.array([[1e5], [2e5], [1e5], [1e5]]), np.array([1e-4, 1e-4, 1e-4, 5e-5]))
-    keys = run_keys(task(fig2), rows)
+    keys = RunKeys(task(fig2)).of(rows)
     assert all(len(k) == KEY_LENGTH and int(k, 16) >= 0 for k in keys)
     assert keys[0] == keys[2]
     assert len({*keys}) == 3
@@ -113,6 +113,6 @@ def test_values_do_not_move_between_variables(fig2: System) -> None:
 def test_keys_of_many_runs_are_those_of_each(fig2: System, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("orchestration.campaigns.store.keys._AT_ONCE", 3)
     rows = points(*[(float(k),) for k in range(10)])
-    together = run_keys(task(fig2), rows)
+    together = RunKeys(task(fig2)).of(rows)
     assert together.tolist() == [key(task(fig2), float(k)) for k in range(10)]
-    assert run_keys(task(fig2), rows[:0]).shape == (0,)
+    assert RunKeys(task(fig2)).of(rows[:0]).shape == (0,)

@@ -1,0 +1,1 @@
+"""Formulas of measures in C and in numpy."""
