@@ -13,6 +13,7 @@ import xarray as xr
 from orchestration import Study, System
 from orchestration.campaigns.progress import Tally
 from orchestration.cli.sweep_report import SweepReport
+from orchestration.paper.studies.ready import READY_STUDIES, ReadyStudy
 from tests.faults.cli import Command, Outcome
 
 PAGE = Path(__file__).parents[2] / "docs" / "campaigns.md"
@@ -205,6 +206,24 @@ def test_the_same_study_from_a_file(adaptimp: Command, tmp_path: Path) -> None:
     assert adaptimp("sweep", *GRID, "-o", "options.csv").code == 0
     assert adaptimp("sweep", "study.toml", "-o", "file.csv").code == 0
     assert (tmp_path / "file.csv").read_bytes() == (tmp_path / "options.csv").read_bytes()
+
+
+def test_ready_studies_are_listed_and_run(
+    adaptimp: Command, study: Study, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    listed = json.loads(adaptimp("sweep", "--ready", "--json").out)
+    assert listed == {name: ready.summary for name, ready in READY_STUDIES.items()}
+    text = adaptimp("sweep", "--ready").out
+    assert all(re.search(rf"^{re.escape(name)}  +\w", text, re.MULTILINE) for name in listed)
+    first = next(iter(listed))
+    assert f"did you mean {first}" in adaptimp("sweep", "--ready", f"{first}s").sentence
+    small = {"small": ReadyStudy("A small one", lambda: study)}
+    monkeypatch.setattr("orchestration.paper.studies.ready.READY_STUDIES", small)
+    assert adaptimp("sweep", "--ready", "small", "-o", "ready.csv").out.startswith(
+        "small: 6 runs: 6 complete, 0 failed"
+    )
+    assert adaptimp("sweep", *GRID, "-o", "options.csv").code == 0
+    assert (tmp_path / "ready.csv").read_bytes() == (tmp_path / "options.csv").read_bytes()
 
 
 def test_variants_share_points_and_samples(adaptimp: Command, tmp_path: Path) -> None:

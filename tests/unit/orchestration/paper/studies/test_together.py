@@ -10,8 +10,8 @@ import pytest
 from orchestration.paper.laboratory import SEEDS
 from orchestration.paper.studies import together
 from orchestration.paper.studies.claims_at import QUESTIONS
-from orchestration.paper.studies.open_values import CHOSEN, Setting, settings
 from orchestration.paper.studies.native_runs import NativeLaboratory
+from orchestration.paper.studies.open_values import CHOSEN, Setting, settings
 from orchestration.paper.studies.robustness_table import COLUMNS
 from orchestration.paper.studies.together import CANDIDATES, NEIGHBOURS, SECTION_V, STARTS, Search, read_search, search
 
