@@ -24,6 +24,8 @@ if TYPE_CHECKING:
     from orchestration.analysis.stability.verdict import Verdict
     from orchestration.campaigns.factor import Factor
     from orchestration.campaigns.measure import Measure
+    from orchestration.campaigns.pictures.plot_table import plot_table
+    from orchestration.campaigns.sensitivity import sensitivity
     from orchestration.campaigns.study import Study
     from orchestration.errors import (
         ArchiveError,
@@ -104,8 +106,10 @@ _HOME = {
     "compare": "results.comparison",
     "diagnose": "analysis.doctor.diagnose",
     "ledger": "analysis.energy",
+    "plot_table": "campaigns.pictures.plot_table",
     "prepare": "master.simulate",
     "scenario": "paper.ready",
+    "sensitivity": "campaigns.sensitivity",
     "simulate": "master.simulate",
     "stream": "master.simulate",
 }
@@ -157,8 +161,10 @@ __all__ = [
     "compare",
     "diagnose",
     "ledger",
+    "plot_table",
     "prepare",
     "scenario",
+    "sensitivity",
     "simulate",
     "stream",
 ]

@@ -274,6 +274,17 @@ class ClusterError(StudyError):
     """Error of the cluster that makes the runs of a study: machines out of reach, or with other versions.
 
     Runs that were finished before are in the store of the study, if it has one.
+
+    Examples
+    --------
+    >>> from orchestration import Study, scenario
+    >>> from orchestration.errors import ClusterError
+    >>> study = Study(scenario("fig2"), measure="max(abs(controller.e[1]))").grid({"plant.mu": [0.0, 0.2]})
+    >>> try:
+    ...     study.run(cluster="10.0.0.5")
+    ... except ClusterError as error:
+    ...     print(error)
+    cluster is '10.0.0.5': missing port number ...; give an address such as tcp://10.0.0.5:8786.
     """
 
 

@@ -10,7 +10,7 @@ import pytest
 
 from adaptimp_fmu import host_platform
 from orchestration.paper.built_fmus import find_scenario, fmus
-from tests.benchmarks import campaign, containers, isolation, master, overhead, scale, scaling, start
+from tests.benchmarks import campaign, containers, isolation, master, overhead, reruns, scale, scaling, start
 from tests.benchmarks.forms import CProgram
 from tests.benchmarks.rig import BenchmarkError, Rig
 from tests.benchmarks.sizes import BINARY_LIMIT, MODULE_LIMIT
@@ -176,6 +176,15 @@ def test_isolation_measures_each_choice(tmp_path: Path) -> None:
     result = json.loads(file.read_text(encoding="utf-8"))
     assert set(result["microseconds_per_step"]) == set(isolation.CHOICES)
     assert all(seconds > 0 for seconds in result["start_seconds"].values())
+
+
+@pytest.mark.skipif("sys.platform == 'win32'", reason="FMUs are not isolated on Windows")
+def test_reruns_measure_both_kinds_of_runs(tmp_path: Path) -> None:
+    file = tmp_path / "reruns.json"
+    assert reruns.main(["--json", str(file), "--repetitions", "1"]) == 0
+    found = json.loads(file.read_text(encoding="utf-8"))["runs"]
+    assert set(found) == {*reruns.CHOICES, "crash"}
+    assert all(times["kept_open"] > 0 for times in found.values())
 
 
 @pytest.mark.skipif("sys.platform == 'win32'", reason="peak memory is asked from the module resource of Unix")

@@ -247,7 +247,19 @@ def is_stable(
     *,
     isolation: Isolation | None = None,
 ) -> bool:
-    """Whether a co-simulation algorithm is stable on a system at the start of a run.
+    """Whether a co-simulation algorithm is stable on a system at the start of a run; see `judged`."""
+    return judged(system, step, algorithm, isolation=isolation).stable
+
+
+def judged(
+    system: System,
+    step: float | None = None,
+    algorithm: str | Algorithm = "gauss-seidel",
+    *,
+    at: float = 0.0,
+    isolation: Isolation | None = None,
+) -> Point:
+    """Predict how much deviations grow in a step.
 
     This function is faster than `stability`, because it neither searches for steps nor gives advice.
 
@@ -259,6 +271,8 @@ def is_stable(
         Communication step, s. Default: the step of the system.
     algorithm
         Co-simulation algorithm, or its name.
+    at
+        Time of the operating point, s, as for `stability`.
     isolation
         Components whose FMUs live in processes of their own; none if it is None.
 
@@ -267,12 +281,12 @@ def is_stable(
     SystemDescriptionError
         If a component cannot save its state, or the step does not fit a sampling period.
     SimulationError
-        If initialization fails, or a step after it.
+        If the run to the operating point fails, or a step after it.
     """
     algorithm, step = find_algorithm(algorithm), system.run_step(step)
-    with operating_point(system, step, 0.0, isolation) as saved:
-        examined = Examined(system, step, 0.0, saved, algorithm, isolation)
-        return examined.judged(examined.coupled(step, algorithm.order), step).stable
+    with operating_point(system, step, at, isolation) as saved:
+        examined = Examined(system, step, at, saved, algorithm, isolation)
+        return examined.judged(examined.coupled(step, algorithm.order), step)
 
 
 def _limits(search: Search, largest: float | None) -> str:

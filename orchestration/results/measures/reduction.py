@@ -33,11 +33,12 @@ def reduced(reduction: Reduction, result: "Result") -> float:
     where = True if reduction.where is None else computed(reduction.where, leaf)
     chosen = np.broadcast_to(where, number)
     time = result.time[:number]
-    if reduction.kind in ("integral", "duration"):
-        steps = np.diff(result.time)
-        n = len(steps)
-        return _summed(reduction.kind, value[:n][chosen[:n]], steps[chosen[:n]])
-    return _chosen(reduction.kind, value[chosen], time[chosen])
+    with np.errstate(all="ignore"):  # what is too large for a double is infinite, as in a program
+        if reduction.kind in ("integral", "duration"):
+            steps = np.diff(result.time)
+            n = len(steps)
+            return _summed(reduction.kind, value[:n][chosen[:n]], steps[chosen[:n]])
+        return _chosen(reduction.kind, value[chosen], time[chosen])
 
 
 def is_sampled(name: str, result: "Result") -> bool:

@@ -15,7 +15,7 @@ METHODS = {
     Component: ["read"],
     Result: ["at_ticks", "measure", "to_pandas", "to_xarray", "plot", "write", "read"],
     Fmu: ["outputs", "set", "step", "drive", "save"],
-    Study: ["grid", "seeds", "samples", "run", "result", "evaluate", "resume"],
+    Study: ["grid", "seeds", "samples", "run", "result", "traces", "evaluate", "resume"],
 }
 
 

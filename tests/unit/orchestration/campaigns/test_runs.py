@@ -12,10 +12,11 @@ import pytest
 import xarray as xr
 
 from orchestration import Result, Study, StudyError, StudyInterrupted, System
-from orchestration.campaigns import running
+from orchestration.campaigns import local, running
 from orchestration.campaigns.chunks import GROWTH, Chunks
 from orchestration.campaigns.engine import Outcomes, Points
 from orchestration.campaigns.local import LocalExecutor
+from orchestration.campaigns.store.store import Store
 from orchestration.campaigns.task import Task
 from orchestration.errors import StoreError
 from tests.unit.orchestration.campaigns.plain import PlainEngine
@@ -137,6 +138,26 @@ def test_a_fault_of_an_engine_is_raised_and_ends_the_threads() -> None:
     assert not [thread for thread in threading.enumerate() if thread.name.startswith("campaign")]
 
 
+def test_an_engine_is_left_alone_when_its_run_does_not_end(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(local, "LONGEST_END", 0.01)
+    begun, free = threading.Event(), threading.Event()
+
+    class Endless(Squares):
+        def make(self, points: Points) -> Outcomes:
+            begun.set()
+            free.wait()
+            return super().make(points)
+
+    engine = Endless()
+    executor = LocalExecutor(engine, 1)
+    made = executor.map(Chunks(np.arange(3), points, lambda: 1))
+    begun.wait()
+    executor.close()
+    assert engine.closed
+    free.set()
+    assert [outcomes.numbers.tolist() for outcomes in made] == [[0]]
+
+
 def test_rows_are_the_same_for_any_number_of_workers(study: Study, made: list[int]) -> None:
     tables = [study.run(workers=workers) for workers in (1, 2, 4)]
     assert tables[0].identical(tables[1])
@@ -191,6 +212,30 @@ def test_another_measure_makes_runs_again(loop: System, made: list[int], tmp_pat
     table = Study(loop, "top = min(plant.x)").run(store=tmp_path)
     assert len(made) == 2
     assert table["top"].tolist() == [1.0]
+
+
+def test_failed_runs_are_made_again_if_that_is_asked_for(
+    study: Study, made: list[int], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    class Slow(PlainEngine):
+        def make(self, points: Points) -> Outcomes:
+            outcomes = super().make(points)
+            late = points.numbers % 3 == 1
+            measured = np.where(late[:, None], np.nan, outcomes.measured)
+            return Outcomes(points.numbers, measured, tuple("relay: a call took too long." * bool(k) for k in late))
+
+    with monkeypatch.context() as patch:
+        patch.setattr(running, "engine_for", Slow)
+        slow = study.run(store=tmp_path)
+    assert (slow["status"] == "failed").sum() == 4
+    assert study.run(store=tmp_path).identical(slow)
+    assert made == []
+    whole = study.run(store=tmp_path, retry_failed=True)
+    assert sorted(made) == [1, 4, 7, 10]
+    assert whole.identical(study.run())
+    assert study.run(store=tmp_path).identical(whole)
+    (kept,) = Store.open(tmp_path).studies()
+    assert set(Store.open(tmp_path).table(kept.identity)["message"].to_pylist()) == {""}
 
 
 def test_an_interrupted_study_is_continued_from_its_store(many: Study, made: list[int], tmp_path: Path) -> None:

@@ -136,6 +136,14 @@ def test_sums_go_from_first_to_last() -> None:
     assert np.sum(values) != total
 
 
+def test_numbers_beyond_a_double_are_infinite_without_a_warning() -> None:
+    result = Result(np.arange(3.0), ("a.x",), np.array([[1e200], [-1e308], [1e308]]))
+    assert parse_formula("rms(a.x)").evaluate(result) == math.inf
+    assert parse_formula("integral(a.x * 1e10)").evaluate(result) == -math.inf  # the last row begins no step
+    assert math.isnan(parse_formula("mean(a.x * 1e10)").evaluate(result))
+    assert parse_formula("mean(10 * a.x, where=time > 1)").evaluate(result) == math.inf
+
+
 def test_combining_many_runs_at_once_gives_the_same_bits() -> None:
     formula = parse_formula("norm(max(a.x), min(a.x)) / 3 - abs(mean(a.x) * rms(a.y))")
     values = np.random.default_rng(4).normal(size=(4, 50))
