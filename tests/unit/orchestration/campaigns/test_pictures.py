@@ -74,6 +74,9 @@ def test_a_boundary_is_where_runs_keep_within_the_limit() -> None:
     figure = plot_table(MAP, "peak", limit=300.0)
     np.testing.assert_array_equal(colours(figure), (MAP["peak"] <= 300).transpose("m", "K_f"))
     assert legend(figure) == ["peak ≤ 300 N", "otherwise (crosses)", "boundary"]
+    value = float(MAP["peak"].sel(K_f=K[2], m=1.0))  # a limit may be met exactly
+    met = colours(plot_table(MAP, "peak", limit=value))
+    np.testing.assert_array_equal(met, (MAP["peak"] <= value).transpose("m", "K_f"))
     success = plot_table(NOISY, "peak", kind="boundary")
     share = (NOISY["status"] == "complete").mean("seed").transpose("m", "K_f")
     np.testing.assert_array_equal(colours(success), share)
