@@ -248,7 +248,7 @@ class StudyError(OrchestrationError):
     ...     study.grid({"plant.K_f": "1e4 to 1e6"})
     ... except StudyError as error:
     ...     print(error)
-    Factor plant.K_f: '1e4 to 1e6' ...
+    Factor plant.K_f: '1e4 to 1e6'; write levels as 50,100,200, or a range as 0:1:5 or 1e4:1e6:9log ...
     """
 
 
@@ -274,6 +274,17 @@ class ClusterError(StudyError):
     """Error of the cluster that makes the runs of a study: machines out of reach, or with other versions.
 
     Runs that were finished before are in the store of the study, if it has one.
+
+    Examples
+    --------
+    >>> from orchestration import Study, scenario
+    >>> from orchestration.errors import ClusterError
+    >>> study = Study(scenario("fig2"), measure="max(abs(controller.e[1]))").grid({"plant.mu": [0.0, 0.2]})
+    >>> try:
+    ...     study.run(cluster="10.0.0.5")
+    ... except ClusterError as error:
+    ...     print(error)
+    cluster is '10.0.0.5': missing port number ...; give an address such as tcp://10.0.0.5:8786.
     """
 
 
@@ -371,11 +382,11 @@ class StudyInterrupted(KeyboardInterrupt):
     ...         pass
     >>> study = Study(scenario("fig2"), measure="max(abs(controller.e[1]))", stop_time=0.1)
     >>> try:
-    ...     study.grid({"controller.K": "1000:4000:7"}).run(workers=1, progress=Enough())
+    ...     study.grid({"controller.K": "1000:4000:100000"}).run(progress=Enough())
     ... except StudyInterrupted as interrupt:
     ...     print(interrupt)
     ...     print(sorted(set(interrupt.table["status"].values.tolist())))
-    The study was interrupted after 1 of 7 runs; ...
+    The study was interrupted after ... of 100000 runs; ...
     ['complete', 'missing']
     """
 

@@ -29,6 +29,7 @@ PROCESSES = (
     "faults/test_kills.py",
     "faults/test_lies.py",
     "interop/*",
+    "pooled/*",
     "scenarios/test_containers_page.py",
     "scenarios/test_tutorial.py",
     "unit/adaptimp_fmu/test_toolchain.py",
@@ -45,6 +46,7 @@ QUICK = ("golden/*", "property/*", "unit/*", "faults/*", "conformance/*")
 SLOW = (
     "faults/test_cli_examples.py",
     "faults/test_doctor_command.py",
+    "faults/test_sweep_command.py",
     "unit/fmus/test_documented_examples.py",
     "unit/orchestration/analysis/test_doctor.py",
     "unit/orchestration/analysis/test_stability.py",

@@ -33,7 +33,7 @@ class Points:
         """Number of runs."""
         return len(self.numbers)
 
-    def __getitem__(self, part: slice) -> "Points":
+    def __getitem__(self, part: slice | np.ndarray) -> "Points":
         """Some of the runs."""
         return Points(self.numbers[part], self.values[part], self.steps[part])
 

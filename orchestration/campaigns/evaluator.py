@@ -1,5 +1,6 @@
 """Evaluates points that are not known in advance, such as those that an optimizer asks for."""
 
+import weakref
 from collections.abc import Sequence
 from typing import Any
 
@@ -14,7 +15,7 @@ from orchestration.campaigns.setting import Setting
 
 
 class Evaluator:
-    """Makes runs of one variant at values of certain factors; its engine stays ready.
+    """Makes runs of one variant at values of certain factors; its engine stays ready as long as the evaluator is there.
 
     Parameters
     ----------
@@ -30,6 +31,7 @@ class Evaluator:
         self.task, self._pointed = setting.task(variant, factors)
         self.targets = [target(self.task.system, factor) for factor in factors]
         self.engine = engine_for(self.task)
+        weakref.finalize(self, self.engine.close)
 
     def rows(self, columns: Sequence[Any], workers: int) -> Rows:
         """Make runs.

@@ -2,7 +2,7 @@
 
 from orchestration.campaigns.task import Task
 from orchestration.containers.contained.containment import is_own
-from orchestration.fmi.isolation import Isolation
+from orchestration.fmi.isolation import CAN_ISOLATE, Isolation
 
 
 def foreign_components(task: Task) -> tuple[str, ...]:
@@ -11,8 +11,11 @@ def foreign_components(task: Task) -> tuple[str, ...]:
 
 
 def isolation_of(task: Task) -> Isolation | None:
-    """Components in processes of their own: those that the task names, or else all with FMUs of other tools."""
-    if task.isolation is not None:
+    """Components in processes of their own: those that the task names, or else all with FMUs of other tools.
+
+    Where FMUs cannot be isolated, only a task that asks for it isolates some, and is refused.
+    """
+    if task.isolation is not None or not CAN_ISOLATE:
         return task.isolation
     foreign = foreign_components(task)
     return Isolation(foreign) if foreign else None

@@ -17,7 +17,8 @@ if TYPE_CHECKING:
     from orchestration.results.measures.formula import Formula
     from orchestration.results.result import Result
 
-MeasureFunction = Callable[["Result"], float | Mapping[str, float]]
+MeasureFunction = Callable[["Result"], Any]
+"""Returns a number, or a mapping from each name of the measure to a number."""
 
 
 @dataclass(frozen=True)

@@ -96,7 +96,7 @@ def _measure(given: Any, systems: Sequence[System]) -> Measure:
     if _is_triple(given):
         return Measure.of(given[2], given[0], given[1])
     if callable(given):
-        return Measure.of(given)  # type: ignore[arg-type] - what it returns is checked for each run
+        return Measure.of(given)
     msg = f"A measure is {shown(given)}; give a formula, the name of a ready measure, or a function of a Result."
     raise StudyError(msg)
 

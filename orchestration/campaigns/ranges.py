@@ -137,6 +137,8 @@ def seed_numbers(given: Any) -> tuple[int, ...]:
     found: list[Any] = []
     for part in given.split(",") if isinstance(given, str) else [given]:
         match = _WHOLE.fullmatch(part.strip()) if isinstance(part, str) else None
+        if isinstance(part, str) and match is None and not part.strip().isdigit():
+            raise _error(SEED, given, "write seeds as 1-30 or 1,2,5")
         found += range(int(match[1]), int(match[2]) + 1) if match else levels(SEED, part)
     for seed in found:
         if isinstance(seed, str | bool) or not float(seed).is_integer() or not 0 <= seed < 2**31:

@@ -92,12 +92,12 @@ def _recorded_measure(record: Mapping[str, Any], functions: Mapping[str, Measure
     if "formula" in record:
         return Measure(names, units, parse_formula(record["formula"]))
     given = functions.get(names[0])
-    if given is None:
+    if given is None or given.function is None:
         msg = (
             f"The study has the function {names[0]} as a measure; give it again, as Study.resume(folder, measure=...)."
         )
         raise StudyError(msg)
-    measure = Measure.of(given.function, names, units, record["columns"])  # type: ignore[arg-type] - it checks
+    measure = Measure.of(given.function, names, units, record["columns"])
     if measure.identity != record["function"]:
         msg = f"The code of measure {measure.label} is not that of the study any more; begin a new study with it."
         raise StudyError(msg)

@@ -1,6 +1,7 @@
 """What a study needs to run: workers, a view of its progress, and the study of a store."""
 
 from collections.abc import Callable
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -33,6 +34,16 @@ def executors(workers: int, cluster: Any) -> Callable[[Task], Executor]:
     from orchestration.campaigns.cluster.executor import ClusterExecutor
 
     return lambda task: ClusterExecutor(task, cluster)
+
+
+def load_tables() -> None:
+    """Import what makes tables, before the first run is made.
+
+    An interrupt in the middle of the first import of pandas would leave it unusable, and the table of an interrupted
+    study would be lost with it.
+    """
+    for name in ("pandas", "xarray"):
+        import_module(name)
 
 
 def shown_by(progress: Any) -> Progress:

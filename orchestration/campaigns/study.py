@@ -1,38 +1,26 @@
 """Studies: many runs of a system with varied start values, as one table."""
 
-from collections.abc import Mapping
 from contextlib import ExitStack
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
-
-import numpy as np
+from typing import Any
 
 from orchestration.campaigns.campaign import Rows, make_runs
-from orchestration.campaigns.evaluator import Evaluator
-from orchestration.campaigns.factor import SYSTEM, Factor
 from orchestration.campaigns.kept import KeptRuns
 from orchestration.campaigns.local import worker_count
 from orchestration.campaigns.named_measures import functions_of
-from orchestration.campaigns.names import all_names, asked, in_words, row_of
+from orchestration.campaigns.names import in_words
 from orchestration.campaigns.record import recorded_setting, study_record
-from orchestration.campaigns.running import executors, interrupted, shown_by, stored_study
-from orchestration.campaigns.samples import is_table
+from orchestration.campaigns.running import executors, interrupted, load_tables, shown_by, stored_study
 from orchestration.campaigns.setting import require_runnable
-from orchestration.campaigns.single import single_run
 from orchestration.campaigns.stability import predicted
 from orchestration.campaigns.store.store import Store
-from orchestration.campaigns.study_plan import StudyPlan
-from orchestration.campaigns.table import evaluated_frame, evaluated_row, table_of
-from orchestration.errors import StudyError, StudyInterrupted
+from orchestration.campaigns.study_points import StudyPoints
+from orchestration.campaigns.table import table_of
+from orchestration.errors import StudyInterrupted
 from orchestration.fmi.given import a_path
-from orchestration.results.result import Result
-
-if TYPE_CHECKING:
-    import pandas as pd
-    import xarray as xr
 
 
-class Study(StudyPlan):
+class Study(StudyPoints):
     """Many runs of a system with varied start values, of which some numbers are kept: a table of measures.
 
     A study is a value: `grid`, `samples` and `seeds` return extended copies. Nothing is run until `run`.
@@ -87,7 +75,9 @@ class Study(StudyPlan):
         store: str | Path | None = None,
         cluster: Any = None,
         progress: Any = False,
-    ) -> "xr.Dataset | pd.DataFrame":
+        *,
+        retry_failed: bool = False,
+    ) -> Any:
         """Make all runs.
 
         Parameters
@@ -100,6 +90,8 @@ class Study(StudyPlan):
             Address of a Dask scheduler, a ``LocalCluster`` or a ``Client``, whose workers make the runs.
         progress
             True for a line on standard error; or an object as `orchestration.campaigns.progress.Progress`.
+        retry_failed
+            Whether to make those runs again that are in the store as failed, for example after a call took too long.
 
         Returns
         -------
@@ -114,14 +106,27 @@ class Study(StudyPlan):
             After Ctrl-C, when the chunks that were being made are finished; it has the table until then.
         SystemDescriptionError
             If the system cannot be run as asked.
+
+        Examples
+        --------
+        A run whose start values are refused is a row, too:
+
+        >>> from orchestration import Study, scenario
+        >>> study = Study(scenario("fig2"), measure="deepest = max(plant.penetration)", stop_time=1.0)
+        >>> table = study.grid({"plant.K_f": [1e4, 1e5, -1.0]}).run()
+        >>> table["deepest"].round(4).values.tolist(), table["deepest"].attrs["units"]
+        ([..., ..., nan], 'm')
+        >>> print(table["message"].values[-1])
+        plant: ... K_f = -1 must be at least 0 N/m...
         """
         jobs = [self._setting.job(variant, self._design) for variant in self._setting.systems]
         for job in jobs:
             require_runnable(job)
+        load_tables()
         rows, columns, show = Rows.empty(len(self), len(self.units)), self._columns, shown_by(progress)
         folder = self._folder if store is None else a_path("The store of a study", store)
         with ExitStack() as stack:
-            keeper = None if folder is None else stack.enter_context(self._kept(folder))
+            keeper = None if folder is None else stack.enter_context(self._kept(folder, retry_failed))
             stack.callback(show.end)
             show.begin(len(self), columns.measures, self._in_words)
             try:
@@ -165,85 +170,22 @@ class Study(StudyPlan):
         setting, design = recorded_setting(found.record, found.system, functions)
         return cls._of(setting, design, store.folder, compares=found.record["compares"])
 
-    def _kept(self, folder: Path) -> KeptRuns:
+    def _kept(self, folder: Path, retry_failed: bool) -> KeptRuns:
         """What keeps the runs of the study in a store."""
         store = Store.open(folder)
         record = study_record(self._setting, self._design, compares=self._compares)
         identity, columns = store.save_study(record, self._setting.systems), self._columns
-        return KeptRuns(store, identity, columns, lambda numbers: columns.values(self._design, numbers))
+
+        def factors(numbers: np.ndarray) -> dict[str, np.ndarray]:
+            return columns.values(self._design, numbers)
+
+        return KeptRuns(store, identity, columns, factors, retry_failed=retry_failed)
 
     def _in_words(self, number: int) -> str:
         """Factors of a run in words."""
-        values = self._columns.values(self._design, np.array([number]))
-        return in_words({name: column[0] for name, column in values.items()})
+        return in_words(self._factors_of(number))
 
-    def result(self, row: Any = None, /, **values: Any) -> Result:
-        """Make one run alone by `simulate`, with all outputs.
-
-        Parameters
-        ----------
-        row
-            A row of the table: of a DataFrame, or a Dataset at one point; or a mapping. Measures in it do not count.
-        values
-            Values of factors by the names of their columns, or of further start values.
-
-        Raises
-        ------
-        StudyError
-            If the value of a factor is missing.
-        SimulationError
-            If the run fails.
-
-        Examples
-        --------
-        >>> from orchestration import Study, scenario
-        >>> study = Study(scenario("fig2"), measure="max(abs(controller.e[1]))", stop_time=0.2)
-        >>> table = study.samples({"plant.K_f": "1e4:1e6 log"}, n=4).run()
-        >>> result = study.result(table.loc[2])
-        >>> float(abs(result.at_ticks("controller.e[1]")).max()) == table.loc[2, "max(abs(controller.e[1]))"]
-        True
-        """
-        variant, given = self._asked(row_of(row, values))
-        task, pointed = self._setting.task(variant, tuple(given))
-        targets = self._setting.targets(tuple(given))
-        numbers = [target.numbers([value])[0] for target, value in zip(targets, given.values(), strict=True)]
-        point = pointed(np.zeros(1, dtype=np.int64), np.array([numbers]))
-        return single_run(task, point.values[0], point.steps[0], task.everything)
-
-    def evaluate(self, values: Any = None, workers: int | None = None, **further: Any) -> Any:
-        """Make runs at values that are given now, as an optimizer needs it.
-
-        Parameters
-        ----------
-        values
-            Values by name for one run, or a DataFrame with a row for each run. Names are those of factors and of
-            start values.
-        workers
-            Number of threads for a DataFrame. Default: the number of cores that the process may use.
-        further
-            More values by name, the same for all runs.
-
-        Returns
-        -------
-        dict or DataFrame
-            Measures, ``status`` and ``message``: of one run as a dict, else as columns beside those that are given. A
-            run that failed has NaN.
-
-        Examples
-        --------
-        >>> from orchestration import Study, scenario
-        >>> study = Study(scenario("fig2"), measure="worst = max(abs(controller.e[1]))", stop_time=0.2)
-        >>> found = study.evaluate({"controller.K": 2000.0})
-        >>> found["status"], found["worst"] < 0.01  # m
-        ('complete', True)
-        """
-        if is_table(values):
-            return self._evaluated(values, further, worker_count(workers))
-        variant, given = self._asked(row_of(values, further))
-        rows = self._evaluator(variant, tuple(given)).rows([[value] for value in given.values()], 1)
-        return evaluated_row(tuple(self.units), rows)
-
-    def stability(self, at: float = 0.0) -> "xr.Dataset | pd.DataFrame":
+    def stability(self, at: float = 0.0) -> Any:
         """Predict for each run whether its algorithm is stable, without making the run.
 
         A verdict takes some tenths of a second, and seeds do not change it: leave them out.
@@ -269,41 +211,3 @@ class Study(StudyPlan):
         jobs = [self._setting.job(variant, self._design) for variant in self._setting.systems]
         columns, rows = predicted(jobs, self._columns, at)
         return table_of(columns, self._design, rows)
-
-    def _evaluated(self, table: "pd.DataFrame", further: Mapping[str, Any], workers: int) -> "pd.DataFrame":
-        """Measures of a DataFrame's rows, which are runs of one variant."""
-        columns = {str(name): table[name].to_numpy() for name in table.columns if name not in further}
-        columns |= {name: [value] * len(table) for name, value in further.items()}
-        variants = set(columns.pop(SYSTEM, [None]))
-        if len(variants) > 1:
-            msg = f"The rows are of several systems, {', '.join(map(str, variants))}; evaluate them one by one."
-            raise StudyError(msg)
-        variant, given = self._asked(columns | {SYSTEM: variants.pop()})
-        rows = self._evaluator(variant, tuple(given)).rows(list(given.values()), workers)
-        return evaluated_frame(tuple(self.units), table, rows)
-
-    def _asked(self, given: Mapping[str, Any]) -> tuple[str, dict[Factor, Any]]:
-        """The variant and the factors that values by name mean, after a check that no factor is missing.
-
-        Raises
-        ------
-        StudyError
-            If a factor with several levels, or the variant, is missing.
-        """
-        columns, factors = self._columns.factors, self._design.factors
-        known = all_names(columns, self._setting.targets(factors))
-        found = asked(given, known, tuple(self.units))
-        for name, factor in zip(columns, factors, strict=True):
-            if factor not in found:
-                needed = ", ".join(f"{column}=..." for column in columns)
-                msg = f"The value of {name} is missing; give {needed}, or a row of the table."
-                raise StudyError(msg)
-        return self._setting.variant(given.get(SYSTEM)), found
-
-    def _evaluator(self, variant: str, factors: tuple[Factor, ...]) -> Evaluator:
-        """What makes runs at values of certain factors; it stays ready for the next call."""
-        kept = self.__dict__.setdefault("_evaluators", {})
-        key = (variant, factors)
-        if key not in kept:
-            kept[key] = Evaluator(self._setting, variant, factors)
-        return kept[key]

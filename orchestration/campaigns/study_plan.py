@@ -167,6 +167,13 @@ class StudyPlan:
         ------
         StudyError
             If a seed is not a whole number, or the system has no seed or several ones and `of` is not given.
+
+        Examples
+        --------
+        >>> from orchestration import Study, scenario
+        >>> study = Study(scenario("fig7"), measure="max(norm(controller.e))").grid({"plant.K_f": [1e4, 1e5]})
+        >>> study.seeds("1-30").points.tail(1).values.tolist()
+        [[100000.0, 30.0]]
         """
         numbers = seed_numbers(seeds)
         return self.grid(Factor(SEED, of or SEED, numbers))

@@ -24,6 +24,7 @@ from orchestration.results.places import partial_path
 if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
+    from rich.console import Console
 
     from orchestration.campaigns.study import Study
     from orchestration.master.progress import ProgressLine
@@ -67,7 +68,7 @@ def _run(request: SweepRequest, report: SweepReport, line: "ProgressLine") -> No
         require_folder(folder)
     existed = request.out is not None and request.out.exists()
     line.begin("preparing the runs")
-    table = _table(study, request, report, Tally(goal) if output.quiet else _Bar(goal, line))
+    table = _table(study, request, report, Tally(goal) if output.quiet else RunBar(goal, line))
     line.end()
     report.take(frame_of(table), tuple(study.points.columns), study.units)
     _tell(report)
@@ -82,11 +83,19 @@ def _run(request: SweepRequest, report: SweepReport, line: "ProgressLine") -> No
         output.say(f"{counted(len(report.pictures), 'file')} with pictures in {request.plot}")
 
 
-class _Bar(ProgressBar):
-    """Shows the count of runs in the place of what was shown before."""
+class RunBar(ProgressBar):
+    """Shows the count of runs in the place of what was shown before.
 
-    def __init__(self, goal: Goal | None, line: "ProgressLine") -> None:
-        super().__init__(goal)
+    Parameters
+    ----------
+    goal, console
+        As of `ProgressBar`.
+    line
+        What shows other things; it is hidden while runs are counted on a terminal.
+    """
+
+    def __init__(self, goal: Goal | None, line: "ProgressLine", console: "Console | None" = None) -> None:
+        super().__init__(goal, console)
         self._line = line
 
     def show(self) -> bool:
@@ -136,7 +145,7 @@ def _rescue(table: "xr.Dataset | pd.DataFrame", out: Path, report: SweepReport) 
     """Write the rows of a campaign that was interrupted beside the file for the whole table."""
     frame, file = frame_of(table), partial_path(out)
     existed = file.exists()
-    made = frame[frame["status"] != MISSING]
+    made = frame.query(f"status != '{MISSING}'")
     write_table(made, file)
     report.file = file
     output.remark(f"{written(file, existed=existed)}: the {len(made)} rows before that")

@@ -80,7 +80,7 @@ class SweepReport:
             Units by the names of the measures.
         """
         self.factors, self.runs = tuple(factors), len(frame)
-        self.complete = int((frame["status"] == COMPLETE).sum())
+        self.complete = list(frame["status"]).count(COMPLETE)
         self.failed = self.runs - self.complete
         self.failures = commonest([str(message) for message in frame["message"][frame["status"] != COMPLETE]])
         self.measures = {name: _extremes(frame, name, unit, factors) for name, unit in units.items()}

@@ -3,6 +3,7 @@
 import math
 import re
 from collections.abc import Iterable
+from functools import cache
 
 import jinja2
 
@@ -84,8 +85,9 @@ def c_number(value: float) -> str:
     return repr(float(value))
 
 
+@cache
 def environment() -> jinja2.Environment:
-    """Return the templates of this package, in which an undefined name is an error."""
+    """Return the templates of this package, in which an undefined name is an error; each is compiled once."""
     found = jinja2.Environment(
         loader=jinja2.PackageLoader("orchestration.containers"),
         undefined=jinja2.StrictUndefined,

@@ -1,5 +1,6 @@
 """Which components of a run live in processes of their own, and what such a process may do."""
 
+import sys
 from collections.abc import Collection
 from dataclasses import dataclass
 
@@ -7,6 +8,8 @@ from orchestration.errors import SystemDescriptionError
 from orchestration.fmi.given import positive, require_names, shown
 
 GIBIBYTE = 1024**3
+CAN_ISOLATE = sys.platform != "win32"
+"""Whether this system can isolate FMUs; on Windows a process inherits no sockets."""
 
 
 @dataclass(frozen=True)

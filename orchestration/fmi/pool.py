@@ -91,6 +91,11 @@ class PooledFmu:
         return not self.instances or any(instance.is_lost for instance in self.instances)
 
     @property
+    def is_overdue(self) -> bool:
+        """Whether the process of an isolated FMU was ended because a call took longer than its time limit."""
+        return self._process is not None and self._process.overdue
+
+    @property
     def can_save(self) -> bool:
         """Whether the FMU declares that its state can be saved."""
         return self.description.can(SAVES_STATE)

@@ -7,7 +7,6 @@ process has ended, each call returns fmi2Fatal, or no instance, at once.
 import ctypes as ct
 import os
 import select
-import sys
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from functools import cache
@@ -17,7 +16,7 @@ from typing import Any
 from orchestration.errors import ArchiveError
 from orchestration.fmi import signatures
 from orchestration.fmi.codes import Status
-from orchestration.fmi.isolation import Isolation
+from orchestration.fmi.isolation import CAN_ISOLATE, Isolation
 from orchestration.fmi.library import Library
 from orchestration.fmi.logging import Message, heard
 from orchestration.fmi.remote_arguments import deliver, outward, types
@@ -49,7 +48,7 @@ def start_process(isolation: Isolation, n_variables: int) -> RemoteProcess:
     ArchiveError
         If this system cannot isolate FMUs.
     """
-    if sys.platform == "win32":
+    if not CAN_ISOLATE:
         msg = "FMUs cannot be isolated on Windows, where a process inherits no sockets; run without isolation."
         raise ArchiveError(msg)
     from orchestration.fmi.remote_calls import server

@@ -104,6 +104,15 @@ class OpenSystem:
         """Ids of the processes in which isolated FMUs live."""
         return [process for fmu in self.fmus.values() if (process := fmu.process) is not None]
 
+    @property
+    def is_overdue(self) -> bool:
+        """Whether a process was ended because a call took longer than its time limit."""
+        return any(fmu.is_overdue for fmu in self.fmus.values())
+
+    def reused(self, ways: Ways) -> Ways:
+        """Those of the ways that do not load their FMU."""
+        return {key: way for key, way in ways.items() if way != Reuse.FRESH and not self.fmus[key].is_lost}
+
     def unload(self) -> None:
         """Unload all FMUs; the next run loads them again."""
         for fmu in self.fmus.values():

@@ -7,7 +7,7 @@
 Each run has the bits of `simulate`, and fails with the errors of `simulate`.
 """
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 from types import TracebackType
@@ -15,7 +15,7 @@ from typing import Self
 
 import numpy as np
 
-from orchestration.errors import OrchestrationError
+from orchestration.errors import OrchestrationError, SimulationError
 from orchestration.fmi.isolation import Isolation
 from orchestration.fmi.pool import Reuse
 from orchestration.master.algorithm import Algorithm, find_algorithm
@@ -57,6 +57,10 @@ class Reruns:
         As for `orchestration.simulate`.
     options
         As for `orchestration.simulate`; the runs have neither time series nor changes nor a pace.
+    trusted
+        Components whose FMUs do not wear out. A run that fails is made once more with all other FMUs just loaded, if
+        they were not: they may have leaked memory or files from run to run. A run that takes longer than the time limit
+        of an isolated FMU is not made again.
     learned
         What is known of the FMUs, to be shared with other objects of the same system.
 
@@ -73,12 +77,13 @@ class Reruns:
         algorithm: str | Algorithm = "gauss-seidel",
         options: Options | None = None,
         *,
+        trusted: Collection[str] = (),
         learned: Learned | None = None,
     ) -> None:
         self.system, self.stop_time, self.algorithm = system, stop_time, find_algorithm(algorithm)
         self._named = repr(algorithm) if isinstance(algorithm, Algorithm) else self.algorithm.name
         self._options = replace(options or Options(), progress=self._go_on)
-        self.learned = learned or Learned()
+        self.learned, self._trusted = learned or Learned(), frozenset(trusted)
         self._isolation: Isolation | None = self._options.isolation
         self._open = self._fresh = OpenSystem(system, self._isolation)
         self._last: _Point | None = None
@@ -119,7 +124,14 @@ class Reruns:
                 return self._learning(point)
             finally:
                 self.learned.learning.release()
-        return self._made(self._open, point, ways or {})
+        ways = ways or {}
+        worn = any(not self._trusted.issuperset(key) for key in self._open.reused(ways))
+        try:
+            return self._made(self._open, point, ways)
+        except SimulationError:
+            if not worn or self._ended or self._open.is_overdue:
+                raise
+        return self._made(self._open, point, self._ways_of_trusted())
 
     @property
     def processes(self) -> list[int]:
@@ -135,6 +147,11 @@ class Reruns:
     def close(self) -> None:
         """Close the FMUs; a second call does nothing."""
         self._open.close()
+
+    def _ways_of_trusted(self) -> Ways:
+        """Ways in which all FMUs are loaded but those that are trusted."""
+        ways = self.learned.ways(self._open) or {}
+        return {key: way for key, way in ways.items() if self._trusted.issuperset(key)}
 
     def _learning(self, point: _Point) -> Result:
         """Make a run with FMUs just loaded, and find out whether the FMUs that have been run make it as well."""

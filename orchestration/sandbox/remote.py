@@ -86,6 +86,8 @@ class RemoteProcess:
         Descriptors of the socket whose bytes wake the other process, and of that for messages.
     ending
         How the process ended, as the end of a sentence; empty while it lives.
+    overdue
+        Whether the process was ended because a call took longer than the time limit.
     said
         Texts that the process has said and nobody has taken yet, the newest `MOST_SAID` of them.
     """
@@ -99,6 +101,7 @@ class RemoteProcess:
         memory_limit: int | None = None,
     ) -> None:
         self.time_limit, self.memory_limit = time_limit, memory_limit
+        self.overdue = False
         self.ending, self.said = "", deque[str](maxlen=MOST_SAID)
         self._used = 0  # bytes of memory that the process has used at most
         self._replies: deque[Any] = deque()
@@ -179,6 +182,7 @@ class RemoteProcess:
             if ready():
                 return
             if end is not None and time.monotonic() > end:
+                self.overdue = not interrupted
                 self._fail("was interrupted" if interrupted else f"did not return within {limit:g} s")
             if asked() and not interrupted:
                 interrupted, end = True, time.monotonic() + GRACE

@@ -1,8 +1,9 @@
-"""The program of the fresh processes that `tests.benchmarks.start` measures; it prints a JSON object.
+"""The program of the fresh processes that benchmarks measure; it prints a JSON object.
 
     python -m tests.benchmarks.child import MODULE
     python -m tests.benchmarks.child simulate FMU ALGORITHM
     python -m tests.benchmarks.child memory FMU N_ROWS [PARQUET]
+    python -m tests.benchmarks.child campaign N_RUNS
 
 FMU is a model of `tests.benchmarks.trivial`. Nothing but the standard library is imported at first.
 """
@@ -20,7 +21,9 @@ N_MEMORY_UNITS = 4
 def main(arguments: list[str]) -> None:
     """Do it, and print the numbers."""
     work, *rest = arguments
-    found = {"import": time_import, "simulate": time_simulate, "memory": measure_memory}[work](*rest)
+    found = {"import": time_import, "simulate": time_simulate, "memory": measure_memory, "campaign": measure_campaign}[
+        work
+    ](*rest)
     sys.stdout.write(json.dumps(found) + "\n")
 
 
@@ -67,6 +70,40 @@ def measure_memory(fmu: str, n_rows: str, parquet: str | None = None) -> dict[st
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     unit = 1 if sys.platform == "darwin" else 1024  # of ru_maxrss, bytes
     return {"peak": peak * unit, "peak_before": before * unit, "size": size, "seconds": seconds}
+
+
+def measure_campaign(n_runs: str) -> dict[str, float]:
+    """Peak memory of a study of many short runs when a tenth of them is made, and at the end; bytes."""
+    import resource
+
+    from orchestration.campaigns.study import Study
+    from orchestration.paper.ready import scenario
+
+    peaks: list[float] = []
+
+    class Watch:
+        """Takes the peak after each chunk from a tenth of the runs on."""
+
+        def __init__(self) -> None:
+            self.made = 0
+
+        def begin(self, total: int, _names: object, _place: object) -> None:
+            self.total = total
+
+        def add(self, outcomes: Any, _kept: bool) -> None:
+            self.made += len(outcomes.numbers)
+            if self.made >= self.total / 10:
+                peaks.append(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
+
+        def end(self) -> None:
+            """The last peak is taken with the last chunk."""
+
+    system = scenario("fig7").with_sample_time(1e-4)
+    study = Study(system, measure=["peak_force", "max_e"], stop_time=1e-3)
+    walls = [1e4 + k for k in range(int(n_runs))]  # N/m
+    study.grid({"plant.K_f": walls}).run(workers=2, progress=Watch())
+    unit = 1 if sys.platform == "darwin" else 1024  # of ru_maxrss, bytes
+    return {"tenth": peaks[0] * unit, "end": peaks[-1] * unit}
 
 
 def chain(fmu: str, n_fmus: int) -> Any:

@@ -10,7 +10,7 @@ import pytest
 
 from adaptimp_fmu import host_platform
 from orchestration.paper.built_fmus import find_scenario, fmus
-from tests.benchmarks import containers, isolation, master, overhead, scale, scaling, start
+from tests.benchmarks import campaign, containers, isolation, master, overhead, reruns, scale, scaling, start
 from tests.benchmarks.forms import CProgram
 from tests.benchmarks.rig import BenchmarkError, Rig
 from tests.benchmarks.sizes import BINARY_LIMIT, MODULE_LIMIT
@@ -178,6 +178,15 @@ def test_isolation_measures_each_choice(tmp_path: Path) -> None:
     assert all(seconds > 0 for seconds in result["start_seconds"].values())
 
 
+@pytest.mark.skipif("sys.platform == 'win32'", reason="FMUs are not isolated on Windows")
+def test_reruns_measure_both_kinds_of_runs(tmp_path: Path) -> None:
+    file = tmp_path / "reruns.json"
+    assert reruns.main(["--json", str(file), "--repetitions", "1"]) == 0
+    found = json.loads(file.read_text(encoding="utf-8"))["runs"]
+    assert set(found) == {*reruns.CHOICES, "crash"}
+    assert all(times["kept_open"] > 0 for times in found.values())
+
+
 @pytest.mark.skipif("sys.platform == 'win32'", reason="peak memory is asked from the module resource of Unix")
 def test_start_measures_fresh_processes() -> None:
     memory = start.measure_memory(1000)
@@ -191,6 +200,26 @@ def test_start_measures_fresh_processes() -> None:
 def test_a_process_that_fails_is_an_error() -> None:
     with pytest.raises(RuntimeError, match="no_such_module"):
         start.child("import", "no_such_module")
+
+
+@pytest.mark.skipif("sys.platform == 'win32'", reason="peak memory is asked from the module resource of Unix")
+def test_campaign_writes_its_numbers(tmp_path: Path) -> None:
+    file = tmp_path / "campaign.json"
+    numbers = ("--runs", "4", "--repetitions", "1", "--fmpy-runs", "2", "--memory-runs", "40", "--stop-time", "0.02")
+    assert campaign.main([*numbers, "--json", str(file)]) == 0
+    result = json.loads(file.read_text(encoding="utf-8"))
+    assert all(result[variant]["minimum_ns"] > 0 for variant in ("bare", "engine"))
+    for times in (result["study"], result["one/two"], result["fmpy_per_run"]):
+        assert times["wall"] > 0
+        assert times["processor"] > 0
+    assert result["rss"]["end"] >= result["rss"]["tenth"] > 0
+    assert len(result["goals"]) == 5
+
+
+def test_a_sweep_over_fmpy_that_measures_something_else_is_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(campaign, "time_sweep", lambda _sweep, rows, _workers: ({}, np.zeros((len(rows), 3))))
+    with pytest.raises(BenchmarkError, match="The sweep over fmpy measures something else"):
+        campaign._beside_fmpy(campaign._system(), 2, 0.02)
 
 
 def test_scale_measures_three_sizes_of_each_wiring(tmp_path: Path) -> None:

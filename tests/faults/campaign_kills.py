@@ -10,6 +10,7 @@ up again until it is complete; then the next one begins, until there were as man
 """
 
 import argparse
+import os
 import random
 import subprocess
 import sys
@@ -23,6 +24,7 @@ from typing import Any
 from rich.console import Console
 
 from orchestration.campaigns.store.store import Store
+from tests.bytecode import PREFIX, SWITCHED_OFF
 
 WARNINGS = ("-W", "error::UserWarning")  # of damaged files, say
 PROGRAM = """
@@ -127,7 +129,9 @@ class Trial:
         """A process that makes the runs which the store has not."""
         self._log(name).unlink(missing_ok=True)
         command = [sys.executable, *WARNINGS, "-c", PROGRAM, str(self.folder / name), str(self._log(name))]
-        return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        own = {PREFIX: os.environ.get(PREFIX, str(self.folder / "bytecode"))}  # so that only the first one compiles
+        environment = {name: value for name, value in (os.environ | own).items() if name != SWITCHED_OFF}
+        return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=environment)
 
     def _wait_for_word(self, process: "subprocess.Popen[str]") -> None:
         """Wait until a process begins to make runs, has made them, or ends."""

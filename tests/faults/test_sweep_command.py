@@ -13,6 +13,7 @@ import xarray as xr
 from orchestration import Study, System
 from orchestration.campaigns.progress import Tally
 from orchestration.cli.sweep_report import SweepReport
+from orchestration.paper.studies.ready import READY_STUDIES, ReadyStudy
 from tests.faults.cli import Command, Outcome
 
 PAGE = Path(__file__).parents[2] / "docs" / "campaigns.md"
@@ -57,9 +58,10 @@ def test_a_terminal_reads_counts_and_extremes(adaptimp: Command, study: Study) -
     assert outcome.err == ""
     assert re.match(r"fig2: 6 runs: 6 complete, 0 failed; \S+ runs/s, \S+ s\n", outcome.out)
     line = next(line for line in outcome.out.splitlines() if line.startswith("depth"))
-    at = table["depth"].where(table["depth"] == table["depth"].min(), drop=True)
-    place = f"K_f={float(at['K_f'][0]):g}, K={float(at['K'][0]):g}"
-    assert " ".join(line.split()) == f"depth m min {float(table['depth'].min()):.6g} {place}"
+    frame = table.to_dataframe().reset_index()
+    at = frame.loc[frame["depth"].idxmin()].to_dict()
+    place = f"K_f={at['K_f']:g}, K={at['K']:g}"
+    assert " ".join(line.split()) == f"depth m min {at['depth']:.6g} {place}"
 
 
 def documented() -> list[str]:
@@ -78,10 +80,11 @@ def read(outcome: Outcome) -> dict[str, Any]:
 
 def test_the_object_has_the_documented_keys(adaptimp: Command, study: Study) -> None:
     table = study.run()
+    assert isinstance(table, xr.Dataset)
     found = read(adaptimp("sweep", *GRID, "--json"))
     assert (found["status"], found["runs"], found["complete"], found["failed"]) == ("complete", 6, 6, 0)
     assert found["factors"] == ["K_f", "K"]
-    assert found["measures"]["depth"]["max"] == float(table["depth"].max())
+    assert found["measures"]["depth"]["max"] == table["depth"].to_numpy().max()
     refused = read(adaptimp("sweep", "fig2", "--vary", "plant.K=1,2", *MEASURES, "--json"))
     assert (refused["status"], refused["exit_code"], refused["runs"]) == ("refused", 2, 0)
 
@@ -187,6 +190,15 @@ def test_a_dry_run_makes_no_table(adaptimp: Command, tmp_path: Path) -> None:
     assert not list(tmp_path.iterdir())
 
 
+def test_a_dry_run_of_steps_and_of_too_many_runs(adaptimp: Command) -> None:
+    steps = adaptimp("sweep", "fig2", "--vary", "sample_time=1e-4,1e-3", *MEASURES, *SHORT, "--dry-run")
+    assert steps.out.startswith("fig2: 2 runs, 10 to 100 steps each (0.01 s)\n")
+    many = ("--vary", "K_f=1:2:100000", "--vary", "m=1:2:100000", "--seeds", "1-10")
+    assert adaptimp("sweep", "fig2", *many, *MEASURES, "--dry-run").out == (
+        "fig2: 100000000000 runs, too many to list their factors\n"
+    )
+
+
 def test_the_same_study_from_a_file(adaptimp: Command, tmp_path: Path) -> None:
     text = f'system = "fig2"\nstop = 0.01\nmeasure = ["{DEPTH}", "max(abs(controller.e[1]))"]\n'
     text += 'vary = {"plant.K_f" = "1e4:1e6:3log", "controller.K" = [2000, 4000]}\n'
@@ -194,6 +206,24 @@ def test_the_same_study_from_a_file(adaptimp: Command, tmp_path: Path) -> None:
     assert adaptimp("sweep", *GRID, "-o", "options.csv").code == 0
     assert adaptimp("sweep", "study.toml", "-o", "file.csv").code == 0
     assert (tmp_path / "file.csv").read_bytes() == (tmp_path / "options.csv").read_bytes()
+
+
+def test_ready_studies_are_listed_and_run(
+    adaptimp: Command, study: Study, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    listed = json.loads(adaptimp("sweep", "--ready", "--json").out)
+    assert listed == {name: ready.summary for name, ready in READY_STUDIES.items()}
+    text = adaptimp("sweep", "--ready").out
+    assert all(re.search(rf"^{re.escape(name)}  +\w", text, re.MULTILINE) for name in listed)
+    first = next(iter(listed))
+    assert f"did you mean {first}" in adaptimp("sweep", "--ready", f"{first}s").sentence
+    small = {"small": ReadyStudy("A small one", lambda: study)}
+    monkeypatch.setattr("orchestration.paper.studies.ready.READY_STUDIES", small)
+    assert adaptimp("sweep", "--ready", "small", "-o", "ready.csv").out.startswith(
+        "small: 6 runs: 6 complete, 0 failed"
+    )
+    assert adaptimp("sweep", *GRID, "-o", "options.csv").code == 0
+    assert (tmp_path / "ready.csv").read_bytes() == (tmp_path / "options.csv").read_bytes()
 
 
 def test_variants_share_points_and_samples(adaptimp: Command, tmp_path: Path) -> None:

@@ -23,7 +23,7 @@
 
 enum { NOTHING, CRASH, HANG, END, DIVERGE, REFUSE, DISCARD, TERMINATE, FATAL, NOT_A_NUMBER };
 
-static int starts; /* of all instances of this library */
+static int starts, resets; /* of all instances of this library */
 
 static void begin(Model *m) {
     m->time = m->real[1] = 0, m->real[0] = 3, m->real[2] = 1, m->real[3] = 0.5;
@@ -45,6 +45,7 @@ FMI2_Export fmi2Status fmi2Reset(fmi2Component c) {
     if (is(m, "keeps after failures") && m->integer[1]) return m->initialized = 0, fmi2OK;
     begin(m);
     m->real[1] = kept;
+    resets++;
     return fmi2OK;
 }
 #endif
@@ -84,5 +85,6 @@ FMI2_Export fmi2Status fmi2DoStep(fmi2Component c, fmi2Real t, fmi2Real h, fmi2B
     UNUSED(keep);
     m->real[1] += h * (m->real[2] + m->real[0] / 10);
     m->time = t + h;
+    if (is(m, "wears out") && resets > 3) return say(m, fmi2Error, "too many files are open", t), fmi2Error;
     return t + h > m->real[3] + 1e-9 ? done(m, t) : fmi2OK;
 }

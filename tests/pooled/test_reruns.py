@@ -183,3 +183,21 @@ def test_a_sample_time_may_differ_from_run_to_run() -> None:
         for step in (1e-4, 1e-3, 5e-4):
             truth = simulate(system.with_sample_time(step), 0.01, step)
             assert runs.run(dict.fromkeys(sampled, step), step) == truth
+
+
+@pytest.mark.parametrize("isolate", [(), ("m",)])
+def test_a_run_that_fails_since_an_fmu_wears_out_is_made_again(pooled: Pooled, isolate: tuple[str, ...]) -> None:
+    system = pooled("wears out")
+    with Reruns(system, STOP, options=Options(isolate=isolate)) as runs:
+        for k in range(12):
+            point = {"m.p": float(k)}
+            assert runs.run(point, STEP)["m.y"].tolist() == simulate(system.set(point), STOP, STEP)["m.y"].tolist()
+        assert ways(runs) == [Reuse.RESET, Reuse.RESET]
+        assert ways(runs, After.FAILURE) == [None, None]
+
+
+def test_a_run_of_fmus_that_are_trusted_is_not_made_again(pooled: Pooled) -> None:
+    system = pooled("wears out")
+    with Reruns(system, STOP, trusted=["source", "m"]) as runs:
+        failures = [isinstance(outcome(runs.run, {"m.p": float(k)}, STEP), str) for k in range(8)]
+    assert failures.index(True) == 4

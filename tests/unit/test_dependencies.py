@@ -1,6 +1,7 @@
 """What the packages import is what pyproject.toml declares, neither less nor more."""
 
 import ast
+import itertools
 import re
 import sys
 import tomllib
@@ -28,5 +29,6 @@ def imported() -> set[str]:
 
 def test_imports_are_declared_and_declarations_are_imported() -> None:
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-    declared = {re.split(r"[<>=!~;\[ ]", line)[0].lower() for line in project["dependencies"]}
+    lines = itertools.chain(project["dependencies"], *project["optional-dependencies"].values())
+    declared = {re.split(r"[<>=!~;\[ ]", line)[0].lower() for line in lines}
     assert imported() - FOR_TESTS == declared

@@ -88,8 +88,9 @@ class ClusterExecutor:
         """Chunks in flight to the workers."""
         from orchestration.campaigns.cluster.flights import Flights
 
-        self._at_work = [*self._at_work, Flights(self._connection, self._payload.name, chunks, at_once)][-2:]
-        return self._at_work[-1]
+        flights = Flights(self._connection, self._payload.name, chunks, at_once)
+        self._at_work.append(flights)
+        return flights
 
     def _failed(self, points: Points, error: "KilledWorker") -> Outcomes:
         """The outcome of a run that ends the worker that makes it."""

@@ -7,6 +7,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, fields
 from functools import cached_property
 from pathlib import Path
+from pickle import PicklingError
 from sysconfig import get_path
 from types import ModuleType
 from typing import Any
@@ -14,6 +15,7 @@ from typing import Any
 from adaptimp_fmu.files.temporary_folder import temporary_folder
 from orchestration.campaigns.engine import Engine
 from orchestration.campaigns.task import Task
+from orchestration.errors import ClusterError, printable
 from orchestration.system.system import System
 
 MakeEngine = Callable[[Task], Engine]
@@ -44,13 +46,18 @@ class Payload:
         ------
         SystemDescriptionError
             If an SSP package cannot hold the system.
-        TypeError, pickle.PicklingError
+        ClusterError
             If a measure refers to something that cannot be sent, such as an open file.
         """
         others = {field.name: getattr(task, field.name) for field in fields(task) if field.name != "system"}
+        try:
+            rest = _pickled((others, make_engine), [m.function for m in task.measures])
+        except (TypeError, PicklingError) as error:
+            names = printable(", ".join(task.measure_names), 200)
+            msg = f"A function among the measures {names} cannot be sent to workers: {printable(error, 500)}."
+            raise ClusterError(msg) from error
         with temporary_folder() as folder:
-            package = task.system.write(folder / _FILE).read_bytes()
-        return cls(package, _pickled((others, make_engine), [m.function for m in task.measures]))
+            return cls(task.system.write(folder / _FILE).read_bytes(), rest)
 
     @cached_property
     def name(self) -> str:

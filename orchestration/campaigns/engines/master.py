@@ -37,6 +37,7 @@ class MasterEngine:
     def __init__(self, task: Task) -> None:
         self.task = task
         self._options = Options(record=_recorded(task), isolate=isolation_of(task))
+        self._own = [name for name in task.system if name not in foreign_components(task)]
         self._learned = Learned()
         self._idle: list[Reruns] = []
         self._busy: set[Reruns] = set()
@@ -91,8 +92,8 @@ class MasterEngine:
                 self._change.notify_all()
 
     def _opened(self) -> Reruns:
-        task = self.task
-        return Reruns(task.system, task.stop_time, task.algorithm, self._options, learned=self._learned)
+        task, shared = self.task, {"trusted": self._own, "learned": self._learned}
+        return Reruns(task.system, task.stop_time, task.algorithm, self._options, **shared)
 
     def _row(self, runs: Reruns, values: np.ndarray, step: float) -> tuple[tuple[float, ...], str]:
         """Measures of a run, and why it failed."""

@@ -9,6 +9,7 @@ A reader that misses a file which has just gone looks again, because the rows ar
 import hashlib
 import os
 import secrets
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -90,7 +91,7 @@ def write_rows(place: Place, table: "pa.Table", *, on_disk: bool = False) -> Pat
         If the file cannot be written.
     """
     content = _parquet(table)
-    path = place.rows / f"{hashlib.sha256(content).hexdigest()[:_NAME]}{SUFFIX}"
+    path = place.rows / _name(content)
     draft, descriptor = _draft(place.drafts)
     try:
         with os.fdopen(descriptor, "wb") as file:  # its lock says that the draft has a living owner
@@ -121,8 +122,7 @@ def remove_drafts_of_dead_processes(drafts: Path) -> None:
 def read_rows(folder: Path, columns: Sequence[str] | None = None) -> Iterator["tuple[Path, pa.Table]"]:
     """Read the tables in a folder, also while other processes add files and merge them.
 
-    A file that is damaged or no file of a store causes a `StoreWarning`, and stays where it is. So does a file whose
-    columns differ from those of the first file, if all columns are read.
+    A file that is damaged or no file of a store causes a `StoreWarning`, and stays where it is.
 
     Parameters
     ----------
@@ -137,7 +137,6 @@ def read_rows(folder: Path, columns: Sequence[str] | None = None) -> Iterator["t
         Path and table of each file. A run may be in several tables.
     """
     seen: set[Path] = set()
-    first: pa.Schema | None = None
     while True:
         new = [path for path in sorted(folder.glob(f"*{SUFFIX}")) if path not in seen]
         if not new:
@@ -148,13 +147,20 @@ def read_rows(folder: Path, columns: Sequence[str] | None = None) -> Iterator["t
             except FileNotFoundError:  # another process has merged it; the next look finds the new file
                 continue
             seen.add(path)
-            if table is None:
-                continue
-            first = first or table.schema
-            if columns is None and table.schema != first:
-                warn_caller(f"{path} has other columns than the files beside it; move it elsewhere.", StoreWarning)
-                continue
-            yield path, table
+            if table is not None:
+                yield path, table
+
+
+def read_study(folder: Path) -> "dict[Path, pa.Table]":
+    """Read all tables of one study, by file; a file with other columns than most rows have causes a `StoreWarning`."""
+    found, rows = dict(read_rows(folder)), Counter[str]()
+    for table in found.values():
+        rows[str(table.schema)] += table.num_rows
+    common = max(rows, key=rows.__getitem__, default="")
+    for path in [path for path, table in found.items() if str(table.schema) != common]:
+        warn_caller(f"{path} has other columns than the files beside it; move it elsewhere.", StoreWarning)
+        del found[path]
+    return found
 
 
 def merge(place: Place) -> None:
@@ -167,7 +173,7 @@ def merge(place: Place) -> None:
     OSError
         If the file cannot be written. Then all files stay as they are.
     """
-    found = dict(read_rows(place.rows))
+    found = read_study(place.rows)
     if len(found) < 2:
         return
     replace_rows(place, list(found), without_duplicates(list(found.values())))
@@ -204,6 +210,11 @@ def _parquet(table: "pa.Table") -> bytes:
     return sink.getvalue().to_pybytes()
 
 
+def _name(content: bytes) -> str:
+    """Name of a file with a content."""
+    return f"{hashlib.sha256(content).hexdigest()[:_NAME]}{SUFFIX}"
+
+
 def _draft(folder: Path) -> tuple[Path, int]:
     """Path and descriptor of a new draft, locked by this process."""
     while True:
@@ -215,16 +226,21 @@ def _draft(folder: Path) -> tuple[Path, int]:
 
 
 def _read(path: Path, columns: Sequence[str] | None) -> "pa.Table | None":
-    """The table of a file; None if it lacks columns, or with a warning if it cannot be read."""
+    """The table of a file; None if it lacks columns, or with a warning if it cannot be used."""
     import pyarrow as pa
     from pyarrow.parquet import ParquetFile
 
     try:
-        with path.open("rb") as file, ParquetFile(file) as source:
-            refusal = _refusal(source.metadata.metadata)
-            if refusal is None:
-                lacking = columns is not None and not set(columns) <= set(source.schema_arrow.names)
-                return None if lacking else source.read(None if columns is None else list(columns))
+        content = path.read_bytes()
+        if _name(content) == path.name:
+            with ParquetFile(pa.BufferReader(content)) as source:
+                version = (source.metadata.metadata or {}).get(MARK, b"none")
+                if version == FORMAT:
+                    lacking = columns is not None and not set(columns) <= set(source.schema_arrow.names)
+                    return None if lacking else source.read(None if columns is None else list(columns))
+                refusal = f"has format {version.decode(errors='replace')}, not {FORMAT.decode()}"
+        else:
+            refusal = "is damaged, or is no file of a store"
     except FileNotFoundError:
         raise
     except (pa.ArrowException, OSError, ValueError) as error:
@@ -232,11 +248,3 @@ def _read(path: Path, columns: Sequence[str] | None) -> "pa.Table | None":
     msg = f"{path} {refusal}; its runs are made anew where they are asked for. Move the file elsewhere."
     warn_caller(msg, StoreWarning)
     return None
-
-
-def _refusal(metadata: "dict[bytes, bytes] | Any") -> str | None:
-    """Why a file is none of this version's, from its metadata; None if it is one."""
-    version = (metadata or {}).get(MARK)
-    if version is None:
-        return "is no file of a store"
-    return None if version == FORMAT else f"has format {version.decode(errors='replace')}, not {FORMAT.decode()}"

@@ -21,7 +21,13 @@ from adaptimp_fmu.files.whole_file import SUFFIX as DRAFT
 from adaptimp_fmu.files.whole_file import write_whole
 from orchestration.campaigns.engine import Points
 from orchestration.campaigns.store.keys import RunKeys
-from orchestration.campaigns.store.row_files import Place, read_rows, remove_drafts_of_dead_processes, store_errors
+from orchestration.campaigns.store.row_files import (
+    Place,
+    read_rows,
+    read_study,
+    remove_drafts_of_dead_processes,
+    store_errors,
+)
 from orchestration.campaigns.store.row_table import Found, RowColumns, Search, without_duplicates
 from orchestration.campaigns.store.studies import UNFINISHED, StoredStudy, read_studies, write_study
 from orchestration.campaigns.store.writer import RowWriter
@@ -123,7 +129,7 @@ class Store:
         StoreError
             If the store has no runs of the study.
         """
-        tables = [table for _, table in read_rows(self._place(study).rows)]
+        tables = list(read_study(self._place(study).rows).values())
         if not tables:
             known = ", ".join(found.identity for found in self.studies()) or "none"
             msg = f"{self.folder}: there are no runs of study {study}; the studies in the store are: {known}."

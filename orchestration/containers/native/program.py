@@ -10,7 +10,6 @@ The library is compiled with the flags of the FMUs and makes the steps of `orche
 import ctypes
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -25,6 +24,7 @@ from orchestration.containers.native.sentences import failure_sentence, refusal
 from orchestration.containers.native.sources import NativeSources, native_sources
 from orchestration.containers.plan import GAUSS_SEIDEL
 from orchestration.errors import ContainerError, SimulationError
+from orchestration.fmi.description import SAMPLE_TIME
 from orchestration.master.time_grid import fixed_grid
 from orchestration.results.measures.expression import Reduction
 from orchestration.results.result import Result
@@ -109,6 +109,7 @@ class NativeProgram:
         self._common = np.array([number[path] for path in sources.common], np.uint32)
         self._common_values = np.array(list(sources.common.values()), float)
         self._paths = (*sources.common, *self.varied)
+        self._units = {path: system.resolve(path)[1].unit for path in self.record}
         self._types = [sources.plan.variables[number[path]].variable.type for path in self._paths]
 
     @classmethod
@@ -237,15 +238,12 @@ class NativeProgram:
         runs = self.runs(values[None, :], np.array([step]), stop_time, start_time)
         if runs.messages[0]:
             raise SimulationError(runs.messages[0])
-        system = self.system.set(dict(zip(self.varied, values.tolist(), strict=True)))
+        given = dict(zip(self.varied, values.tolist(), strict=True))
+        periods = {path: period for path, period in given.items() if path.endswith(f".{SAMPLE_TIME}")}
+        system = self.system.set(periods) if periods else self.system
         grid = fixed_grid(system, (start_time, stop_time), step, stale=False)
-        units = {path: component.variable(path.partition(".")[2]).unit for path, component in self._recorded()}
         rows = np.empty((len(grid.times), 0)) if runs.rows is None else runs.rows[0]
-        return Result(grid.times, self.record, rows, units, grid.rows_per_tick(1), {}, system.sample_times)
-
-    def _recorded(self) -> list[tuple[str, Any]]:
-        """Each recorded column and its component."""
-        return [(path, self.system.resolve(path)[0]) for path in self.record]
+        return Result(grid.times, self.record, rows, self._units, grid.rows_per_tick(1), {}, system.sample_times)
 
     def _message(self, outcome: Outcome, count: int, values: np.ndarray, step: float, span: tuple[float, float]) -> str:
         """The sentence of a run; empty if it is complete."""

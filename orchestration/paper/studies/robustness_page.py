@@ -9,6 +9,7 @@ from orchestration.paper.claims.motion import QUESTIONS as MOTION
 from orchestration.paper.studies.claims_at import CLEARLY
 from orchestration.paper.studies.open_values import OPEN_VALUES, OpenValue, settings
 from orchestration.paper.studies.robustness_table import COLUMNS
+from orchestration.paper.studies.seeds import OverSeeds
 from orchestration.paper.studies.shares import Share, deciding, parts, share
 from orchestration.paper.studies.together import CANDIDATES, NEIGHBOURS, SECTION_V, STARTS, WIDTH, Search
 
@@ -21,7 +22,7 @@ SMALL = 0.005  # share below which a claim holds nearly nowhere
 Answers = Mapping[str, np.ndarray]
 
 
-def page(answers: np.ndarray, search: Search) -> str:
+def page(answers: np.ndarray, search: Search, seeds: OverSeeds) -> str:
     """The page as Markdown.
 
     Parameters
@@ -30,6 +31,8 @@ def page(answers: np.ndarray, search: Search) -> str:
         0 or 1 at each setting, shape (n, n_columns), as `robustness_table` makes them.
     search
         The verdicts at the chosen values, and the best settings found.
+    seeds
+        The verdicts over many seeds at the chosen values.
     """
     chosen = search.chosen.verdicts
     columns = dict(zip(COLUMNS, answers.T, strict=True))
@@ -43,6 +46,8 @@ def page(answers: np.ndarray, search: Search) -> str:
         *(_claim(claim, columns, points, chosen) for claim in CLAIMS),
         _accuracy(columns, points),
         _failures(columns),
+        _seeds(seeds),
+        _OTHER,
     ]
     return "\n".join(parts_of_page)
 
@@ -159,11 +164,11 @@ def _best(search: Search) -> str:
         f"| {j.origin} | {j.held} | {', '.join(claim for claim in SECTION_V if not j.verdicts[claim]) or 'none'} |\n"
         for j in search.best
     )
-    return f"""The search for the best setting takes the {STARTS} settings at which most of the seven
-claims hold. It tries {NEIGHBOURS} neighbours of each, in a box of {100 * WIDTH:.0f} % of each range, {search.tried}
-settings in all. The best {CANDIDATES} are judged over 30 seeds, as [claims.md](claims.md) does. With one seed all seven
-hold at {search.all_hold} settings, counting the table and the neighbours. Over 30 seeds {len(held)} of the seven hold
-at the best setting, {outcome}.
+    return f"""The search for the best setting looks at {search.looked_at} settings of the table, and takes the
+{STARTS} at which most of the seven claims hold. It tries {NEIGHBOURS} neighbours of each, in a box of
+{100 * WIDTH:.0f} % of each range, {search.tried} settings in all. The best {CANDIDATES} are judged over 30 seeds, as
+[claims.md](claims.md) does. With one seed all seven hold at {search.all_hold} settings, counting the table and the
+neighbours. Over 30 seeds {len(held)} of the seven hold at the best setting, {outcome}.
 
 | origin | hold over 30 seeds | fail |
 |---|---|---|
@@ -233,3 +238,28 @@ this setting. Without Fig. 5 there are no limits for Fig. 6, which then counts a
 | run | share of the settings in which it fails |
 |---|---|
 {rows}"""
+
+
+def _seeds(found: OverSeeds) -> str:
+    rows = "".join(
+        f"| {claim} | {percent(found.share(claim))} | {'holds' if found.together[claim] else 'fails'} |\n"
+        for claim in found.yes
+    )
+    return f"""## {found.n} seeds at the chosen values
+
+    uv run python -m orchestration.paper.studies.robustness --seeds {found.n}
+
+judges the claims over {found.n} seeds. In the second column each seed is judged alone. In the last one all seeds are
+judged at once, as [claims.md](claims.md) judges 30: by medians, and by the worst of all.
+
+| claim | share of the seeds | all seeds at once |
+|---|---|---|
+{rows}"""
+
+
+_OTHER = """## Other studies of the paper
+
+`adaptimp sweep --ready` lists studies that need no further choice: the gains of C11 at 7 x 7 and 25 x 25 values, 1,000
+seeds of each figure, payloads against walls, and the gains of algorithm 2. `adaptimp sweep --ready NAME` runs one of
+them. `orchestration.paper.studies.tuning` tunes the gains of algorithm 2 with SciPy and with Optuna.
+"""

@@ -80,6 +80,15 @@ def test_a_result_is_that_of_the_master() -> None:
     assert found == replace(expected, metadata={})
 
 
+def test_a_result_knows_the_sampling_periods_of_its_run() -> None:
+    system = scenario("fig2")
+    program = NativeProgram.of(system, varied=("sensor.sample_time",), record=("sensor.F_hat[1]", "plant.gap"))
+    found = program.result(np.array([4e-4]), 1e-4, 0.1)
+    expected = simulate(system.set({"sensor.sample_time": 4e-4}), stop_time=0.1, record=program.record)
+    assert found == replace(expected, metadata={})
+    assert (found.steps_per_tick["sensor"], found.sample_times["sensor"]) == (4, 4e-4)
+
+
 SHORT = {f"{name}.sample_time": 2e-5 for name in ("trajectory", "sensor", "controller", "actuator")}
 REFUSED = {
     "a value out of range": ({"plant.K_f": -1.0}, 1e-4),

@@ -6,7 +6,7 @@ from types import FunctionType
 import pytest
 
 import orchestration
-from orchestration import Component, Fmu, Result, System
+from orchestration import Component, Fmu, Result, Study, System
 from tests.unit.examples import failures, has_example
 
 PUBLIC = {name: getattr(orchestration, name) for name in orchestration.__all__}
@@ -15,6 +15,7 @@ METHODS = {
     Component: ["read"],
     Result: ["at_ticks", "measure", "to_pandas", "to_xarray", "plot", "write", "read"],
     Fmu: ["outputs", "set", "step", "drive", "save"],
+    Study: ["grid", "seeds", "samples", "run", "result", "traces", "evaluate", "resume"],
 }
 
 

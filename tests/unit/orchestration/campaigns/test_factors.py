@@ -87,6 +87,7 @@ def test_a_measure_takes_the_short_name_of_a_factor(loop: System) -> None:
     assert study.points.columns.tolist() == ["plant.x_start"]
 
 
+NO_MAPPING: Any = "x_start"
 WRONG: dict[str, tuple[Callable[[Study], Any], type[OrchestrationError], str]] = {
     "unknown component": (lambda s: s.grid({"plont.x_start": [1]}), StudyError, "plont.x_start: no component"),
     "unknown variable": (lambda s: s.grid({"plant.x_strat": [1]}), SystemDescriptionError, "plant.x_start"),
@@ -101,7 +102,7 @@ WRONG: dict[str, tuple[Callable[[Study], Any], type[OrchestrationError], str]] =
     "a negative step": (lambda s: s.grid({"step": [-H]}), StudyError, "finite and positive"),
     "a text for the step": (lambda s: s.grid({"step": "fast"}), StudyError, "give a number"),
     "no factor": (lambda s: s.grid({}), StudyError, "A grid needs a factor"),
-    "no mapping": (lambda s: s.grid("x_start"), StudyError, "give values by name"),
+    "no mapping": (lambda s: s.grid(NO_MAPPING), StudyError, "give values by name"),
     "no seed": (lambda s: s.seeds("1-3"), StudyError, "no component has a start value of this name"),
     "a reserved name": (lambda s: s.grid(Factor("status", "x_start", [1])), StudyError, "name of its own"),
     "no name": (lambda s: s.grid(Factor("", "x_start", [1])), StudyError, "no name"),

@@ -118,3 +118,8 @@ def test_seeds(given: Any, expected: tuple[int, ...]) -> None:
 def test_seeds_that_are_no_whole_numbers_are_refused(given: Any) -> None:
     with pytest.raises(StudyError, match="Factor seed"):
         seed_numbers(given)
+
+
+def test_a_wrong_text_of_seeds_is_told_how_seeds_are_written() -> None:
+    with pytest.raises(StudyError, match=r"^Factor seed: '1-x'; write seeds as 1-30 or 1,2,5\.$"):
+        seed_numbers("1-x")

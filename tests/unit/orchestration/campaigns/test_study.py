@@ -1,5 +1,6 @@
 """Studies: tables of runs, rows that are repeated, runs that fail, and values that an optimizer asks for."""
 
+import gc
 import re
 from collections.abc import Callable
 from pathlib import Path
@@ -20,9 +21,12 @@ from orchestration import (
     SystemDescriptionError,
     simulate,
 )
+from orchestration.campaigns import evaluator
+from tests.unit.orchestration.campaigns.plain import PlainEngine
 from tests.unit.orchestration.small_models import H
 
 pytestmark = pytest.mark.usefixtures("plain")
+HALF: Any = 1.5
 GROWTH = (1 + 2 * H) ** 4
 """Factor by which x grows over the four steps of the loop; the number has an exact double."""
 OVERFLOW = 1.7e308
@@ -124,7 +128,7 @@ def test_a_measure_without_an_instant_is_nan_in_a_run_that_succeeded(loop: Syste
 
 
 @pytest.mark.parametrize("wrong", [{"stop_time": 2.5 * H}, {"step": 0.3 * H}])
-def test_a_system_that_cannot_be_run_is_refused_before_the_runs(loop: System, wrong: dict[str, float]) -> None:
+def test_a_system_that_cannot_be_run_is_refused_before_the_runs(loop: System, wrong: dict[str, Any]) -> None:
     with pytest.raises(SystemDescriptionError):
         Study(loop, "max(plant.x)", **wrong).grid({"x_start": [1, 2]}).run()
 
@@ -144,6 +148,25 @@ def test_a_point_of_a_dataset_is_repeated(loop: System) -> None:
     study = study.grid({"x_start": [1, 2, 3]})
     point = study.run().sel(system="b").isel(x_start=1)
     assert study.result(point)["plant.x"].max() == float(point["max(plant.x)"])
+
+
+def test_a_run_is_repeated_by_its_number(study: Study) -> None:
+    extended = study.grid({"x_start": [1, 2], "offset": [0.0, 0.5]})
+    table = extended.run().to_dataframe().reset_index()
+    assert [extended.result(n)["plant.x"].max() for n in range(4)] == table["top"].tolist()
+    with pytest.raises(StudyError, match="There is no run 4; the numbers go from 0 to 3"):
+        extended.result(4)
+
+
+def test_traces_of_some_runs_are_written(study: Study, tmp_path: Path) -> None:
+    extended = study.samples({"x_start": "1:2"}, n=8)
+    worst = extended.run().nlargest(2, "top")
+    files = extended.traces(worst.index, tmp_path / "traces")
+    assert [file.name for file in files] == [f"run-{n:06d}.parquet" for n in worst.index]
+    assert [Result.read(file)["plant.x"].max() for file in files] == worst["top"].tolist()
+    with pytest.raises(StudyError, match="There is no run -1"):
+        extended.traces([0, -1], tmp_path / "none")
+    assert not (tmp_path / "none").exists()
 
 
 NAMES = [{"x_start": 2.0}, {"plant.x_start": 2.0}]
@@ -185,10 +208,10 @@ WRONG: dict[str, tuple[Callable[[Study], Any], type[OrchestrationError], str]] =
         "Factor x_start is given twice",
     ),
     "a whole table": (lambda s: s.result(s.run()), StudyError, "2 values of x_start; choose one"),
-    "no row": (lambda s: s.result(5), StudyError, "A row is 5"),
+    "no row": (lambda s: s.result(5.5), StudyError, "A row is 5.5"),
     "a value that is none": (lambda s: s.result(x_start=None, offset=0), SystemDescriptionError, "x_start = None"),
     "no worker": (lambda s: s.run(workers=0), StudyError, "workers is 0"),
-    "half a worker": (lambda s: s.run(workers=1.5), StudyError, "workers is 1.5"),
+    "half a worker": (lambda s: s.run(workers=HALF), StudyError, "workers is 1.5"),
     "no progress": (lambda s: s.run(progress=3), StudyError, "progress is 3"),
     "a variant that is not there": (lambda s: s.result(system="b", x_start=1, offset=0), StudyError, "no variant"),
 }
@@ -248,6 +271,23 @@ def test_points_of_several_variants_are_refused(loop: System) -> None:
     with pytest.raises(StudyError, match="no variant"):
         study.evaluate({"x_start": 1.0})
     assert study.evaluate(pd.DataFrame({"system": ["b"], "x_start": [2.0]}))["max(plant.x)"].tolist() == [2 * GROWTH]
+
+
+def test_an_engine_is_closed_when_nobody_can_use_it_any_more(loop: System, monkeypatch: pytest.MonkeyPatch) -> None:
+    closed = []
+
+    class Closing(PlainEngine):
+        def close(self) -> None:
+            closed.append(True)
+
+    monkeypatch.setattr(evaluator, "engine_for", Closing)
+    study = Study(loop, "max(plant.x)")
+    study.evaluate(x_start=1.0)
+    study.evaluate(x_start=2.0)
+    assert not closed
+    del study
+    gc.collect()
+    assert closed == [True]
 
 
 def test_an_optimizer_finds_the_least(study: Study) -> None:

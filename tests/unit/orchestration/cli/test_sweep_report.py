@@ -73,6 +73,6 @@ def test_messages_that_differ_in_numbers_are_one_kind() -> None:
 
 def test_only_a_campaign_without_a_complete_run_failed(report: SweepReport) -> None:
     assert (report.status, report.exit_code) == ("complete", ExitCode.SUCCESS)
-    report.take(FRAME[FRAME["status"] == "failed"], ("K_f", "seed"), UNITS)
+    report.take(FRAME.query("status == 'failed'"), ("K_f", "seed"), UNITS)
     assert (report.status, report.exit_code) == ("failed", ExitCode.FAILED)
     assert report.message == "1 run failed, and none is complete: plant: q[1] is NaN at t = 0.1 s."

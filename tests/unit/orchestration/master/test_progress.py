@@ -94,6 +94,19 @@ def test_elsewhere_a_line_stays_but_for_steps(timers: list[Later]) -> None:
     assert sent.getvalue() == "compiling the loop of the master ...\n"
 
 
+def test_what_is_hidden_leaves_the_terminal_to_others(timers: list[Later]) -> None:
+    console, sent = consoles()
+    with ProgressLine(console, 1.0) as line:
+        line.hidden = True
+        line.begin("compiling another loop")
+        timers[-1].comes()
+        assert sent.getvalue() == ""
+        line.hidden = False
+        line.begin("writing the rows")
+        timers[-1].comes()
+        assert "writing the rows" in sent.getvalue()
+
+
 def test_without_delay_it_is_shown_at_once(timers: list[Later]) -> None:
     console, sent = consoles()
     with ProgressLine(console, 0.0) as line:

@@ -11,8 +11,9 @@ from threading import Thread
 from typing import TextIO
 
 ROOT = Path(__file__).resolve().parents[5]
-_READY = re.compile(r"Scheduler at:\s+(tcp://\S+)")
-_REGISTERED = re.compile(r"Registered to:\s+(tcp://\S+)")
+# What a scheduler and a worker say when they are ready.
+READY = re.compile(r"Scheduler at:\s+(tcp://\S+)")
+REGISTERED = re.compile(r"Registered to:\s+(tcp://\S+)")
 _END = 300.0  # s; longest time in which a worker notices that its scheduler is gone
 
 
@@ -34,9 +35,9 @@ class Machines:
         """Start a scheduler, at the address of the one before if there was one, and workers with one thread each."""
         port = self.address.rpartition(":")[2] or "0"
         places = "--host", "127.0.0.1", "--port", port, "--dashboard-address", ":0"
-        self.address = self._started(_READY, "scheduler", *places)[1]
+        self.address = self.started(READY, "scheduler", *places)[1]
         for _ in range(workers):
-            self._started(_REGISTERED, "worker", self.address, "--nthreads", "1", "--no-nanny")
+            self.started(REGISTERED, "worker", self.address, "--nthreads", "1", "--no-nanny")
 
     def kill_scheduler(self) -> None:
         """Kill the scheduler, and wait until its workers have ended, as they do by themselves."""
@@ -53,7 +54,7 @@ class Machines:
             process.wait()
         self._processes.clear()
 
-    def _started(self, ready: "re.Pattern[str]", *arguments: str) -> "re.Match[str]":
+    def started(self, ready: "re.Pattern[str]", *arguments: str) -> "re.Match[str]":
         """Start a command of Dask, and wait for what it says when it is ready."""
         command = [sys.executable, "-m", "dask", *arguments, "--no-dashboard", *self._scratch(arguments[0])]
         environment = {**os.environ, "PYTHONPATH": str(ROOT)}
@@ -72,17 +73,20 @@ class Machines:
 
 
 @contextmanager
-def machines(folder: Path, workers: int = 2) -> Iterator[Machines]:
+def machines(folder: Path, workers: int | None = 2) -> Iterator[Machines]:
     """A scheduler and workers, which have ended when the context does, also after an error.
 
     Parameters
     ----------
     folder
         Folder for the files of the workers.
+    workers
+        Number of workers; None starts nothing.
     """
     made = Machines(folder)
     try:
-        made.start(workers)
+        if workers is not None:
+            made.start(workers)
         yield made
     finally:
         made.stop()

@@ -2,7 +2,6 @@
 
 import os
 from collections.abc import Iterator
-from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -12,21 +11,17 @@ import numpy as np
 import pytest
 from distributed import Client, LocalCluster
 
-from orchestration.campaigns.chunks import Chunks
 from orchestration.campaigns.cluster.delivery import Delivery, make_runs
 from orchestration.campaigns.cluster.executor import ClusterExecutor
 from orchestration.campaigns.cluster.flights import PER_THREAD
 from orchestration.campaigns.engine import Outcomes, Points
-from orchestration.campaigns.engines.choice import engine_for
-from orchestration.campaigns.measure import Measure
 from orchestration.errors import ClusterError
-from orchestration.results.measures.parser import parse_formula
 from tests.unit.orchestration.campaigns.cluster.engines import (
     Arithmetic,
     Closing,
     a_task,
+    import_something,
     in_chunks,
-    reach,
     refuse,
     some_points,
 )
@@ -77,22 +72,6 @@ def test_two_processes_give_the_bits_of_this_one(processes: LocalCluster) -> Non
     assert measured[:, 0].tobytes() == here.measured[:, 0].tobytes()
     assert os.getpid() not in measured[:, 1]
     assert messages == [""] * ROWS
-
-
-def test_native_runs_on_workers_have_the_bits_of_this_process(processes: LocalCluster) -> None:
-    formula = parse_formula("max(abs(controller.e[1]))")
-    measures = Measure(("max_e",), ("m",), formula), Measure.of(reach)
-    task = replace(a_task(), measures=measures, stop_time=0.05)
-    points = some_points(ROWS)
-    executor = ClusterExecutor(task, processes)
-    try:
-        numbers, measured, messages = joined(list(executor.map(Chunks(points.numbers, points.__getitem__, lambda: 2))))
-    finally:
-        executor.close()
-    assert numbers == list(range(ROWS))
-    assert messages == [""] * ROWS
-    assert len(np.unique(measured[:, 0])) > ROWS // 2
-    assert measured.tobytes() == engine_for(task).make(points).measured.tobytes()
 
 
 @pytest.mark.parametrize("given", ["address", "client", "cluster"])
@@ -182,6 +161,11 @@ def test_an_engine_that_cannot_be_made_is_an_error_with_the_worker(threads: Loca
     with pytest.raises(ClusterError, match=r"Worker inproc://.* cannot make the runs: StudyError: System fig7 has no"):
         ClusterExecutor(a_task(), threads, refuse)
     assert not any("adaptimp" in name for worker in threads.workers.values() for name in worker.plugins)
+
+
+def test_a_module_that_a_worker_lacks_is_told(threads: LocalCluster) -> None:
+    with pytest.raises(ClusterError, match=r"ModuleNotFoundError: .*no_such_module.*; install it there"):
+        ClusterExecutor(a_task(), threads, import_something)
 
 
 def test_chunks_are_called_back_when_nobody_wants_them(executor: ClusterExecutor) -> None:

@@ -11,6 +11,7 @@ import pytest
 
 from orchestration.campaigns.cluster.payload import Payload
 from orchestration.campaigns.measure import Measure
+from orchestration.errors import ClusterError
 from orchestration.fmi.isolation import Isolation
 from tests.unit.orchestration.campaigns.cluster.engines import Arithmetic, Measuring, a_task, refuse, some_points
 
@@ -62,3 +63,11 @@ def test_the_code_of_a_file_beside_the_program_travels(beside: ModuleType) -> No
     del sys.modules["my_own_measures"]  # as on a worker
     sys.path[:] = sys.path[1:]
     assert payload.engine().make(some_points(3)).measured.tolist() == [[0.0], [3.0], [6.0]]
+
+
+def test_a_measure_that_cannot_be_sent_is_told(tmp_path: Path) -> None:
+    message = r"A function among the measures logged cannot be sent to workers: .*files"
+    with (tmp_path / "log").open("w") as log:
+        task = replace(a_task(), measures=(Measure.of(lambda result: log.write(str(result)), "logged"),))
+        with pytest.raises(ClusterError, match=message):
+            Payload.of(task, Arithmetic)

@@ -4,13 +4,24 @@ A program kills itself before one of the things that it does to the file system,
 this is done for each of them.
 """
 
+import os
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 
-from tests.unit.orchestration.campaigns.store.rows import MEASURES, STUDY, Store, assert_rows, files, filled, keys
+from adaptimp_fmu.files.locks import locked_new_file
+from tests.unit.orchestration.campaigns.store.rows import (
+    COLUMNS,
+    MEASURES,
+    STUDY,
+    Store,
+    assert_rows,
+    files,
+    filled,
+    keys,
+)
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="Windows has no SIGKILL and no locks of this kind")
 N_RUNS = 7
@@ -95,3 +106,16 @@ def test_the_next_process_completes_the_store_and_tidies_up(killed: list[tuple[P
         assert [(p.name, p.read_bytes()) for p in files(store)] == [(p.name, p.read_bytes()) for p in undisturbed]
         assert list((place / "unfinished").glob("*.part")) == []
         assert sorted(path.name for path in place.iterdir()) == ["rows", "store.json", "unfinished"]
+
+
+def test_drafts_of_living_processes_stay(tmp_path: Path) -> None:
+    Store.open(tmp_path).writer(STUDY, COLUMNS)
+    living, dead = tmp_path / "unfinished" / "living.part", tmp_path / "unfinished" / "dead.part"
+    descriptor = locked_new_file(living)
+    assert descriptor is not None
+    dead.touch()
+    Store.open(tmp_path)
+    assert (living.exists(), dead.exists()) == (True, False)
+    os.close(descriptor)
+    Store.open(tmp_path)
+    assert not living.exists()

@@ -7,6 +7,7 @@ import pandas as pd
 import pytest
 
 from orchestration.campaigns.engine import Outcomes
+from orchestration.campaigns.store import row_files, row_table
 from orchestration.campaigns.store import writer as writer_module
 from orchestration.campaigns.store.row_files import StoreWarning
 from orchestration.campaigns.store.row_table import RowColumns
@@ -120,12 +121,14 @@ def test_a_damaged_file_costs_its_own_runs_only_and_stays(tmp_path: Path) -> Non
     (whole,) = files(store)
     content = whole.read_bytes()
     filled(tmp_path, [range(10, 12)], "other")
-    for length in range(0, len(content), 37):
-        whole.write_bytes(content[:length])
-        with pytest.warns(StoreWarning, match=r"cannot be read .*; its runs are made anew"):
+    cut = [content[:length] for length in range(0, len(content), 37)]
+    altered = [content[:k] + bytes([content[k] ^ 1]) + content[k + 1 :] for k in range(0, len(content), 37)]
+    for damaged in cut + altered:
+        whole.write_bytes(damaged)
+        with pytest.warns(StoreWarning, match=r"is damaged, or is no file of a store; its runs are made anew"):
             found = store.find(keys(range(12)), MEASURES)
         assert found.present.tolist() == [False] * 10 + [True] * 2
-    with pytest.warns(StoreWarning, match="cannot be read"):
+    with pytest.warns(StoreWarning, match="is damaged"):
         filled(tmp_path, [range(5)])
     assert whole in files(store)
     whole.unlink()
@@ -137,7 +140,7 @@ def test_files_of_something_else_are_left_alone(tmp_path: Path) -> None:
     folder = tmp_path / "rows" / f"study={STUDY}"
     pd.DataFrame({"x": [1.0]}).to_parquet(folder / "mine.parquet")
     (folder / "notes.txt").write_text("keep")
-    with pytest.warns(StoreWarning, match=r"mine\.parquet is no file of a store"):
+    with pytest.warns(StoreWarning, match=r"mine\.parquet is damaged, or is no file of a store"):
         assert_rows(store.table(STUDY), range(3))
     with pytest.warns(StoreWarning, match=r"mine\.parquet"):
         filled(tmp_path, [range(3, 6)])
@@ -145,14 +148,24 @@ def test_files_of_something_else_are_left_alone(tmp_path: Path) -> None:
     assert (folder / "notes.txt").read_text() == "keep"
 
 
-def test_a_file_of_another_study_in_the_folder_is_left_out(tmp_path: Path) -> None:
+@pytest.mark.parametrize("effort", range(4))  # the hash of the content decides which file is read first
+def test_a_file_of_another_study_in_the_folder_is_left_out(tmp_path: Path, effort: int) -> None:
     store = filled(tmp_path, [range(3)])
     with store.writer("other", RowColumns({}, {"effort": "N.m"})) as writer:
-        writer.append(keys([1]), {}, Outcomes(np.array([0]), np.ones((1, 1)), ("",)))
+        writer.append(keys([1]), {}, Outcomes(np.array([0]), np.full((1, 1), float(effort)), ("",)))
     (strange,) = files(store, "other")
-    strange.replace(tmp_path / "rows" / f"study={STUDY}" / "zzz.parquet")
-    with pytest.warns(StoreWarning, match=r"zzz\.parquet has other columns than the files beside it"):
+    moved = strange.replace(tmp_path / "rows" / f"study={STUDY}" / strange.name)
+    with pytest.warns(StoreWarning, match=rf"{moved.name} has other columns than the files beside it"):
         assert_rows(store.table(STUDY), range(3))
+
+
+def test_a_file_of_another_format_is_left_out(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    with monkeypatch.context() as patch:
+        for module in (row_table, row_files):
+            patch.setattr(module, "FORMAT", b"0")
+        store = filled(tmp_path, [range(3)])
+    with pytest.warns(StoreWarning, match="has format 0, not 1; its runs are made anew"):
+        assert not store.find(keys(range(3)), MEASURES).present.any()
 
 
 def test_a_failure_of_the_campaign_loses_no_run(tmp_path: Path) -> None:

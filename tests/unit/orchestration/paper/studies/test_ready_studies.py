@@ -1,0 +1,107 @@
+"""The ready studies: their runs are those of the claims, their tables are read as the claims are judged."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from orchestration import Study
+from orchestration.paper.claims import criteria
+from orchestration.paper.evidence import GAMMA_GRID_FACTORS, PSI_GRID
+from orchestration.paper.laboratory import Job
+from orchestration.paper.numbers import GAMMA_CRAIG
+from orchestration.paper.studies.claims_at import SCENARIOS
+from orchestration.paper.studies.gain_map import accurate, gain_map
+from orchestration.paper.studies.payload import payload_and_wall
+from orchestration.paper.studies.ready import READY_STUDIES
+from orchestration.paper.studies.robustness import laboratory
+from orchestration.paper.studies.seeds import OverSeeds, over_seeds, seeds_study
+from orchestration.paper.studies.summary_measure import ideal_force, summary_measure, summary_of
+from orchestration.paper.studies.tuning import LIMITS, cost, gains_study, tuned_by_optuna, tuned_by_scipy
+from tests.unit.examples import failures
+
+
+def grid(study: Study) -> xr.Dataset:
+    """The table of a study of a grid."""
+    table = study.run()
+    assert isinstance(table, xr.Dataset)
+    return table
+
+
+@pytest.mark.parametrize(
+    "function", [gain_map, gains_study, payload_and_wall, seeds_study, tuned_by_optuna, tuned_by_scipy]
+)
+def test_examples(function: Callable[..., Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    assert not failures(function.__name__, function, tmp_path, monkeypatch)
+
+
+@pytest.mark.parametrize(("name", "good", "failed"), [("fig5", 3, 21), ("fig7", 32, 0)])
+def test_map_of_seven_is_that_of_c11(name: str, good: int, failed: int) -> None:
+    """As docs/claims.md counts them."""
+    table = grid(gain_map(name))
+    assert table["Psi"].to_numpy().tolist() == list(PSI_GRID)
+    if name == "fig5":
+        assert table["Gamma"].to_numpy().tolist() == [factor * GAMMA_CRAIG for factor in GAMMA_GRID_FACTORS]
+    assert int(accurate(table).sum()) == good
+    assert int((table["status"] == "failed").sum()) == failed
+
+
+def test_seeds_are_judged_one_by_one_and_together(tmp_path: Path) -> None:
+    lab = laboratory()
+    tables = {name: grid(seeds_study(name, lab, 3)) for name in SCENARIOS}
+    judged = over_seeds(tables)
+    assert judged.n == 3
+    assert {claim for claim, yes in judged.yes.items() if yes == 3} == {"C4", "C5", "C6", "C8", "C9", "C16"}
+    assert {claim for claim, holds in judged.together.items() if holds} == {"C4", "C5", "C6", "C8", "C9", "C16"}
+    judged.write(tmp_path / "seeds.json")
+    assert OverSeeds.read(tmp_path / "seeds.json") == judged
+    expected = summary_measure(ideal_force(lab)).function
+    assert expected is not None
+    job = Job("fig6", {"sensor.seed": 2})
+    columns = [
+        f"{name}[{i}]" for name in ("controller.e", "controller.tau_cmd", "plant.F_ext", "plant.x") for i in (1, 2)
+    ]
+    row = {str(name): values.sel(seed=2) for name, values in tables["fig6"].items()}
+    found = expected(lab.run(job, [*columns, "controller.p_hat[2]"]))
+    assert isinstance(found, dict)
+    assert {name: float(row[name]) for name in found} == found
+    summary = summary_of(row)
+    assert summary.torque.tolist() == [found["torque_1"], found["torque_2"]]
+    assert summary.force_error == found["force_error"]
+
+    spoiled = tables["fig7"].copy(deep=True)
+    spoiled["status"][1] = "failed"
+    judged = over_seeds({**tables, "fig7": spoiled})
+    assert (judged.share("C9").value, judged.share("C16").value) == (2 / 3, 1)
+    assert not judged.together["C9"]
+    assert judged.together["C16"]
+
+
+def test_cost_is_the_largest_ratio_and_infinite_for_failures() -> None:
+    measured = {name: 0.5 * criterion.limit for name, criterion in LIMITS.items()}
+    assert cost(measured) == 0.5
+    assert cost({**measured, "e_free": 3e-4}) == pytest.approx(3)
+    assert criteria.FREE_ERROR.limit == 1e-4
+    assert cost({**measured, "m2_settled": np.nan}) == np.inf
+    rows = {name: np.array([value, np.nan]) for name, value in measured.items()}
+    np.testing.assert_array_equal(cost(rows), [0.5, np.inf])
+
+
+def test_optimizers_repeat_their_runs() -> None:
+    study = gains_study()
+    once, again = (tuned_by_optuna(study, trials=5, seed=3) for _ in range(2))
+    assert once == again
+    found = study.evaluate(dict(once.gains))
+    assert cost(found) == once.cost
+
+
+@pytest.mark.parametrize("name", READY_STUDIES)
+def test_ready_studies_can_be_made(name: str) -> None:
+    ready = READY_STUDIES[name]
+    study = ready.make()
+    expected = 1000 if name.startswith("seeds-") else 2 * 100 if name == "payload" else 256 if "fig7" in name else 49
+    assert len(study) == (25**2 if "fine" in name else expected)
+    assert ready.summary
