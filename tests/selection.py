@@ -46,6 +46,7 @@ QUICK = ("golden/*", "property/*", "unit/*", "faults/*", "conformance/*")
 SLOW = (
     "faults/test_cli_examples.py",
     "faults/test_doctor_command.py",
+    "faults/test_sweep_command.py",
     "unit/fmus/test_documented_examples.py",
     "unit/orchestration/analysis/test_doctor.py",
     "unit/orchestration/analysis/test_stability.py",

@@ -103,6 +103,7 @@ def test_files_are_found_beside_the_file(study: Path, tmp_path: Path) -> None:
         ("system = 'fig5'\nmeasures = ['a']", "there is no key measures; did you mean measure?"),
         ("system = 'fig5'\nstop = 'two'", "stop is 'two'; a number is needed."),
         ("system = 'fig5'\nworkers = true", "workers is True; an integer is needed."),
+        ("system = 'fig5'\nstep = true", "step is True; a number is needed."),
         ("system = 'fig5'\nseeds = [1.5]", "seeds is [1.5]; a text or an integer or a list of integers is needed."),
         ("system = 5", "system is 5; a text or a table is needed."),
         ("system = {a = 5}", "Variant a of the study is 5; a text, the name of a system, is needed."),
