@@ -127,7 +127,8 @@ def make_runs(
             report(outcomes, False)
 
         try:
-            make_chunks(Chunks(left, job.points, lambda workers=workers: workers.workers), workers, take)
+            chunks = Chunks(left, job.points, lambda workers=workers: workers.workers, workers.chunk_time)
+            make_chunks(chunks, workers, take)
         finally:
             workers.close()
 

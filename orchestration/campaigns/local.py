@@ -5,6 +5,7 @@ import threading
 from collections.abc import Iterator
 from queue import SimpleQueue
 
+from orchestration.campaigns.chunks import TIME
 from orchestration.campaigns.engine import Engine, Outcomes, Points
 from orchestration.errors import StudyError
 from orchestration.fmi.given import shown
@@ -40,6 +41,8 @@ class LocalExecutor:
     workers
         Number of threads.
     """
+
+    chunk_time = TIME
 
     def __init__(self, engine: Engine, workers: int) -> None:
         self.engine, self.workers = engine, workers

@@ -111,6 +111,16 @@ def test_each_run_is_in_one_chunk(runs: int, workers: int) -> None:
     assert all(after <= GROWTH * before for before, after in pairwise(sizes))
 
 
+@pytest.mark.parametrize("time", [0.2, 0.5])
+def test_chunks_take_the_time_that_is_asked_for(time: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    clock, sizes = [0.0], []
+    monkeypatch.setattr("orchestration.campaigns.chunks.perf_counter", lambda: clock[0])
+    for chunk in Chunks(np.arange(10_000), points, lambda: 1, time):
+        sizes.append(len(chunk))
+        clock[0] += 1e-3 * len(chunk)  # a run takes 1 ms
+    assert {max(sizes), sizes[len(sizes) // 2]} <= {round(time / 1e-3), round(time / 1e-3) - 1}  # rounded down
+
+
 def test_a_stopped_iterator_gives_nothing_more() -> None:
     chunks = Chunks(np.arange(10), points, lambda: 1)
     next(chunks)
