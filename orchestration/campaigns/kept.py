@@ -26,12 +26,21 @@ class KeptRuns:
         Columns of the study's table.
     factors
         Gives the values of the factors in some runs by column, of their numbers.
+    retry_failed
+        Whether runs that failed are to be made again. Where a run succeeds then, that is what the store has of it.
     """
 
     def __init__(
-        self, store: Store, study: str, columns: Columns, factors: Callable[[np.ndarray], Mapping[str, np.ndarray]]
+        self,
+        store: Store,
+        study: str,
+        columns: Columns,
+        factors: Callable[[np.ndarray], Mapping[str, np.ndarray]],
+        *,
+        retry_failed: bool = False,
     ) -> None:
         self._store, self._study, self._measures, self._factors = store, study, columns.measures, factors
+        self._retry_failed = retry_failed
         units = columns.units
         factor_units = {name: units[name] for name in columns.factors}
         measure_units = {name: units[name] for name in columns.measures}
@@ -50,13 +59,14 @@ class KeptRuns:
         self._writer.__exit__(kind, error, trace)
 
     def found(self, task: Task, points: Points) -> Outcomes:
-        """Return what the store has of those runs; what another study made is appended to the rows of this one."""
+        """Return what the store has of runs; what another study made is appended to the rows of this one."""
         keys = self._store.keys(task, points)
         found = self._store.find(keys, self._measures, self._study)
         all_found = Outcomes(points.numbers, found.measured, tuple(found.messages))
-        foreign = found.present & ~found.own
+        taken = found.present & ((found.messages == "") | (not self._retry_failed))
+        foreign = taken & ~found.own
         self._append(keys[foreign], all_found.only(foreign))
-        return all_found.only(found.present)
+        return all_found.only(taken)
 
     def keep(self, task: Task, points: Points, outcomes: Outcomes) -> None:
         """Append what became of runs; it is kept from then on, even if the process is killed."""

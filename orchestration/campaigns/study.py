@@ -75,6 +75,8 @@ class Study(StudyPoints):
         store: str | Path | None = None,
         cluster: Any = None,
         progress: Any = False,
+        *,
+        retry_failed: bool = False,
     ) -> Any:
         """Make all runs.
 
@@ -88,6 +90,8 @@ class Study(StudyPoints):
             Address of a Dask scheduler, a ``LocalCluster`` or a ``Client``, whose workers make the runs.
         progress
             True for a line on standard error; or an object as `orchestration.campaigns.progress.Progress`.
+        retry_failed
+            Whether to make those runs again that are in the store as failed, for example after a call took too long.
 
         Returns
         -------
@@ -122,7 +126,7 @@ class Study(StudyPoints):
         rows, columns, show = Rows.empty(len(self), len(self.units)), self._columns, shown_by(progress)
         folder = self._folder if store is None else a_path("The store of a study", store)
         with ExitStack() as stack:
-            keeper = None if folder is None else stack.enter_context(self._kept(folder))
+            keeper = None if folder is None else stack.enter_context(self._kept(folder, retry_failed))
             stack.callback(show.end)
             show.begin(len(self), columns.measures, self._in_words)
             try:
@@ -166,12 +170,16 @@ class Study(StudyPoints):
         setting, design = recorded_setting(found.record, found.system, functions)
         return cls._of(setting, design, store.folder, compares=found.record["compares"])
 
-    def _kept(self, folder: Path) -> KeptRuns:
+    def _kept(self, folder: Path, retry_failed: bool) -> KeptRuns:
         """What keeps the runs of the study in a store."""
         store = Store.open(folder)
         record = study_record(self._setting, self._design, compares=self._compares)
         identity, columns = store.save_study(record, self._setting.systems), self._columns
-        return KeptRuns(store, identity, columns, lambda numbers: columns.values(self._design, numbers))
+
+        def factors(numbers: np.ndarray) -> dict[str, np.ndarray]:
+            return columns.values(self._design, numbers)
+
+        return KeptRuns(store, identity, columns, factors, retry_failed=retry_failed)
 
     def _in_words(self, number: int) -> str:
         """Factors of a run in words."""

@@ -7,7 +7,7 @@ Gauss-Seidel. Nothing but fmpy, joblib and NumPy is used.
 import shutil
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from time import perf_counter
+from time import perf_counter, process_time
 from typing import Any
 
 import numpy as np
@@ -176,15 +176,32 @@ def _stepped(sweep: Sweep, units: Mapping[str, _Unit], given: Mapping[str, float
     return force, error
 
 
-def time_sweep(sweep: Sweep, rows: Sequence[Mapping[str, float]], workers: int) -> tuple[float, np.ndarray]:
-    """Make runs by processes of joblib, which are there already; return the wall time, s, and the measures of each."""
+def timed(sweep: Sweep, given: Mapping[str, float]) -> tuple[float, tuple[float, float, float]]:
+    """Make one run; return its processor time, s, and its measures."""
+    begin = process_time()
+    found = measured(sweep, given)
+    return process_time() - begin, found
+
+
+def time_sweep(sweep: Sweep, rows: Sequence[Mapping[str, float]], workers: int) -> tuple[dict[str, float], np.ndarray]:
+    """Make runs by processes of joblib, which are there already.
+
+    Returns
+    -------
+    dict and ndarray
+        Time of a run, s: ``wall``, of all runs together divided by their number, and ``processor``; and the measures,
+        shape (n, 3).
+    """
     from joblib import Parallel, delayed
 
     with Parallel(n_jobs=workers) as parallel:
         parallel(delayed(measured)(short_of(sweep), row) for row in list(rows)[:1] * workers)
         begin = perf_counter()
-        found = list(parallel(delayed(measured)(sweep, row) for row in rows))
-    return perf_counter() - begin, np.array(found)
+        found: Any = parallel(delayed(timed)(sweep, row) for row in rows)
+        seconds = perf_counter() - begin
+    processor = float(np.mean([seconds for seconds, _ in found]))
+    times = {"wall": seconds / len(rows), "processor": processor}
+    return times, np.array([measures for _, measures in found])
 
 
 def short_of(sweep: Sweep) -> Sweep:

@@ -60,9 +60,14 @@ class Delivery(WorkerPlugin):
             If versions differ on this worker.
         """
         with self._making:  # other threads of this worker wait for the first one
-            engine = self._engine = self._engine or self._made()
             with self._counting:
-                self._running += 1
+                engine = self._engine
+                self._running += engine is not None
+            if engine is None:
+                engine = self._made()
+                with self._counting:
+                    self._engine = engine
+                    self._running += 1
         try:
             yield engine
         finally:

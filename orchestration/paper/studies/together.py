@@ -17,7 +17,7 @@ from orchestration.paper.studies.open_values import CHOSEN, Setting, setting_at,
 from orchestration.paper.studies.robustness_table import COLUMNS
 
 SECTION_V = ("C4", "C5", "C6", "C7", "C8", "C9", "C10")
-STARTS, NEIGHBOURS, CANDIDATES = 8, 64, 16
+STARTS, NEIGHBOURS, CANDIDATES = 5, 32, 6
 WIDTH = 0.2  # of the box around a setting, as a share of each range
 Tell = Callable[[str], None]
 Score = tuple[int, int]

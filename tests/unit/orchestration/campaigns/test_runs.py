@@ -16,6 +16,7 @@ from orchestration.campaigns import running
 from orchestration.campaigns.chunks import GROWTH, Chunks
 from orchestration.campaigns.engine import Outcomes, Points
 from orchestration.campaigns.local import LocalExecutor
+from orchestration.campaigns.store.store import Store
 from orchestration.campaigns.task import Task
 from orchestration.errors import StoreError
 from tests.unit.orchestration.campaigns.plain import PlainEngine
@@ -191,6 +192,30 @@ def test_another_measure_makes_runs_again(loop: System, made: list[int], tmp_pat
     table = Study(loop, "top = min(plant.x)").run(store=tmp_path)
     assert len(made) == 2
     assert table["top"].tolist() == [1.0]
+
+
+def test_failed_runs_are_made_again_if_that_is_asked_for(
+    study: Study, made: list[int], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    class Slow(PlainEngine):
+        def make(self, points: Points) -> Outcomes:
+            outcomes = super().make(points)
+            late = points.numbers % 3 == 1
+            measured = np.where(late[:, None], np.nan, outcomes.measured)
+            return Outcomes(points.numbers, measured, tuple("relay: a call took too long." * bool(k) for k in late))
+
+    with monkeypatch.context() as patch:
+        patch.setattr(running, "engine_for", Slow)
+        slow = study.run(store=tmp_path)
+    assert (slow["status"] == "failed").sum() == 4
+    assert study.run(store=tmp_path).identical(slow)
+    assert made == []
+    whole = study.run(store=tmp_path, retry_failed=True)
+    assert sorted(made) == [1, 4, 7, 10]
+    assert whole.identical(study.run())
+    assert study.run(store=tmp_path).identical(whole)
+    (kept,) = Store.open(tmp_path).studies()
+    assert set(Store.open(tmp_path).table(kept.identity)["message"].to_pylist()) == {""}
 
 
 def test_an_interrupted_study_is_continued_from_its_store(many: Study, made: list[int], tmp_path: Path) -> None:

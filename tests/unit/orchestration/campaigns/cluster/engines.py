@@ -3,13 +3,11 @@
 import importlib
 import os
 import signal
-from functools import partial
 from pathlib import Path
 
 import numpy as np
 
 from orchestration import Result, scenario
-from orchestration.campaigns.cluster.payload import MakeEngine
 from orchestration.campaigns.engine import Outcomes, Points
 from orchestration.campaigns.measure import Measure
 from orchestration.campaigns.task import Task
@@ -68,24 +66,17 @@ def task_value(task: Task) -> float:
 
 
 class Deadly(Arithmetic):
-    """Engine that kills its process at one run: once if it has a file to remember that, else each time."""
+    """Engine that kills its process at one run."""
 
-    def __init__(self, task: Task, number: int, remembers: Path | None) -> None:
+    def __init__(self, task: Task, number: int) -> None:
         super().__init__(task)
-        self.number, self.remembers = number, remembers
+        self.number = number
 
     def make(self, points: Points) -> Outcomes:
         """Make the runs, or die."""
-        if self.number in points.numbers and not (self.remembers and self.remembers.exists()):
-            if self.remembers:
-                self.remembers.touch()
+        if self.number in points.numbers:
             os.kill(os.getpid(), signal.SIGKILL)
         return super().make(points)
-
-
-def deadly(number: int, remembers: Path | None = None) -> MakeEngine:
-    """Function that makes a `Deadly`."""
-    return partial(Deadly, number=number, remembers=remembers)
 
 
 class Closing(Arithmetic):

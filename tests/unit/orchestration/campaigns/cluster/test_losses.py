@@ -1,8 +1,9 @@
-"""Workers that are killed and a scheduler that is restarted cost time, and neither lose nor repeat a run."""
+"""A run that kills workers costs its row, and a scheduler that stays away ends a campaign with a sentence."""
 
 import math
 import sys
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -14,8 +15,8 @@ from orchestration.campaigns.cluster.executor import ClusterExecutor
 from orchestration.errors import ClusterError
 from tests.unit.orchestration.campaigns.cluster.engines import (
     Arithmetic,
+    Deadly,
     a_task,
-    deadly,
     in_chunks,
     some_points,
 )
@@ -42,22 +43,9 @@ def processes() -> Iterator[Any]:
         yield cluster
 
 
-def test_the_chunks_of_a_killed_worker_are_made_again(processes: LocalCluster, tmp_path: Path) -> None:
-    task, points, marker = a_task(), some_points(ROWS), tmp_path / "killed"
-    executor = ClusterExecutor(task, processes, deadly(17, marker))
-    try:
-        numbers, measured, messages = joined(list(executor.map(iter(in_chunks(points, 4)))))
-    finally:
-        executor.close()
-    assert marker.exists()
-    assert numbers == list(range(ROWS))
-    assert measured[:, 0].tobytes() == Arithmetic(task).make(points).measured[:, 0].tobytes()
-    assert messages == [""] * ROWS
-
-
 def test_a_run_that_kills_every_worker_costs_its_row_only(processes: LocalCluster) -> None:
     task, points = a_task(), some_points(ROWS)
-    executor = ClusterExecutor(task, processes, deadly(17))
+    executor = ClusterExecutor(task, processes, partial(Deadly, number=17))
     try:
         numbers, measured, messages = joined(list(executor.map(iter(in_chunks(points, 4)))))
     finally:
@@ -68,23 +56,6 @@ def test_a_run_that_kills_every_worker_costs_its_row_only(processes: LocalCluste
     assert math.isnan(measured[17, 0])
     assert messages[17].startswith(f"The run ended the process of its worker, {ENDS} times, at last that of tcp://")
     assert not any(message for k, message in enumerate(messages) if k != 17)
-
-
-def test_a_scheduler_that_is_restarted_loses_nothing(tmp_path: Path) -> None:
-    task, points = a_task(), some_points(ROWS)
-    with machines(tmp_path) as cluster:
-        executor = ClusterExecutor(task, cluster.address, Arithmetic)
-        running = executor.map(iter(in_chunks(points, 1)))
-        outcomes = [next(running) for _ in range(5)]
-        cluster.kill_scheduler()
-        cluster.start()
-        outcomes += running
-        executor.close()
-    numbers, measured, messages = joined(outcomes)
-    assert numbers == list(range(ROWS))
-    assert measured[:, 0].tobytes() == Arithmetic(task).make(points).measured[:, 0].tobytes()
-    assert len(set(measured[:, 1])) > 2  # processes of before and after
-    assert messages == [""] * ROWS
 
 
 def test_a_scheduler_that_stays_away_is_an_error(tmp_path: Path) -> None:
