@@ -1,6 +1,7 @@
 """Studies: many runs of a system with varied start values, as one table."""
 
 from contextlib import ExitStack
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -175,11 +176,8 @@ class Study(StudyPoints):
         store = Store.open(folder)
         record = study_record(self._setting, self._design, compares=self._compares)
         identity, columns = store.save_study(record, self._setting.systems), self._columns
-
-        def factors(numbers: np.ndarray) -> dict[str, np.ndarray]:
-            return columns.values(self._design, numbers)
-
-        return KeptRuns(store, identity, columns, factors, retry_failed=retry_failed)
+        values = partial(columns.values, self._design)
+        return KeptRuns(store, identity, columns, values, retry_failed=retry_failed)
 
     def _in_words(self, number: int) -> str:
         """Factors of a run in words."""

@@ -12,7 +12,7 @@ import pytest
 import xarray as xr
 
 from orchestration import Result, Study, StudyError, StudyInterrupted, System
-from orchestration.campaigns import running
+from orchestration.campaigns import local, running
 from orchestration.campaigns.chunks import GROWTH, Chunks
 from orchestration.campaigns.engine import Outcomes, Points
 from orchestration.campaigns.local import LocalExecutor
@@ -136,6 +136,26 @@ def test_a_fault_of_an_engine_is_raised_and_ends_the_threads() -> None:
         list(executor.map(Chunks(np.arange(10**6), points, lambda: 2)))
     executor.close()
     assert not [thread for thread in threading.enumerate() if thread.name.startswith("campaign")]
+
+
+def test_an_engine_is_left_alone_when_its_run_does_not_end(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(local, "LONGEST_END", 0.01)
+    begun, free = threading.Event(), threading.Event()
+
+    class Endless(Squares):
+        def make(self, points: Points) -> Outcomes:
+            begun.set()
+            free.wait()
+            return super().make(points)
+
+    engine = Endless()
+    executor = LocalExecutor(engine, 1)
+    made = executor.map(Chunks(np.arange(3), points, lambda: 1))
+    begun.wait()
+    executor.close()
+    assert engine.closed
+    free.set()
+    assert [outcomes.numbers.tolist() for outcomes in made] == [[0]]
 
 
 def test_rows_are_the_same_for_any_number_of_workers(study: Study, made: list[int]) -> None:
