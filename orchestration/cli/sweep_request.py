@@ -31,7 +31,7 @@ class Samples:
     Attributes
     ----------
     n, method, seed
-        Number of points, name of the method, and seed of the generator; None for the usual ones.
+        Number of points, name of the method, and seed of the generator.
     """
 
     n: int

@@ -89,6 +89,13 @@ def test_the_object_has_the_documented_keys(adaptimp: Command, study: Study) -> 
     assert (refused["status"], refused["exit_code"], refused["runs"]) == ("refused", 2, 0)
 
 
+@pytest.mark.parametrize("options", [("nothing.toml",), (), ("fig2", "--vary", "plant.K_f"), ("--resume", "runs")])
+def test_what_cannot_be_begun_is_an_object_too(adaptimp: Command, options: tuple[str, ...]) -> None:
+    outcome = adaptimp("sweep", *options, "--json")
+    found = read(outcome)
+    assert (found["status"], found["exit_code"], found["message"]) == ("refused", 2, outcome.sentence)
+
+
 def test_failed_runs_are_rows(adaptimp: Command, tmp_path: Path) -> None:
     some = adaptimp("sweep", "fig2", "--vary", "plant.K_f=-1,1e5,-2", *MEASURES, *SHORT, "-o", "x.csv")
     assert some.code == 0
