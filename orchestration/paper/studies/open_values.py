@@ -247,6 +247,26 @@ OPEN_VALUES = (
 CHOSEN: Setting = MappingProxyType({value.name: value.chosen for value in OPEN_VALUES})
 """The setting of the scenarios of Figs. 5 to 7."""
 
+EARLIER: Setting = MappingProxyType(
+    {
+        **CHOSEN,
+        "sample_time": 1e-5,
+        "noise_hold": 6e-5,
+        "noise_ratio": 4.0,
+        "wall_offset": 1.43,
+        "depth": 15e-3,
+        "Psi_1": 86.0,
+        "Gamma_1": 9.8,
+        "gamma_margin": 2.7,
+        "gamma_eps": 6e-4,
+        "one_limit": 1.0,
+        "Psi_2": 42.0,
+        "Gamma_2": 7.6,
+        "K_d": 73.0,
+    }
+)
+"""A setting that independent code has found by optimization, for C4 to C10."""
+
 
 def settings(n: int) -> Mapping[str, np.ndarray]:
     """The first n Sobol points of the space of settings, each value with shape (n,).

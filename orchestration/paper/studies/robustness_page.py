@@ -166,9 +166,10 @@ def _best(search: Search) -> str:
     )
     return f"""The search for the best setting looks at {search.looked_at} settings of the table, and takes the
 {STARTS} at which most of the seven claims hold. It tries {NEIGHBOURS} neighbours of each, in a box of
-{100 * WIDTH:.0f} % of each range, {search.tried} settings in all. The best {CANDIDATES} are judged over 30 seeds, as
-[claims.md](claims.md) does. With one seed all seven hold at {search.all_hold} settings, counting the table and the
-neighbours. Over 30 seeds {len(held)} of the seven hold at the best setting, {outcome}.
+{100 * WIDTH:.0f} % of each range, {search.tried} settings in all. With one seed all seven hold at {search.all_hold}
+settings, counting the table and the neighbours. The best {CANDIDATES} are judged over 30 seeds, as
+[claims.md](claims.md) does. So is a setting that independent code has found by an optimization of its own. Over 30
+seeds {len(held)} of the seven hold at the best setting, {outcome}.
 
 | origin | hold over 30 seeds | fail |
 |---|---|---|

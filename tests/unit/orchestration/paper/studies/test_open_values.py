@@ -9,6 +9,7 @@ from orchestration.paper.numbers import GAMMA_EPS, K_D, PSI, WALL_OFFSET
 from orchestration.paper.scenarios import SCENARIOS
 from orchestration.paper.studies.open_values import (
     CHOSEN,
+    EARLIER,
     OPEN_VALUES,
     OpenValue,
     setting_at,
@@ -26,6 +27,7 @@ def test_chosen_values_lie_in_their_ranges(value: OpenValue) -> None:
         assert value.chosen in value.choices
     else:
         assert value.at(np.array(value.share_of(value.chosen))) == pytest.approx(value.chosen, rel=1e-14)
+    assert value.low <= EARLIER[value.name] <= value.high
     assert value.reason
     assert value.claims
 

@@ -11,9 +11,18 @@ from orchestration.paper.laboratory import SEEDS
 from orchestration.paper.studies import together
 from orchestration.paper.studies.claims_at import QUESTIONS
 from orchestration.paper.studies.native_runs import NativeLaboratory
-from orchestration.paper.studies.open_values import CHOSEN, Setting, settings
+from orchestration.paper.studies.open_values import CHOSEN, EARLIER, Setting, settings
 from orchestration.paper.studies.robustness_table import COLUMNS
-from orchestration.paper.studies.together import CANDIDATES, NEIGHBOURS, SECTION_V, STARTS, Search, read_search, search
+from orchestration.paper.studies.together import (
+    BY_OTHERS,
+    CANDIDATES,
+    NEIGHBOURS,
+    SECTION_V,
+    STARTS,
+    Search,
+    read_search,
+    search,
+)
 
 
 def answers_of(setting: Setting, seeds: Sequence[int]) -> dict[str, bool]:
@@ -49,7 +58,8 @@ def test_the_best_setting_comes_first(found: Search) -> None:
     assert held == sorted(held, reverse=True)
     assert held[0] == len(SECTION_V)
     assert found.best[0].setting["K_d"] > 200
-    assert len(found.best) == CANDIDATES
+    assert len(found.best) == CANDIDATES + 1
+    assert [judged.setting for judged in found.best if judged.origin == BY_OTHERS] == [EARLIER]
     for judged in found.best:
         assert judged.verdicts == answers_of(judged.setting, SEEDS)
 
