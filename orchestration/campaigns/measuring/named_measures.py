@@ -4,9 +4,9 @@ import re
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from orchestration.campaigns.factor import SYSTEM
-from orchestration.campaigns.measure import Measure
-from orchestration.campaigns.registry import ready_measures
+from orchestration.campaigns.design.factor import SYSTEM
+from orchestration.campaigns.measuring.measure import Measure
+from orchestration.campaigns.measuring.registry import ready_measures
 from orchestration.errors import StudyError
 from orchestration.fmi.given import shown
 from orchestration.fmi.names import suggestion
