@@ -3,13 +3,10 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from orchestration.campaigns.factor import SYSTEM, Factor, Target
-from orchestration.campaigns.named_measures import MESSAGE, STATUS
+from orchestration.campaigns.design.factor import SYSTEM, Factor, Target
+from orchestration.campaigns.measuring.named_measures import MESSAGE, RESERVED, STATUS
 from orchestration.errors import StudyError
 from orchestration.fmi.given import shown
-
-RESERVED = (SYSTEM, STATUS, MESSAGE, "number", "key", "study", "run")
-"""Names that tables and stores use themselves."""
 
 
 def column_names(factors: Sequence[Factor], measures: Sequence[str]) -> tuple[str, ...]:

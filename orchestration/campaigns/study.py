@@ -1,13 +1,14 @@
 """Studies: many runs of a system with varied start values, as one table."""
 
 from contextlib import ExitStack
+from functools import partial
 from pathlib import Path
 from typing import Any
 
-from orchestration.campaigns.campaign import Rows, make_runs
+from orchestration.campaigns.execution.campaign import Rows, make_runs
+from orchestration.campaigns.execution.local import worker_count
 from orchestration.campaigns.kept import KeptRuns
-from orchestration.campaigns.local import worker_count
-from orchestration.campaigns.named_measures import functions_of
+from orchestration.campaigns.measuring.named_measures import functions_of
 from orchestration.campaigns.names import in_words
 from orchestration.campaigns.record import recorded_setting, study_record
 from orchestration.campaigns.running import executors, interrupted, load_tables, shown_by, stored_study
@@ -89,7 +90,7 @@ class Study(StudyPoints):
         cluster
             Address of a Dask scheduler, a ``LocalCluster`` or a ``Client``, whose workers make the runs.
         progress
-            True for a line on standard error; or an object as `orchestration.campaigns.progress.Progress`.
+            True for a line on standard error; or an object as `orchestration.campaigns.execution.progress.Progress`.
         retry_failed
             Whether to make those runs again that are in the store as failed, for example after a call took too long.
 
@@ -175,11 +176,8 @@ class Study(StudyPoints):
         store = Store.open(folder)
         record = study_record(self._setting, self._design, compares=self._compares)
         identity, columns = store.save_study(record, self._setting.systems), self._columns
-
-        def factors(numbers: np.ndarray) -> dict[str, np.ndarray]:
-            return columns.values(self._design, numbers)
-
-        return KeptRuns(store, identity, columns, factors, retry_failed=retry_failed)
+        values = partial(columns.values, self._design)
+        return KeptRuns(store, identity, columns, values, retry_failed=retry_failed)
 
     def _in_words(self, number: int) -> str:
         """Factors of a run in words."""

@@ -6,13 +6,10 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
-from orchestration.campaigns.design import Block, Design
-from orchestration.campaigns.factor import Factor, factors_of
-from orchestration.campaigns.measure import Measure
-from orchestration.campaigns.named_measures import measures_of
-from orchestration.campaigns.names import column_names
-from orchestration.campaigns.ranges import SEED, levels, seed_numbers
-from orchestration.campaigns.samples import (
+from orchestration.campaigns.design.design import Block, Design
+from orchestration.campaigns.design.factor import Factor, factors_of
+from orchestration.campaigns.design.ranges import SEED, levels, seed_numbers
+from orchestration.campaigns.design.samples import (
     SOBOL,
     drawn,
     is_problem,
@@ -22,10 +19,13 @@ from orchestration.campaigns.samples import (
     tabulated,
     unit_samples,
 )
+from orchestration.campaigns.measuring.measure import Measure
+from orchestration.campaigns.measuring.named_measures import measures_of
+from orchestration.campaigns.names import column_names
 from orchestration.campaigns.setting import Setting
 from orchestration.campaigns.table import Columns, points_frame
 from orchestration.errors import StudyError
-from orchestration.fmi.given import require_type, shown
+from orchestration.fmi.given import a_number, positive, require_type, shown
 from orchestration.fmi.isolation import Isolation
 from orchestration.master.algorithm import find_algorithm
 from orchestration.system.system import System
@@ -51,6 +51,8 @@ class StudyPlan:
         isolate: bool | str | Collection[str] | Isolation | None = None,
     ) -> None:
         systems = _variants(system)
+        stop_time = None if stop_time is None else a_number("The stop time of a study", stop_time, StudyError)
+        step = None if step is None else positive("The step of a study", step, StudyError)
         require_type("The algorithm of a study", algorithm, str, "give its name, as 'gauss-seidel'", StudyError)
         self._setting = Setting(
             systems,

@@ -1,18 +1,19 @@
 """Runs a study and prints what came out, and where: ``adaptimp sweep``."""
 
 import shlex
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from orchestration.analysis.doctor.finding import counted
-from orchestration.campaigns.progress import Goal, ProgressBar, Tally
+from orchestration.campaigns.execution.progress import Goal, ProgressBar, Tally
 from orchestration.campaigns.table import MISSING
 from orchestration.cli.codes import ExitCode
 from orchestration.cli.isolation import EVERY
 from orchestration.cli.listing import list_ready
 from orchestration.cli.output import output, watched, width
 from orchestration.cli.places import require_folder, written
+from orchestration.cli.sweep_options import sweep_request
 from orchestration.cli.sweep_pictures import draw
 from orchestration.cli.sweep_plan import tell_plan
 from orchestration.cli.sweep_report import SweepReport
@@ -30,24 +31,32 @@ if TYPE_CHECKING:
     from orchestration.master.progress import ProgressLine
 
 
-def run_sweep(request: SweepRequest) -> int:
-    """Make the runs as the request says, and print what came out; returns the exit code."""
-    output.data_only = request.json
-    if request.ready == EVERY:
-        list_ready(json=request.json)
+def run_sweep(system: str | None, given: Mapping[str, Any]) -> int:
+    """Make the runs that a command asks for, and print what came out; returns the exit code.
+
+    Parameters
+    ----------
+    system, given
+        As of `sweep_request`.
+    """
+    output.data_only = bool(given["json"])
+    if given["ready"] == EVERY:
+        list_ready(json=output.data_only)
         return ExitCode.SUCCESS
-    report = SweepReport(request.name, request.algorithm)
+    report = SweepReport(system or "", given["algorithm"] or "")
     try:
+        request = sweep_request(system, given)
+        report.system, report.algorithm = request.name, request.algorithm
         request.require_sense()
         require_file(request.out)
         with watched() as line:
             _run(request, report, line)
     except (OrchestrationError, OSError, KeyboardInterrupt) as error:
         report.ended_by(error)
-        if request.json:
+        if output.data_only:
             output.data(report.json())
         raise
-    if request.json:
+    if output.data_only:
         output.data(report.json())
     return report.exit_code
 

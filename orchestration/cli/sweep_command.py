@@ -183,7 +183,6 @@ def sweep(
 ) -> None:
     """Run a system many times with other start values, and keep a row of measures of each run."""
     from orchestration.cli.sweep import run_sweep
-    from orchestration.cli.sweep_options import sweep_request
 
     given = {
         "vary": vary,
@@ -212,4 +211,4 @@ def sweep(
         "plot": plot,
         "json": json,
     }
-    raise typer.Exit(run_sweep(sweep_request(system, given)))
+    raise typer.Exit(run_sweep(system, given))

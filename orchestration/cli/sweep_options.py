@@ -4,6 +4,7 @@ An option replaces the key of its name. ``--set`` and ``--vary`` replace one sta
 """
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -88,8 +89,7 @@ def _request(file: Mapping[str, Any], options: Mapping[str, Any]) -> SweepReques
 
 
 def _with_running(request: SweepRequest, wanted: Mapping[str, Any]) -> SweepRequest:
-    from dataclasses import replace
-
+    """The request with what says how runs are made, and what becomes of the table."""
     running = {name: wanted[name] for name in RUNNING if name in wanted}
     paths = {name: Path(running[name]) for name in ("store", "out", "plot") if name in running}
     flags = {"dry_run": bool(wanted.get("dry-run")), "json": bool(wanted.get("json"))}

@@ -15,7 +15,7 @@ from orchestration.errors import SystemDescriptionError
 from orchestration.fmi.names import suggestion
 
 if TYPE_CHECKING:
-    from orchestration.campaigns.factor import Factor
+    from orchestration.campaigns.design.factor import Factor
     from orchestration.campaigns.study import Study
 
 SOBOL = "sobol"
@@ -31,7 +31,7 @@ class Samples:
     Attributes
     ----------
     n, method, seed
-        Number of points, name of the method, and seed of the generator; None for the usual ones.
+        Number of points, name of the method, and seed of the generator.
     """
 
     n: int
@@ -150,7 +150,7 @@ class SweepRequest:
 
     def _factors(self) -> "list[Factor]":
         """The factors, those that set several start values included."""
-        from orchestration.campaigns.factor import Factor
+        from orchestration.campaigns.design.factor import Factor
 
         return [
             Factor(name, wanted["variables"], wanted["values"])

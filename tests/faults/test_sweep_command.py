@@ -11,7 +11,7 @@ import pytest
 import xarray as xr
 
 from orchestration import Study, System
-from orchestration.campaigns.progress import Tally
+from orchestration.campaigns.execution.progress import Tally
 from orchestration.cli.sweep_report import SweepReport
 from orchestration.paper.studies.ready import READY_STUDIES, ReadyStudy
 from tests.faults.cli import Command, Outcome
@@ -87,6 +87,13 @@ def test_the_object_has_the_documented_keys(adaptimp: Command, study: Study) -> 
     assert found["measures"]["depth"]["max"] == table["depth"].to_numpy().max()
     refused = read(adaptimp("sweep", "fig2", "--vary", "plant.K=1,2", *MEASURES, "--json"))
     assert (refused["status"], refused["exit_code"], refused["runs"]) == ("refused", 2, 0)
+
+
+@pytest.mark.parametrize("options", [("nothing.toml",), (), ("fig2", "--vary", "plant.K_f"), ("--resume", "runs")])
+def test_what_cannot_be_begun_is_an_object_too(adaptimp: Command, options: tuple[str, ...]) -> None:
+    outcome = adaptimp("sweep", *options, "--json")
+    found = read(outcome)
+    assert (found["status"], found["exit_code"], found["message"]) == ("refused", 2, outcome.sentence)
 
 
 def test_failed_runs_are_rows(adaptimp: Command, tmp_path: Path) -> None:

@@ -13,8 +13,8 @@ import numpy as np
 
 from orchestration.campaigns.cluster.payload import MakeEngine, Payload
 from orchestration.campaigns.cluster.versions import COMPARED, require_equal
-from orchestration.campaigns.engine import Outcomes, Points
-from orchestration.campaigns.task import Task
+from orchestration.campaigns.engines.engine import Outcomes, Points
+from orchestration.campaigns.engines.task import Task
 from orchestration.errors import ClusterError
 
 if TYPE_CHECKING:
@@ -46,6 +46,9 @@ class ClusterExecutor:
     ClusterError
         If Dask is not installed, no scheduler or no worker is reached, or versions differ.
     """
+
+    chunk_time = 0.5
+    """Time, s, that a thread should take for a chunk, which costs 4 ms of the scheduler and of this process."""
 
     def __init__(
         self, task: Task, cluster: Any, make_engine: MakeEngine | None = None, patience: float = PATIENCE

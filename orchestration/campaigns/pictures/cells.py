@@ -46,17 +46,19 @@ def cells(view: View, x: str, y: str, per_run: np.ndarray, of_cell: Callable[[np
     columns = np.unique(view.column(x), return_inverse=True)[1]
     rows = np.unique(view.column(y), return_inverse=True)[1]
     shape = (len(view.levels(y)), len(view.levels(x)))
+    cell = np.ravel_multi_index((rows, columns), shape)
+    order = np.argsort(cell, kind="stable")
+    found, begins, counts = np.unique(cell[order], return_index=True, return_counts=True)
     numbers, runs = np.full(shape, np.nan), np.zeros(shape, dtype=np.int64)
-    for place in np.ndindex(shape):
-        inside = (rows == place[0]) & (columns == place[1])
-        runs[place] = inside.sum()
-        if inside.any():
-            numbers[place] = of_cell(per_run[inside])
+    runs.flat[found] = counts
+    numbers.flat[found] = [of_cell(some) for some in np.split(per_run[order], begins[1:])]
     return Cells(x, y, numbers, runs)
 
 
 def median(values: np.ndarray) -> float:
     """Median of the runs with a value; NaN if there is none."""
+    if len(values) == 1:  # the usual case, in which a median would take most of the time
+        return float(values[0])
     found = values[np.isfinite(values)]
     return float(np.median(found)) if found.size else float("nan")
 
@@ -83,12 +85,15 @@ def paint(axes: "Axes", view: View, found: Cells, **colours: Any) -> Any:
 
 def hatch(axes: "Axes", view: View, found: Cells, chosen: np.ndarray) -> Any:
     """Hatch chosen cells, shape (n_y, n_x); return the entry of a legend, or None if there is no such cell."""
-    from matplotlib.patches import Rectangle
+    from matplotlib.collections import PolyCollection
+    from matplotlib.patches import Patch
 
-    borders = [edges(view.levels(name), logarithmic=view.logarithmic(name)) for name in (found.x, found.y)]
-    x, y = (border.tolist() for border in borders)
-    style: dict[str, Any] = {"facecolor": "white", "edgecolor": FAILED, "hatch": HATCH, "lw": 0}
-    for row, column in zip(*np.nonzero(chosen), strict=True):
-        size = (x[column + 1] - x[column], y[row + 1] - y[row])
-        axes.add_patch(Rectangle((x[column], y[row]), *size, **style))
-    return Rectangle((0, 0), 1, 1, **style) if chosen.any() else None
+    if not chosen.any():
+        return None
+    x, y = (edges(view.levels(name), logarithmic=view.logarithmic(name)) for name in (found.x, found.y))
+    rows, columns = np.nonzero(chosen)
+    left, right, low, high = x[columns], x[columns + 1], y[rows], y[rows + 1]
+    corners = np.stack([[left, low], [right, low], [right, high], [left, high]]).transpose(2, 0, 1)
+    style: dict[str, Any] = {"facecolor": "white", "edgecolor": FAILED, "hatch": HATCH, "linewidth": 0}
+    axes.add_collection(PolyCollection(list(corners), **style))
+    return Patch(**style)

@@ -4,13 +4,14 @@ import ctypes
 import hashlib
 import threading
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from adaptimp_fmu.binary import binary
 from adaptimp_fmu.errors import ToolchainError
 from adaptimp_fmu.files.cache_folder import is_trusted, writable_cache
 from adaptimp_fmu.files.whole_file import write_whole
-from adaptimp_fmu.toolchain import host_platform
+from adaptimp_fmu.toolchain import Platform, host_platform
 from adaptimp_fmu.toolchain import identity as toolchain_identity
 from orchestration.errors import ContainerError
 
@@ -65,8 +66,14 @@ class Request(ctypes.Structure):
 
 
 def identity_of(files: Mapping[str, str], compiled: Sequence[str]) -> str:
-    """Return a hash of sources, and of all that decides what a compiler makes of them."""
-    digest = hashlib.sha256(f"{toolchain_identity()} {host_platform()} {' '.join(compiled)}".encode())
+    """Return a hash of sources, and of all that decides what a compiler makes of them.
+
+    Raises
+    ------
+    ContainerError
+        If nothing can be compiled for this machine.
+    """
+    digest = hashlib.sha256(f"{toolchain_identity()} {_platform()} {' '.join(compiled)}".encode())
     for name, text in sorted(files.items()):
         digest.update(f"\0{name}\0{text}".encode("utf-8", "surrogateescape"))
     return digest.hexdigest()
@@ -83,7 +90,7 @@ def loaded(identity: str, files: Mapping[str, str], compiled: Sequence[str]) -> 
     with _LOCK:
         if identity not in _LOADED:
             try:
-                content = binary(NAME, files, host_platform(), compiled=compiled)
+                content = binary(NAME, files, _platform(), compiled=compiled)
                 library = ctypes.CDLL(str(_file(identity, content)))
             except (ToolchainError, OSError) as error:
                 msg = f"The native library of the system cannot be made: {error}"
@@ -94,9 +101,18 @@ def loaded(identity: str, files: Mapping[str, str], compiled: Sequence[str]) -> 
         return _LOADED[identity]
 
 
+def _platform() -> Platform:
+    """The platform of this machine, with one register more: nobody looks at the frames of a native library."""
+    try:
+        host = host_platform()
+    except ToolchainError as error:
+        raise ContainerError(str(error)) from error
+    return replace(host, flags=(*host.flags, "-fomit-frame-pointer"))
+
+
 def _file(identity: str, content: bytes) -> Path:
     """The library as a file in the cache, where nobody but this user can change it."""
-    path = writable_cache(NAME, identity[:32]) / f"{NAME}{host_platform().extension}"
+    path = writable_cache(NAME, identity[:32]) / f"{NAME}{_platform().extension}"
     if not (is_trusted(path) and path.read_bytes() == content):
         write_whole(path, content)
     return path

@@ -5,9 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from orchestration import OrchestrationError, System, scenario, simulate
+from orchestration import Options, OrchestrationError, System, scenario, simulate
 from orchestration.containers.native.program import NativeProgram
 from orchestration.paper.scenarios import SCENARIOS, VARIANTS
+from orchestration.results.measures.reduction import reduced
 from tests.reference.containers.native_runs import reductions_of, require_same_bits
 
 FORCE, ERROR, CONTACT = "norm(plant.F_ext)", "norm(controller.e)", "norm(plant.F_ext) > 0"
@@ -87,6 +88,18 @@ def test_a_result_knows_the_sampling_periods_of_its_run() -> None:
     expected = simulate(system.set({"sensor.sample_time": 4e-4}), stop_time=0.1, record=program.record)
     assert found == replace(expected, metadata={})
     assert (found.steps_per_tick["sensor"], found.sample_times["sensor"]) == (4, 4e-4)
+
+
+def test_a_run_may_begin_at_another_time() -> None:
+    system = scenario("fig2")
+    reductions = reductions_of(system, "first_time(norm(plant.F_ext) > 0)", "integral(norm(controller.e))")
+    program = NativeProgram.of(system, reductions=reductions, record=("plant.x[1]",))
+    expected = simulate(system, stop_time=1.2, options=Options(start_time=0.3))
+    runs = program.runs(np.empty((1, 0)), np.array([1e-4]), 1.2, 0.3)
+    assert runs.reduced[0].tolist() == [reduced(reduction, expected) for reduction in reductions]
+    found = program.result(np.empty(0), 1e-4, 1.2, 0.3)
+    assert found.time.tobytes() == expected.time.tobytes()
+    assert found["plant.x[1]"].tobytes() == expected["plant.x[1]"].tobytes()
 
 
 SHORT = {f"{name}.sample_time": 2e-5 for name in ("trajectory", "sensor", "controller", "actuator")}

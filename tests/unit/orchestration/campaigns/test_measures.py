@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from orchestration import Measure, OrchestrationError, Result, Study, StudyError, System, SystemDescriptionError
-from orchestration.campaigns.code_identity import function_identity
-from orchestration.campaigns.measure import measured
-from orchestration.campaigns.registry import ready_measures
+from orchestration.campaigns.measuring.code_identity import function_identity
+from orchestration.campaigns.measuring.measure import measured
+from orchestration.campaigns.measuring.registry import ready_measures
 from orchestration.errors import FormulaError
 
 LIMIT = 2.0
@@ -58,6 +58,7 @@ WRONG: dict[str, tuple[Any, type[OrchestrationError], str]] = {
     "an unknown column": ("max(plant.z)", SystemDescriptionError, "plant has no variable z"),
     "the same twice": (["max(plant.x)", "max(plant.x)"], StudyError, "given twice"),
     "a reserved name": ("status = max(plant.x)", StudyError, "a name of its own meaning"),
+    "a name of a store's own": ("key = max(plant.x)", StudyError, "a name of its own meaning"),
     "a number": (5, StudyError, "give a formula"),
     "a function without a name": (lambda _: 1.0, StudyError, "give one with it"),
     "no function": ({"top": 5}, StudyError, "give a function of a Result"),

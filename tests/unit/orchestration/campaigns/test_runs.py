@@ -12,12 +12,12 @@ import pytest
 import xarray as xr
 
 from orchestration import Result, Study, StudyError, StudyInterrupted, System
-from orchestration.campaigns import running
-from orchestration.campaigns.chunks import GROWTH, Chunks
-from orchestration.campaigns.engine import Outcomes, Points
-from orchestration.campaigns.local import LocalExecutor
+from orchestration.campaigns import local, running
+from orchestration.campaigns.engines.engine import Outcomes, Points
+from orchestration.campaigns.engines.task import Task
+from orchestration.campaigns.execution.chunks import GROWTH, Chunks
+from orchestration.campaigns.execution.local import LocalExecutor
 from orchestration.campaigns.store.store import Store
-from orchestration.campaigns.task import Task
 from orchestration.errors import StoreError
 from tests.unit.orchestration.campaigns.plain import PlainEngine
 
@@ -111,6 +111,16 @@ def test_each_run_is_in_one_chunk(runs: int, workers: int) -> None:
     assert all(after <= GROWTH * before for before, after in pairwise(sizes))
 
 
+@pytest.mark.parametrize("time", [0.2, 0.5])
+def test_chunks_take_the_time_that_is_asked_for(time: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    clock, sizes = [0.0], []
+    monkeypatch.setattr("orchestration.campaigns.execution.chunks.perf_counter", lambda: clock[0])
+    for chunk in Chunks(np.arange(10_000), points, lambda: 1, time):
+        sizes.append(len(chunk))
+        clock[0] += 1e-3 * len(chunk)  # a run takes 1 ms
+    assert {max(sizes), sizes[len(sizes) // 2]} <= {round(time / 1e-3), round(time / 1e-3) - 1}  # rounded down
+
+
 def test_a_stopped_iterator_gives_nothing_more() -> None:
     chunks = Chunks(np.arange(10), points, lambda: 1)
     next(chunks)
@@ -136,6 +146,26 @@ def test_a_fault_of_an_engine_is_raised_and_ends_the_threads() -> None:
         list(executor.map(Chunks(np.arange(10**6), points, lambda: 2)))
     executor.close()
     assert not [thread for thread in threading.enumerate() if thread.name.startswith("campaign")]
+
+
+def test_an_engine_is_left_alone_when_its_run_does_not_end(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(local, "LONGEST_END", 0.01)
+    begun, free = threading.Event(), threading.Event()
+
+    class Endless(Squares):
+        def make(self, points: Points) -> Outcomes:
+            begun.set()
+            free.wait()
+            return super().make(points)
+
+    engine = Endless()
+    executor = LocalExecutor(engine, 1)
+    made = executor.map(Chunks(np.arange(3), points, lambda: 1))
+    begun.wait()
+    executor.close()
+    assert engine.closed
+    free.set()
+    assert [outcomes.numbers.tolist() for outcomes in made] == [[0]]
 
 
 def test_rows_are_the_same_for_any_number_of_workers(study: Study, made: list[int]) -> None:

@@ -10,7 +10,7 @@ from scipy import stats
 from scipy.stats import qmc
 
 from orchestration import Study, StudyError, System
-from orchestration.campaigns.samples import METHODS, unit_samples
+from orchestration.campaigns.design.samples import METHODS, unit_samples
 
 MEASURE = "max(plant.x)"
 
@@ -87,6 +87,9 @@ def test_a_problem_of_salib_gets_saltellis_points(study: Study) -> None:
         ({"plant.x_start": "1:2"}, {"n": 2.5}, "a whole number from 1 on"),
         ({"plant.x_start": "1:2"}, {"n": 4, "method": "sobel"}, "did you mean sobol"),
         ({}, {"n": 4}, "without a factor"),
+        ({"plant.x_start": "1:2"}, {"n": 4, "seed": -1}, "The seed of samples is -1"),
+        ({"plant.x_start": "1:2"}, {"n": 4, "seed": "a"}, "The seed of samples is 'a'"),
+        ({"num_vars": 1, "names": ["plant.x_start"], "bounds": [[1, 0]]}, {"n": 4}, "of SALib cannot be sampled"),
         (pd.DataFrame({"plant.x_start": []}), {}, "0 rows"),
         (pd.DataFrame({"plant.x_start": [1.0, np.nan]}), {}, "run 1 has nan"),
         ({"num_vars": 1, "names": ["plant.x_start"], "bounds": [[0, 1]]}, {"n": 3}, "a power of 2"),

@@ -233,6 +233,20 @@ def test_what_is_no_system_is_refused(system: Any, message: str) -> None:
         Study(system, "max(plant.x)")
 
 
+@pytest.mark.parametrize(
+    ("times", "message"),
+    [
+        ({"stop_time": "2"}, "The stop time of a study is '2'"),
+        ({"stop_time": float("nan")}, "The stop time of a study is nan"),
+        ({"step": 0}, "The step of a study is 0 s; it must be positive"),
+        ({"algorithm": 5}, "The algorithm of a study is 5"),
+    ],
+)
+def test_times_that_are_no_numbers_are_refused(loop: System, times: dict[str, Any], message: str) -> None:
+    with pytest.raises(StudyError, match=message):
+        Study(loop, "max(plant.x)", **times)
+
+
 def test_a_study_reads_its_system_from_a_package(loop: System, tmp_path: Path) -> None:
     table = Study(loop.write(tmp_path / "loop.ssp"), "top = max(plant.x)", step=H).grid({"x_start": [3]}).run()
     assert table["top"].values.tolist() == [3 * GROWTH]

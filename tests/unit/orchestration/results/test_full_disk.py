@@ -1,6 +1,7 @@
 """Tests that a full disk is reported, and that existing files stay as they are."""
 
 import gc
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -18,15 +19,18 @@ WHOLE = 5000  # bytes that can be written until the disk counts as full
 def full_disk() -> Iterator[None]:
     """Limit the length of files to `WHOLE` bytes, so that writing fails as on a full disk.
 
-    The limit also holds for the output file of the test run, so it must end with the context.
+    The limit also holds for the output file of the test run, so it must end with the context. Python does not notice
+    that the bytecode of a module is cut off by the limit, so none is written.
     """
     resource = pytest.importorskip("resource", reason="Windows has no limit on the size of files")
     soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    written, sys.dont_write_bytecode = sys.dont_write_bytecode, True
     resource.setrlimit(resource.RLIMIT_FSIZE, (WHOLE, hard))
     try:
         yield
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+        sys.dont_write_bytecode = written
 
 
 @pytest.mark.parametrize("suffix", [".csv", ".parquet"])

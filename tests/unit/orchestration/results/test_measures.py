@@ -62,6 +62,7 @@ BY_HAND = {
     "last_time(controller.e > 1)": 2.0,
     "max(controller.e + plant.gap)": 3.0,  # 1 + 2, 2 - 1, -4 - 1, 2 + 1
     "time_of_max(controller.e + plant.gap)": 0.0,
+    "max(time + 0 * controller.e)": 2.0,  # the last step begins there
     "max(plant.gap, where=controller.e < 2)": 2.0,  # at the steps, at 0 and 1 s
     'final("Drive 1.w")': 8.0,
     'initial("Drive 1.w")': 5.0,
@@ -87,6 +88,7 @@ BY_HAND = {
     "abs(min(plant.gap)) / max(plant.gap)": 1 / 3,
     "sqrt(max(plant.gap) + 1)": 2.0,
     "max(norm(plant.gap))": 3.0,
+    "max(norm(plant.gap), where=plant.gap < 0)": 1.0,
     "max(sqrt(plant.gap**2))": 3.0,
     "-max(-plant.gap)": -1.0,
     "max(plant.gap) / duration(plant.gap > 9)": math.inf,

@@ -103,6 +103,13 @@ def test_a_library_comes_from_the_cache_and_is_made_anew_if_it_was_altered(
     assert loaded[0] == loaded[1]
 
 
+def test_a_machine_without_a_platform_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    system = scenario("fig2")
+    monkeypatch.setattr("platform.machine", lambda: "abacus")
+    with pytest.raises(ContainerError, match=r"No FMU platform for .* on abacus"):
+        NativeProgram.of(system)
+
+
 def test_recorded_rows_of_runs_of_unequal_length_end_with_nan() -> None:
     recording = NativeProgram.of(scenario("fig2"), record=("plant.gap",))
     runs = recording.runs(np.empty((2, 0)), np.array([1e-4, 5e-5]), 0.1)

@@ -5,10 +5,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from orchestration.campaigns.design import Block
-from orchestration.campaigns.factor import Factor, Target, factors_of
-from orchestration.campaigns.ranges import Choice, distribution
-from orchestration.errors import StudyError
+from orchestration.campaigns.design.design import Block
+from orchestration.campaigns.design.factor import Factor, Target, factors_of
+from orchestration.campaigns.design.ranges import Choice, distribution
+from orchestration.errors import StudyError, printable
 from orchestration.fmi.given import shown
 from orchestration.fmi.names import suggestion
 
@@ -42,7 +42,7 @@ def unit_samples(n: int, dimensions: int, method: str, seed: int) -> np.ndarray:
     if method not in METHODS:
         msg = f"Samples cannot be drawn by {shown(method)}; {suggestion(str(method), METHODS)}"
         raise StudyError(msg)
-    generator = np.random.default_rng(seed)
+    generator = np.random.default_rng(_seed(seed))
     if method == SOBOL:
         found = qmc.Sobol(dimensions, scramble=True, rng=generator).random_base2((int(n) - 1).bit_length())[:n]
     elif method == LATIN_HYPERCUBE:
@@ -98,7 +98,7 @@ def saltelli(problem: Mapping[str, Any], targets: Sequence[Target], n: int, seed
     Raises
     ------
     StudyError
-        If SALib is not installed.
+        If SALib is not installed, or refuses the problem.
     """
     try:
         from SALib.sample import sobol
@@ -108,9 +108,21 @@ def saltelli(problem: Mapping[str, Any], targets: Sequence[Target], n: int, seed
     if isinstance(n, bool) or not isinstance(n, int | np.integer) or n < 1 or n & (n - 1):
         msg = f"The number of samples for indices of Sobol is {shown(n)}; give n, a power of 2 such as 1024."
         raise StudyError(msg)
-    values = np.asarray(sobol.sample(dict(problem), int(n), seed=seed), dtype=np.float64)
+    try:
+        values = np.asarray(sobol.sample(dict(problem), int(n), seed=_seed(seed)), dtype=np.float64)
+    except (ValueError, KeyError, IndexError, TypeError) as error:
+        msg = f"The problem of SALib cannot be sampled: {printable(error, 500)}; each name needs its bounds."
+        raise StudyError(msg) from error
     checked = [target.checked(column) for target, column in zip(targets, values.T, strict=True)]
     return Block(tuple(target.factor.bare() for target in targets), np.column_stack(checked), samples=True)
+
+
+def _seed(seed: Any) -> int:
+    """A seed of samples, after a check that it is a whole number."""
+    if isinstance(seed, bool) or not isinstance(seed, int | np.integer) or seed < 0:
+        msg = f"The seed of samples is {shown(seed)}; give a whole number from 0 on."
+        raise StudyError(msg)
+    return int(seed)
 
 
 def sampled_factors(points: Any) -> tuple[Factor, ...]:

@@ -93,6 +93,11 @@ class Executor(Protocol):
         """Number of chunks that can be made at the same time; it may change."""
         ...
 
+    @property
+    def chunk_time(self) -> float:
+        """Time that a worker should take for a chunk, s: short for the tail, long beside the overhead of a chunk."""
+        ...
+
     def map(self, chunks: Iterator[Points]) -> Iterator[Outcomes]:
         """Make the runs of all chunks.
 

@@ -1,4 +1,4 @@
-"""Cuts the runs of a campaign into chunks that take about a fifth of a second each."""
+"""Cuts the runs of a campaign into chunks that take a part of a second each."""
 
 import threading
 from collections.abc import Callable, Iterator
@@ -6,10 +6,10 @@ from time import perf_counter
 
 import numpy as np
 
-from orchestration.campaigns.engine import Points
+from orchestration.campaigns.engines.engine import Points
 
 TIME = 0.2
-"""Aim for the time that a worker takes for a chunk, s: short for interrupts and the tail, long beside all overheads."""
+"""Time that a thread should take for a chunk, s: short for interrupts and the tail, long beside all overheads."""
 GROWTH = 4
 """Largest ratio of the sizes of a chunk and the one before."""
 LARGEST = 65536
@@ -27,10 +27,18 @@ class Chunks(Iterator[Points]):
         Makes the points of some runs of their numbers.
     workers
         Tells the number of workers, which may change.
+    time
+        Time that a worker should take for a chunk, s.
     """
 
-    def __init__(self, numbers: np.ndarray, points: Callable[[np.ndarray], Points], workers: Callable[[], int]) -> None:
-        self._numbers, self._points, self._workers = numbers, points, workers
+    def __init__(
+        self,
+        numbers: np.ndarray,
+        points: Callable[[np.ndarray], Points],
+        workers: Callable[[], int],
+        time: float = TIME,
+    ) -> None:
+        self._numbers, self._points, self._workers, self._time = numbers, points, workers, time
         self._lock = threading.Lock()
         self._next, self._size = 0, 1
         self._began: float | None = None
@@ -61,4 +69,4 @@ class Chunks(Iterator[Points]):
         if self._next < workers or self._began is None:
             return 1
         rate = self._next / max(perf_counter() - self._began, 1e-6) / workers
-        return max(1, min(int(TIME * rate), GROWTH * self._size, LARGEST, -(-left // workers)))
+        return max(1, min(int(self._time * rate), GROWTH * self._size, LARGEST, -(-left // workers)))

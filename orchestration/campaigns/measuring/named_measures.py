@@ -4,8 +4,9 @@ import re
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from orchestration.campaigns.measure import Measure
-from orchestration.campaigns.registry import ready_measures
+from orchestration.campaigns.design.factor import SYSTEM
+from orchestration.campaigns.measuring.measure import Measure
+from orchestration.campaigns.measuring.registry import ready_measures
 from orchestration.errors import StudyError
 from orchestration.fmi.given import shown
 from orchestration.fmi.names import suggestion
@@ -14,6 +15,8 @@ from orchestration.system.system import System
 
 MESSAGE, STATUS = "message", "status"
 """Columns of a table beside factors and measures."""
+RESERVED = (SYSTEM, STATUS, MESSAGE, "number", "key", "study", "run")
+"""Names that tables and stores use themselves."""
 _NAMED = re.compile(r"\s*([A-Za-z_]\w*)\s*=(?!=)(.*)", re.DOTALL)
 
 
@@ -46,7 +49,7 @@ def measures_of(given: Any, systems: Sequence[System]) -> tuple[Measure, ...]:
         raise StudyError(msg)
     names = [name for measure in items for name in measure.names]
     for name in names:
-        if names.count(name) > 1 or name in (MESSAGE, STATUS):
+        if names.count(name) > 1 or name in RESERVED:
             msg = f"The measure {name} is given twice, or has a name of its own meaning; give it another name."
             raise StudyError(msg)
     for system in systems:

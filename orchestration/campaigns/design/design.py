@@ -12,11 +12,12 @@ from functools import cached_property
 
 import numpy as np
 
-from orchestration.campaigns.engine import Points
-from orchestration.campaigns.factor import Factor, Target
+from orchestration.campaigns.design.factor import Factor, Target
+from orchestration.campaigns.engines.engine import Points
 from orchestration.errors import StudyError
 
-MOST_RUNS = 2**40
+MOST_RUNS = 100_000_000
+"""A table of so many runs takes gigabytes."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,7 +79,7 @@ class Design:
         Raises
         ------
         StudyError
-            If a factor is there twice, or the design would have no end of runs.
+            If a factor is there twice, or the design has more than `MOST_RUNS` runs.
         """
         known = {factor.name for factor in self.factors}
         for factor in block.factors:
@@ -88,7 +89,8 @@ class Design:
             known.add(factor.name)
         found = Design(self.variants, (*self.blocks, block))
         if math.prod(found.sizes) > MOST_RUNS:
-            msg = f"The design has {math.prod(found.sizes)} runs; at most {MOST_RUNS} are possible."
+            advice = "give fewer levels, or samples"
+            msg = f"The design has {math.prod(found.sizes)} runs; at most {MOST_RUNS} are possible; {advice}."
             raise StudyError(msg)
         return found
 

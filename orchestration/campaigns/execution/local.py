@@ -5,9 +5,13 @@ import threading
 from collections.abc import Iterator
 from queue import SimpleQueue
 
-from orchestration.campaigns.engine import Engine, Outcomes, Points
+from orchestration.campaigns.engines.engine import Engine, Outcomes, Points
+from orchestration.campaigns.execution.chunks import TIME
 from orchestration.errors import StudyError
 from orchestration.fmi.given import shown
+
+LONGEST_END = 2.0
+"""Longest wait for a thread whose engine is closed, s."""
 
 
 def worker_count(asked: int | None) -> int:
@@ -38,6 +42,8 @@ class LocalExecutor:
         Number of threads.
     """
 
+    chunk_time = TIME
+
     def __init__(self, engine: Engine, workers: int) -> None:
         self.engine, self.workers = engine, workers
         self._at_work: list[_Outcomes] = []
@@ -47,17 +53,27 @@ class LocalExecutor:
         self._at_work.append(_Outcomes(self.engine, self.workers, chunks))
         return self._at_work[-1]
 
-    def wait(self) -> None:
-        """Let the threads finish the chunks that they are at, and end them."""
+    def wait(self, longest: float | None = None) -> None:
+        """Let the threads finish the chunks that they are at, and end them.
+
+        Parameters
+        ----------
+        longest
+            Longest wait for each thread, s; None waits for its end.
+        """
         while self._at_work:
-            self._at_work.pop().wait()
+            self._at_work.pop().wait(longest)
 
     def close(self) -> None:
-        """Free what the engine holds, and end the threads; an engine that is closed cuts off runs under way."""
+        """Free what the engine holds, and end the threads.
+
+        An engine that is closed cuts off runs under way, or leaves a thread to the end of its run. After a second
+        interrupt nobody waits for such a thread; it ends with the process at the latest.
+        """
         for outcomes in self._at_work:
             outcomes.stop()
         self.engine.close()
-        self.wait()
+        self.wait(LONGEST_END)
 
 
 class _Outcomes(Iterator[Outcomes]):
@@ -76,11 +92,11 @@ class _Outcomes(Iterator[Outcomes]):
         """Let the threads take no further chunk."""
         self._stopped.set()
 
-    def wait(self) -> None:
-        """Wait until the threads have ended."""
+    def wait(self, longest: float | None) -> None:
+        """Wait until the threads have ended, each for a time, s, at most."""
         self.stop()
         for thread in self._threads:
-            thread.join()
+            thread.join(longest)
 
     def __next__(self) -> Outcomes:
         while self._working:
