@@ -22,8 +22,8 @@ if TYPE_CHECKING:
     from orchestration.analysis.doctor.finding import Finding
     from orchestration.analysis.energy import Ledger, PowerBond, ledger
     from orchestration.analysis.stability.verdict import Verdict
-    from orchestration.campaigns.factor import Factor
-    from orchestration.campaigns.measure import Measure
+    from orchestration.campaigns.design.factor import Factor
+    from orchestration.campaigns.measuring.measure import Measure
     from orchestration.campaigns.pictures.plot_table import plot_table
     from orchestration.campaigns.sensitivity import sensitivity
     from orchestration.campaigns.study import Study
@@ -70,7 +70,7 @@ _HOME = {
     "Correction": "master.algorithm",
     "Crossings": "master.options",
     "Diagnosis": "analysis.doctor.diagnosis",
-    "Factor": "campaigns.factor",
+    "Factor": "campaigns.design.factor",
     "Finding": "analysis.doctor.finding",
     "Fmu": "fmi.fmu",
     "FmuWarning": "master.fmu_messages",
@@ -79,7 +79,7 @@ _HOME = {
     "InitializationError": "errors",
     "Isolation": "fmi.isolation",
     "Ledger": "analysis.energy",
-    "Measure": "campaigns.measure",
+    "Measure": "campaigns.measuring.measure",
     "Options": "master.options",
     "OrchestrationError": "errors",
     "Pace": "master.pacing",

@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 
-from orchestration.campaigns.campaign import Rows, make_chunks
-from orchestration.campaigns.chunks import Chunks
+from orchestration.campaigns.design.factor import Factor, target
 from orchestration.campaigns.engines.choice import engine_for
-from orchestration.campaigns.factor import Factor, target
-from orchestration.campaigns.local import LocalExecutor
+from orchestration.campaigns.execution.campaign import Rows, make_chunks
+from orchestration.campaigns.execution.chunks import Chunks
+from orchestration.campaigns.execution.local import LocalExecutor
 from orchestration.campaigns.setting import Setting
 
 

@@ -6,11 +6,11 @@ from typing import Self
 
 import numpy as np
 
-from orchestration.campaigns.engine import Outcomes, Points
+from orchestration.campaigns.engines.engine import Outcomes, Points
+from orchestration.campaigns.engines.task import Task
 from orchestration.campaigns.store.row_table import RowColumns
 from orchestration.campaigns.store.store import Store
 from orchestration.campaigns.table import Columns
-from orchestration.campaigns.task import Task
 
 
 class KeptRuns:

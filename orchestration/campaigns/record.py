@@ -10,9 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from orchestration.campaigns.design import Block, Design
-from orchestration.campaigns.factor import Factor
-from orchestration.campaigns.measure import Measure
+from orchestration.campaigns.design.design import Block, Design
+from orchestration.campaigns.design.factor import Factor
+from orchestration.campaigns.measuring.measure import Measure
 from orchestration.campaigns.setting import Setting
 from orchestration.errors import StudyError
 from orchestration.fmi.isolation import Isolation

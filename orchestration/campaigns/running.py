@@ -5,12 +5,12 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from orchestration.campaigns.engine import Executor
 from orchestration.campaigns.engines.choice import engine_for
-from orchestration.campaigns.local import LocalExecutor
-from orchestration.campaigns.progress import Progress, ProgressBar, Tally
+from orchestration.campaigns.engines.engine import Executor
+from orchestration.campaigns.engines.task import Task
+from orchestration.campaigns.execution.local import LocalExecutor
+from orchestration.campaigns.execution.progress import Progress, ProgressBar, Tally
 from orchestration.campaigns.store.store import Store
-from orchestration.campaigns.task import Task
 from orchestration.errors import StoreError, StudyError
 from orchestration.fmi.given import shown
 from orchestration.fmi.names import suggestion

@@ -5,12 +5,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from orchestration.campaigns.campaign import Job
-from orchestration.campaigns.design import Design, Pointing, pointing
-from orchestration.campaigns.factor import Factor, Target, target
-from orchestration.campaigns.measure import Measure
-from orchestration.campaigns.named_measures import fitted
-from orchestration.campaigns.task import Task
+from orchestration.campaigns.design.design import Design, Pointing, pointing
+from orchestration.campaigns.design.factor import Factor, Target, target
+from orchestration.campaigns.engines.task import Task
+from orchestration.campaigns.execution.campaign import Job
+from orchestration.campaigns.measuring.measure import Measure
+from orchestration.campaigns.measuring.named_measures import fitted
 from orchestration.errors import StudyError
 from orchestration.fmi.isolation import Isolation
 from orchestration.fmi.names import suggestion

@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 
 from orchestration.analysis.stability.verdict import judged
-from orchestration.campaigns.campaign import Job, Rows
-from orchestration.campaigns.engine import Outcomes
+from orchestration.campaigns.engines.engine import Outcomes
+from orchestration.campaigns.execution.campaign import Job, Rows
 from orchestration.campaigns.table import Columns
 from orchestration.errors import OrchestrationError
 

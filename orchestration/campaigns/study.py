@@ -5,10 +5,10 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from orchestration.campaigns.campaign import Rows, make_runs
+from orchestration.campaigns.execution.campaign import Rows, make_runs
+from orchestration.campaigns.execution.local import worker_count
 from orchestration.campaigns.kept import KeptRuns
-from orchestration.campaigns.local import worker_count
-from orchestration.campaigns.named_measures import functions_of
+from orchestration.campaigns.measuring.named_measures import functions_of
 from orchestration.campaigns.names import in_words
 from orchestration.campaigns.record import recorded_setting, study_record
 from orchestration.campaigns.running import executors, interrupted, load_tables, shown_by, stored_study
@@ -90,7 +90,7 @@ class Study(StudyPoints):
         cluster
             Address of a Dask scheduler, a ``LocalCluster`` or a ``Client``, whose workers make the runs.
         progress
-            True for a line on standard error; or an object as `orchestration.campaigns.progress.Progress`.
+            True for a line on standard error; or an object as `orchestration.campaigns.execution.progress.Progress`.
         retry_failed
             Whether to make those runs again that are in the store as failed, for example after a call took too long.
 

@@ -6,13 +6,10 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
-from orchestration.campaigns.design import Block, Design
-from orchestration.campaigns.factor import Factor, factors_of
-from orchestration.campaigns.measure import Measure
-from orchestration.campaigns.named_measures import measures_of
-from orchestration.campaigns.names import column_names
-from orchestration.campaigns.ranges import SEED, levels, seed_numbers
-from orchestration.campaigns.samples import (
+from orchestration.campaigns.design.design import Block, Design
+from orchestration.campaigns.design.factor import Factor, factors_of
+from orchestration.campaigns.design.ranges import SEED, levels, seed_numbers
+from orchestration.campaigns.design.samples import (
     SOBOL,
     drawn,
     is_problem,
@@ -22,6 +19,9 @@ from orchestration.campaigns.samples import (
     tabulated,
     unit_samples,
 )
+from orchestration.campaigns.measuring.measure import Measure
+from orchestration.campaigns.measuring.named_measures import measures_of
+from orchestration.campaigns.names import column_names
 from orchestration.campaigns.setting import Setting
 from orchestration.campaigns.table import Columns, points_frame
 from orchestration.errors import StudyError

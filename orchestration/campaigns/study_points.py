@@ -7,12 +7,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from orchestration.campaigns.columns import SYSTEM
+from orchestration.campaigns.design.factor import Factor
+from orchestration.campaigns.design.samples import is_table
+from orchestration.campaigns.engines.single import single_run
 from orchestration.campaigns.evaluator import Evaluator
-from orchestration.campaigns.factor import SYSTEM, Factor
-from orchestration.campaigns.local import worker_count
+from orchestration.campaigns.execution.local import worker_count
 from orchestration.campaigns.names import all_names, asked, row_of
-from orchestration.campaigns.samples import is_table
-from orchestration.campaigns.single import single_run
 from orchestration.campaigns.study_plan import StudyPlan
 from orchestration.campaigns.table import evaluated_frame, evaluated_row
 from orchestration.errors import StudyError

@@ -6,10 +6,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from orchestration.campaigns.campaign import Rows
-from orchestration.campaigns.design import Design
-from orchestration.campaigns.factor import SYSTEM
-from orchestration.campaigns.named_measures import MESSAGE, STATUS
+from orchestration.campaigns.columns import MESSAGE, STATUS, SYSTEM
+from orchestration.campaigns.design.design import Design
+from orchestration.campaigns.execution.campaign import Rows
 
 if TYPE_CHECKING:
     import pandas as pd

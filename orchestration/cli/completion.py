@@ -26,7 +26,7 @@ def studies(incomplete: str) -> list[str]:
 
 def measures(incomplete: str) -> list[str]:
     """Ready measures."""
-    from orchestration.campaigns.registry import ready_measures
+    from orchestration.campaigns.measuring.registry import ready_measures
 
     return _beginning(incomplete, ready_measures())
 

@@ -3,7 +3,7 @@
 import json as formats
 
 from fmus.catalog import MODELS
-from orchestration.campaigns.registry import ready_measures
+from orchestration.campaigns.measuring.registry import ready_measures
 from orchestration.cli.output import output, width
 from orchestration.cli.tables import definitions
 from orchestration.master.algorithm import SUMMARIES

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from orchestration.analysis.doctor.finding import counted
-from orchestration.campaigns.progress import Goal, ProgressBar, Tally
+from orchestration.campaigns.execution.progress import Goal, ProgressBar, Tally
 from orchestration.campaigns.table import MISSING
 from orchestration.cli.codes import ExitCode
 from orchestration.cli.isolation import EVERY

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from orchestration.analysis.doctor.finding import counted
-from orchestration.campaigns.factor import STEP
-from orchestration.campaigns.local import worker_count
+from orchestration.campaigns.design.factor import STEP
+from orchestration.campaigns.execution.local import worker_count
 from orchestration.cli.output import output, width
 from orchestration.cli.sweep_report import SweepReport, shown
 from orchestration.cli.tables import table

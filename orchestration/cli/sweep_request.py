@@ -15,7 +15,7 @@ from orchestration.errors import SystemDescriptionError
 from orchestration.fmi.names import suggestion
 
 if TYPE_CHECKING:
-    from orchestration.campaigns.factor import Factor
+    from orchestration.campaigns.design.factor import Factor
     from orchestration.campaigns.study import Study
 
 SOBOL = "sobol"
@@ -150,7 +150,7 @@ class SweepRequest:
 
     def _factors(self) -> "list[Factor]":
         """The factors, those that set several start values included."""
-        from orchestration.campaigns.factor import Factor
+        from orchestration.campaigns.design.factor import Factor
 
         return [
             Factor(name, wanted["variables"], wanted["values"])

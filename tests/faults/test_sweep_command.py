@@ -11,7 +11,7 @@ import pytest
 import xarray as xr
 
 from orchestration import Study, System
-from orchestration.campaigns.progress import Tally
+from orchestration.campaigns.execution.progress import Tally
 from orchestration.cli.sweep_report import SweepReport
 from orchestration.paper.studies.ready import READY_STUDIES, ReadyStudy
 from tests.faults.cli import Command, Outcome

@@ -11,11 +11,11 @@ import pytest
 import xarray as xr
 
 from orchestration import Isolation, SimulationError, Study, simulate
-from orchestration.campaigns.engine import Outcomes, Points
+from orchestration.campaigns.engines.engine import Outcomes, Points
+from orchestration.campaigns.engines.isolated import isolation_of
 from orchestration.campaigns.engines.master import MasterEngine
-from orchestration.campaigns.isolated import isolation_of
-from orchestration.campaigns.measure import Measure
-from orchestration.campaigns.task import Task
+from orchestration.campaigns.engines.task import Task
+from orchestration.campaigns.measuring.measure import Measure
 from orchestration.errors import StudyError
 from tests.pooled.conftest import Pooled
 from tests.pooled.fmus import Deed

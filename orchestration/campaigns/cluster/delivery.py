@@ -11,7 +11,7 @@ from distributed.versions import get_versions
 
 from orchestration.campaigns.cluster.payload import Payload
 from orchestration.campaigns.cluster.versions import COMPARED, differences
-from orchestration.campaigns.engine import Engine, Outcomes, Points
+from orchestration.campaigns.engines.engine import Engine, Outcomes, Points
 from orchestration.errors import ClusterError, printable
 
 LONGEST = 120.0  # s; longest wait for engines

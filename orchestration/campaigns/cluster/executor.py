@@ -13,8 +13,8 @@ import numpy as np
 
 from orchestration.campaigns.cluster.payload import MakeEngine, Payload
 from orchestration.campaigns.cluster.versions import COMPARED, require_equal
-from orchestration.campaigns.engine import Outcomes, Points
-from orchestration.campaigns.task import Task
+from orchestration.campaigns.engines.engine import Outcomes, Points
+from orchestration.campaigns.engines.task import Task
 from orchestration.errors import ClusterError
 
 if TYPE_CHECKING:

@@ -10,7 +10,7 @@ from distributed import CancelledError, Future, KilledWorker
 
 from orchestration.campaigns.cluster.connection import CALL, Connection, LostError
 from orchestration.campaigns.cluster.delivery import NotDeliveredError, make_runs
-from orchestration.campaigns.engine import Outcomes, Points
+from orchestration.campaigns.engines.engine import Outcomes, Points
 
 PER_THREAD = 2  # chunks for each thread of a worker: one that is made, and one that waits at the worker
 CHECK = 2.0  # s between two looks at the scheduler

@@ -13,8 +13,8 @@ from types import ModuleType
 from typing import Any
 
 from adaptimp_fmu.files.temporary_folder import temporary_folder
-from orchestration.campaigns.engine import Engine
-from orchestration.campaigns.task import Task
+from orchestration.campaigns.engines.engine import Engine
+from orchestration.campaigns.engines.task import Task
 from orchestration.errors import ClusterError, printable
 from orchestration.system.system import System
 

@@ -2,11 +2,11 @@
 
 import logging
 
-from orchestration.campaigns.engine import Engine
+from orchestration.campaigns.engines.engine import Engine
+from orchestration.campaigns.engines.isolated import isolates_any
 from orchestration.campaigns.engines.master import MasterEngine
 from orchestration.campaigns.engines.native import NativeEngine
-from orchestration.campaigns.isolated import isolates_any
-from orchestration.campaigns.task import Task
+from orchestration.campaigns.engines.task import Task
 from orchestration.errors import ContainerError
 
 _LOG = logging.getLogger(__name__)

@@ -11,10 +11,10 @@ from contextlib import contextmanager
 
 import numpy as np
 
-from orchestration.campaigns.engine import Outcomes, Points
-from orchestration.campaigns.isolated import foreign_components, isolation_of
-from orchestration.campaigns.measure import measured
-from orchestration.campaigns.task import Task
+from orchestration.campaigns.engines.engine import Outcomes, Points
+from orchestration.campaigns.engines.isolated import foreign_components, isolation_of
+from orchestration.campaigns.engines.task import Task
+from orchestration.campaigns.measuring.measure import measured
 from orchestration.errors import OrchestrationError, StudyError
 from orchestration.master.options import Options
 from orchestration.master.reruns import Reruns
@@ -44,7 +44,7 @@ class MasterEngine:
         self._change, self._closed = threading.Condition(), False
 
     def make(self, points: Points) -> Outcomes:
-        """Make runs; see `orchestration.campaigns.engine.Engine`.
+        """Make runs; see `orchestration.campaigns.engines.engine.Engine`.
 
         Raises
         ------

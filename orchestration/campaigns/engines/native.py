@@ -5,9 +5,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from orchestration.campaigns.engine import Outcomes, Points
-from orchestration.campaigns.measure import measured
-from orchestration.campaigns.task import Task
+from orchestration.campaigns.engines.engine import Outcomes, Points
+from orchestration.campaigns.engines.task import Task
+from orchestration.campaigns.measuring.measure import measured
 from orchestration.containers.native.program import NativeProgram
 from orchestration.errors import SimulationError, SystemDescriptionError
 
@@ -47,7 +47,7 @@ class NativeEngine:
         )
 
     def make(self, points: Points) -> Outcomes:
-        """Make runs; see `orchestration.campaigns.engine.Engine`."""
+        """Make runs; see `orchestration.campaigns.engines.engine.Engine`."""
         if self._by_rows:
             return self._make_by_rows(points)
         task = self.task

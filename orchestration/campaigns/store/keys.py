@@ -17,8 +17,8 @@ import json
 
 import numpy as np
 
-from orchestration.campaigns.engine import Points
-from orchestration.campaigns.task import Task
+from orchestration.campaigns.engines.engine import Points
+from orchestration.campaigns.engines.task import Task
 
 KEY_LENGTH = 32
 """Number of hexadecimal digits of a key, which are 128 bits."""

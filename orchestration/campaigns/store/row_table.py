@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from orchestration.campaigns.engine import Outcomes
+from orchestration.campaigns.engines.engine import Outcomes
 from orchestration.campaigns.store.keys import KEY_LENGTH
 from orchestration.errors import StoreError
 

@@ -19,7 +19,8 @@ import numpy as np
 
 from adaptimp_fmu.files.whole_file import SUFFIX as DRAFT
 from adaptimp_fmu.files.whole_file import write_whole
-from orchestration.campaigns.engine import Points
+from orchestration.campaigns.engines.engine import Points
+from orchestration.campaigns.engines.task import Task
 from orchestration.campaigns.store.keys import RunKeys
 from orchestration.campaigns.store.row_files import (
     Place,
@@ -31,7 +32,6 @@ from orchestration.campaigns.store.row_files import (
 from orchestration.campaigns.store.row_table import Found, RowColumns, Search, without_duplicates
 from orchestration.campaigns.store.studies import UNFINISHED, StoredStudy, read_studies, write_study
 from orchestration.campaigns.store.writer import RowWriter
-from orchestration.campaigns.task import Task
 from orchestration.errors import StoreError
 from orchestration.fmi.given import a_path
 from orchestration.system.system import System

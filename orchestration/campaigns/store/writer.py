@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Self
 import numpy as np
 
 from adaptimp_fmu.files.locks import waiting_lock
-from orchestration.campaigns.engine import Outcomes
+from orchestration.campaigns.engines.engine import Outcomes
 from orchestration.campaigns.store.row_files import Place, StoreWarning, merge, replace_rows, store_errors, write_rows
 from orchestration.campaigns.store.row_table import RowColumns
 from orchestration.errors import StoreError, warn_caller

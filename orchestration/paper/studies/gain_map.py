@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING, Any
 
-from orchestration.campaigns.factor import Factor
+from orchestration.campaigns.design.factor import Factor
 from orchestration.campaigns.study import Study
 from orchestration.paper.claims.criteria import ACCURATE_CONTACT, ACCURATE_FREE, M2_IN_CONTACT
 from orchestration.paper.numbers import PSI

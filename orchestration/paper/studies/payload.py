@@ -1,6 +1,6 @@
 """Both algorithms with payloads of 0.5 to 5 kg against walls of 1e3 to 1e6 N/m."""
 
-from orchestration.campaigns.factor import Factor
+from orchestration.campaigns.design.factor import Factor
 from orchestration.campaigns.study import Study
 from orchestration.paper.ready import scenario
 from orchestration.paper.scenarios import UNSATURATED

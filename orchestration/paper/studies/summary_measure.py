@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from orchestration.campaigns.measure import Measure
+from orchestration.campaigns.measuring.measure import Measure
 from orchestration.paper.laboratory import Job
 from orchestration.paper.measure import ESTIMATE, RECORDED, Summary, summarize
 from orchestration.paper.studies.native_runs import Runner

@@ -4,10 +4,10 @@ import math
 
 import numpy as np
 
-from orchestration.campaigns.engine import Outcomes, Points
-from orchestration.campaigns.measure import measured
-from orchestration.campaigns.single import single_run
-from orchestration.campaigns.task import Task
+from orchestration.campaigns.engines.engine import Outcomes, Points
+from orchestration.campaigns.engines.single import single_run
+from orchestration.campaigns.engines.task import Task
+from orchestration.campaigns.measuring.measure import measured
 from orchestration.errors import OrchestrationError
 
 
@@ -26,7 +26,7 @@ class PlainEngine:
         self.task = task
 
     def make(self, points: Points) -> Outcomes:
-        """Make runs; see `orchestration.campaigns.engine.Engine`."""
+        """Make runs; see `orchestration.campaigns.engines.engine.Engine`."""
         rows = [self._row(values, step) for values, step in zip(points.values, points.steps, strict=True)]
         shape = (len(points), len(self.task.measure_names))
         numbers = np.array([row for row, _ in rows], dtype=np.float64).reshape(shape)

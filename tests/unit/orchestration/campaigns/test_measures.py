@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from orchestration import Measure, OrchestrationError, Result, Study, StudyError, System, SystemDescriptionError
-from orchestration.campaigns.code_identity import function_identity
-from orchestration.campaigns.measure import measured
-from orchestration.campaigns.registry import ready_measures
+from orchestration.campaigns.measuring.code_identity import function_identity
+from orchestration.campaigns.measuring.measure import measured
+from orchestration.campaigns.measuring.registry import ready_measures
 from orchestration.errors import FormulaError
 
 LIMIT = 2.0

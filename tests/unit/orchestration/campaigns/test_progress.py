@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-from orchestration.campaigns import progress
-from orchestration.campaigns.engine import Outcomes
-from orchestration.campaigns.progress import Goal, ProgressBar, Tally
+from orchestration.campaigns.execution import progress
+from orchestration.campaigns.engines.engine import Outcomes
+from orchestration.campaigns.execution.progress import Goal, ProgressBar, Tally
 from orchestration.errors import StudyError
 
 NAMES = ("peak_force", "max_e")

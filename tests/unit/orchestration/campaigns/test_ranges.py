@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from orchestration import StudyError
-from orchestration.campaigns.ranges import Choice, Interval, Normal, distribution, levels, seed_numbers
+from orchestration.campaigns.design.ranges import Choice, Interval, Normal, distribution, levels, seed_numbers
 
 
 @pytest.mark.parametrize(

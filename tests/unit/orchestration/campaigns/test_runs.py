@@ -12,12 +12,12 @@ import pytest
 import xarray as xr
 
 from orchestration import Result, Study, StudyError, StudyInterrupted, System
-from orchestration.campaigns import local, running
-from orchestration.campaigns.chunks import GROWTH, Chunks
-from orchestration.campaigns.engine import Outcomes, Points
-from orchestration.campaigns.local import LocalExecutor
+from orchestration.campaigns.execution import local, running
+from orchestration.campaigns.engines.engine import Outcomes, Points
+from orchestration.campaigns.engines.task import Task
+from orchestration.campaigns.execution.chunks import GROWTH, Chunks
+from orchestration.campaigns.execution.local import LocalExecutor
 from orchestration.campaigns.store.store import Store
-from orchestration.campaigns.task import Task
 from orchestration.errors import StoreError
 from tests.unit.orchestration.campaigns.plain import PlainEngine
 
@@ -114,7 +114,7 @@ def test_each_run_is_in_one_chunk(runs: int, workers: int) -> None:
 @pytest.mark.parametrize("time", [0.2, 0.5])
 def test_chunks_take_the_time_that_is_asked_for(time: float, monkeypatch: pytest.MonkeyPatch) -> None:
     clock, sizes = [0.0], []
-    monkeypatch.setattr("orchestration.campaigns.chunks.perf_counter", lambda: clock[0])
+    monkeypatch.setattr("orchestration.campaigns.execution.chunks.perf_counter", lambda: clock[0])
     for chunk in Chunks(np.arange(10_000), points, lambda: 1, time):
         sizes.append(len(chunk))
         clock[0] += 1e-3 * len(chunk)  # a run takes 1 ms

@@ -10,7 +10,7 @@ from scipy import stats
 from scipy.stats import qmc
 
 from orchestration import Study, StudyError, System
-from orchestration.campaigns.samples import METHODS, unit_samples
+from orchestration.campaigns.design.samples import METHODS, unit_samples
 
 MEASURE = "max(plant.x)"
 

@@ -5,7 +5,7 @@ import io
 import numpy as np
 from rich.console import Console
 
-from orchestration.campaigns.engine import Outcomes
+from orchestration.campaigns.engines.engine import Outcomes
 from orchestration.cli.sweep import RunBar
 from orchestration.master.progress import ProgressLine
 

@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 
 from orchestration import Result, scenario
-from orchestration.campaigns.engine import Outcomes, Points
-from orchestration.campaigns.measure import Measure
-from orchestration.campaigns.task import Task
+from orchestration.campaigns.engines.engine import Outcomes, Points
+from orchestration.campaigns.engines.task import Task
+from orchestration.campaigns.measuring.measure import Measure
 from orchestration.errors import StudyError
 
 

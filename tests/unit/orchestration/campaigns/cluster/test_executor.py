@@ -14,7 +14,7 @@ from distributed import Client, LocalCluster
 from orchestration.campaigns.cluster.delivery import Delivery, make_runs
 from orchestration.campaigns.cluster.executor import ClusterExecutor
 from orchestration.campaigns.cluster.flights import PER_THREAD
-from orchestration.campaigns.engine import Outcomes, Points
+from orchestration.campaigns.engines.engine import Outcomes, Points
 from orchestration.errors import ClusterError
 from tests.unit.orchestration.campaigns.cluster.engines import (
     Arithmetic,

@@ -10,7 +10,7 @@ from types import ModuleType
 import pytest
 
 from orchestration.campaigns.cluster.payload import Payload
-from orchestration.campaigns.measure import Measure
+from orchestration.campaigns.measuring.measure import Measure
 from orchestration.errors import ClusterError
 from orchestration.fmi.isolation import Isolation
 from tests.unit.orchestration.campaigns.cluster.engines import Arithmetic, Measuring, a_task, refuse, some_points

@@ -13,7 +13,7 @@ import pytest
 from distributed import LocalCluster
 
 from orchestration import Result, Study, scenario
-from orchestration.campaigns.engine import Outcomes
+from orchestration.campaigns.engines.engine import Outcomes
 from tests.unit.orchestration.campaigns.cluster.machines import Machines, machines
 
 ROWS = 200

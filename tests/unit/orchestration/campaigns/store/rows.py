@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pyarrow as pa
 
-from orchestration.campaigns.engine import Outcomes
+from orchestration.campaigns.engines.engine import Outcomes
 from orchestration.campaigns.store.keys import KEY_LENGTH
 from orchestration.campaigns.store.row_table import RowColumns
 from orchestration.campaigns.store.store import Store

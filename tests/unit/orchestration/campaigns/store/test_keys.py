@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 from orchestration import Component, Result, System
-from orchestration.campaigns.engine import Points
-from orchestration.campaigns.measure import Measure
+from orchestration.campaigns.engines.engine import Points
+from orchestration.campaigns.engines.task import Task
+from orchestration.campaigns.measuring.measure import Measure
 from orchestration.campaigns.store.keys import KEY_LENGTH, RunKeys
-from orchestration.campaigns.task import Task
 
 
 def peak(result: Result) -> float:

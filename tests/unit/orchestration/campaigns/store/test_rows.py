@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from orchestration.campaigns.engine import Outcomes
+from orchestration.campaigns.engines.engine import Outcomes
 from orchestration.campaigns.store import row_files, row_table
 from orchestration.campaigns.store import writer as writer_module
 from orchestration.campaigns.store.row_files import StoreWarning

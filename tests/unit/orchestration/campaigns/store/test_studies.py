@@ -10,9 +10,9 @@ from pathlib import Path
 import pytest
 
 from orchestration import System
+from orchestration.campaigns.engines.task import Task
 from orchestration.campaigns.store.store import Store
 from orchestration.campaigns.store.studies import read_studies
-from orchestration.campaigns.task import Task
 from orchestration.errors import StoreError
 
 RECORD = {"factors": {"plant.K_f": [1e4, 0.1 + 0.2]}, "stop_time": 2.0, "who": "Größe"}

@@ -1,6 +1,6 @@
 """Which components of a campaign live in processes of their own, so that a crash costs its run and nothing else."""
 
-from orchestration.campaigns.task import Task
+from orchestration.campaigns.engines.task import Task
 from orchestration.containers.contained.containment import is_own
 from orchestration.fmi.isolation import CAN_ISOLATE, Isolation
 

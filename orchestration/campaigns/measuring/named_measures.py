@@ -4,19 +4,15 @@ import re
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from orchestration.campaigns.factor import SYSTEM
-from orchestration.campaigns.measure import Measure
-from orchestration.campaigns.registry import ready_measures
+from orchestration.campaigns.columns import RESERVED
+from orchestration.campaigns.measuring.measure import Measure
+from orchestration.campaigns.measuring.registry import ready_measures
 from orchestration.errors import StudyError
 from orchestration.fmi.given import shown
 from orchestration.fmi.names import suggestion
 from orchestration.results.measures.parser import parse_formula
 from orchestration.system.system import System
 
-MESSAGE, STATUS = "message", "status"
-"""Columns of a table beside factors and measures."""
-RESERVED = (SYSTEM, STATUS, MESSAGE, "number", "key", "study", "run")
-"""Names that tables and stores use themselves."""
 _NAMED = re.compile(r"\s*([A-Za-z_]\w*)\s*=(?!=)(.*)", re.DOTALL)
 
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from orchestration.campaigns.code_identity import function_identity
+from orchestration.campaigns.measuring.code_identity import function_identity
 from orchestration.errors import StudyError, printable
 from orchestration.fmi.given import require_names, shown
 

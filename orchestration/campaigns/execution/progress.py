@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from rich.console import Console
     from rich.progress import Progress as Bar
 
-    from orchestration.campaigns.engine import Outcomes
+    from orchestration.campaigns.engines.engine import Outcomes
 
 REFRESHED = 5.0  # times per second that the line is renewed
 BAR, REMAINING = 20, 7  # columns of the bar and of the remaining time
@@ -63,7 +63,7 @@ class Goal:
 
     Examples
     --------
-    >>> from orchestration.campaigns.progress import Goal
+    >>> from orchestration.campaigns.execution.progress import Goal
     >>> Goal.of("min:peak_force")
     Goal(measure='peak_force', largest=False)
     """

@@ -4,8 +4,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from orchestration.campaigns.isolated import isolation_of
-from orchestration.campaigns.task import Task
+from orchestration.campaigns.engines.isolated import isolation_of
+from orchestration.campaigns.engines.task import Task
 from orchestration.master.simulate import simulate
 from orchestration.results.result import Result
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from orchestration.campaigns.ranges import Level
+from orchestration.campaigns.design.ranges import Level
 from orchestration.errors import StudyError
 from orchestration.fmi.codes import REAL, STRING
 from orchestration.fmi.description import SAMPLE_TIME, Variable
@@ -15,8 +15,8 @@ from orchestration.fmi.names import suggestion
 from orchestration.system.component import require_settable, start_value
 from orchestration.system.system import System
 
-STEP, SYSTEM = "step", "system"
-"""Names of factors: of the communication step, and of the variants of the system."""
+STEP = "step"
+"""Name of the communication step as a factor."""
 
 
 @dataclass(frozen=True, init=False)
@@ -32,7 +32,7 @@ class Factor:
         ``sample_time``, which is the communication step and the period of each sampled component, and ``step``, which
         is the communication step alone.
     values
-        Levels or a distribution, as texts or as sequences; see `orchestration.campaigns.ranges`.
+        Levels or a distribution, as texts or as sequences; see `orchestration.campaigns.design.ranges`.
 
     Examples
     --------

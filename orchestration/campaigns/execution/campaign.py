@@ -6,9 +6,9 @@ from typing import Protocol
 
 import numpy as np
 
-from orchestration.campaigns.chunks import Chunks
-from orchestration.campaigns.engine import Executor, Outcomes, Points
-from orchestration.campaigns.task import Task
+from orchestration.campaigns.engines.engine import Executor, Outcomes, Points
+from orchestration.campaigns.engines.task import Task
+from orchestration.campaigns.execution.chunks import Chunks
 
 LOOKED_UP = 16384
 """Runs that are looked up in the store at once."""

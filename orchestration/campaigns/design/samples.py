@@ -5,9 +5,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from orchestration.campaigns.design import Block
-from orchestration.campaigns.factor import Factor, Target, factors_of
-from orchestration.campaigns.ranges import Choice, distribution
+from orchestration.campaigns.design.design import Block
+from orchestration.campaigns.design.factor import Factor, Target, factors_of
+from orchestration.campaigns.design.ranges import Choice, distribution
 from orchestration.errors import StudyError, printable
 from orchestration.fmi.given import shown
 from orchestration.fmi.names import suggestion

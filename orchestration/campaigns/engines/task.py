@@ -8,7 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
-from orchestration.campaigns.measure import Measure
+from orchestration.campaigns.measuring.measure import Measure
 from orchestration.fmi.isolation import Isolation
 from orchestration.master.provenance import versions
 from orchestration.sandbox.archive import file_hash

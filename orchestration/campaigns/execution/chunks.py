@@ -6,7 +6,7 @@ from time import perf_counter
 
 import numpy as np
 
-from orchestration.campaigns.engine import Points
+from orchestration.campaigns.engines.engine import Points
 
 TIME = 0.2
 """Time that a thread should take for a chunk, s: short for interrupts and the tail, long beside all overheads."""

@@ -12,8 +12,8 @@ from functools import cached_property
 
 import numpy as np
 
-from orchestration.campaigns.engine import Points
-from orchestration.campaigns.factor import Factor, Target
+from orchestration.campaigns.design.factor import Factor, Target
+from orchestration.campaigns.engines.engine import Points
 from orchestration.errors import StudyError
 
 MOST_RUNS = 100_000_000

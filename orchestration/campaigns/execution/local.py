@@ -5,8 +5,8 @@ import threading
 from collections.abc import Iterator
 from queue import SimpleQueue
 
-from orchestration.campaigns.chunks import TIME
-from orchestration.campaigns.engine import Engine, Outcomes, Points
+from orchestration.campaigns.engines.engine import Engine, Outcomes, Points
+from orchestration.campaigns.execution.chunks import TIME
 from orchestration.errors import StudyError
 from orchestration.fmi.given import shown
 

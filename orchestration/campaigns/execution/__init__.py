@@ -1,0 +1,1 @@
+"""How the runs of a study are made: in chunks, by threads, with a count of what is done."""

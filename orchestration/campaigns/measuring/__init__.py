@@ -1,0 +1,1 @@
+"""What is kept of each run: named numbers, by formulas or functions."""
