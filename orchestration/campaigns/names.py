@@ -3,8 +3,8 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from orchestration.campaigns.design.factor import SYSTEM, Factor, Target
-from orchestration.campaigns.measuring.named_measures import MESSAGE, RESERVED, STATUS
+from orchestration.campaigns.columns import MESSAGE, RESERVED, STATUS, SYSTEM
+from orchestration.campaigns.design.factor import Factor, Target
 from orchestration.errors import StudyError
 from orchestration.fmi.given import shown
 

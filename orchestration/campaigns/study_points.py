@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from orchestration.campaigns.design.factor import SYSTEM, Factor
+from orchestration.campaigns.columns import SYSTEM
+from orchestration.campaigns.design.factor import Factor
 from orchestration.campaigns.design.samples import is_table
 from orchestration.campaigns.engines.single import single_run
 from orchestration.campaigns.evaluator import Evaluator

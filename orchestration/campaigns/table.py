@@ -6,10 +6,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from orchestration.campaigns.columns import MESSAGE, STATUS, SYSTEM
 from orchestration.campaigns.design.design import Design
-from orchestration.campaigns.design.factor import SYSTEM
 from orchestration.campaigns.execution.campaign import Rows
-from orchestration.campaigns.measuring.named_measures import MESSAGE, STATUS
 
 if TYPE_CHECKING:
     import pandas as pd

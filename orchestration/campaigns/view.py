@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from orchestration.campaigns.design.factor import SYSTEM
-from orchestration.campaigns.measuring.named_measures import MESSAGE, STATUS
+from orchestration.campaigns.columns import MESSAGE, STATUS, SYSTEM
 from orchestration.errors import StudyError, UnknownNameError
 from orchestration.fmi.given import shown
 from orchestration.fmi.names import suggestion

@@ -30,7 +30,7 @@ WARNINGS = ("-W", "error::UserWarning")  # of damaged files, say
 PROGRAM = """
 import os, sys
 from orchestration import Study, scenario
-from orchestration.campaigns import chunks
+from orchestration.campaigns.execution import chunks
 
 chunks.TIME = 0.005  # s: many small chunks, so that a kill meets each state of the store
 

@@ -15,8 +15,8 @@ from orchestration.fmi.names import suggestion
 from orchestration.system.component import require_settable, start_value
 from orchestration.system.system import System
 
-STEP, SYSTEM = "step", "system"
-"""Names of factors: of the communication step, and of the variants of the system."""
+STEP = "step"
+"""Name of the communication step as a factor."""
 
 
 @dataclass(frozen=True, init=False)

@@ -4,7 +4,7 @@ import re
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from orchestration.campaigns.design.factor import SYSTEM
+from orchestration.campaigns.columns import RESERVED
 from orchestration.campaigns.measuring.measure import Measure
 from orchestration.campaigns.measuring.registry import ready_measures
 from orchestration.errors import StudyError
@@ -13,10 +13,6 @@ from orchestration.fmi.names import suggestion
 from orchestration.results.measures.parser import parse_formula
 from orchestration.system.system import System
 
-MESSAGE, STATUS = "message", "status"
-"""Columns of a table beside factors and measures."""
-RESERVED = (SYSTEM, STATUS, MESSAGE, "number", "key", "study", "run")
-"""Names that tables and stores use themselves."""
 _NAMED = re.compile(r"\s*([A-Za-z_]\w*)\s*=(?!=)(.*)", re.DOTALL)
 
 

@@ -13,8 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from adaptimp_fmu.files.whole_file import write_whole
-from orchestration.campaigns.design.factor import SYSTEM
-from orchestration.campaigns.measuring.named_measures import MESSAGE
+from orchestration.campaigns.columns import MESSAGE, SYSTEM
 from orchestration.campaigns.pictures.plot_table import BOUNDARY, best_kind, plot_table
 from orchestration.campaigns.view import View, measures_in
 from orchestration.errors import StudyError, printable

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-from orchestration.campaigns import progress
 from orchestration.campaigns.engines.engine import Outcomes
+from orchestration.campaigns.execution import progress
 from orchestration.campaigns.execution.progress import Goal, ProgressBar, Tally
 from orchestration.errors import StudyError
 

@@ -12,9 +12,10 @@ import pytest
 import xarray as xr
 
 from orchestration import Result, Study, StudyError, StudyInterrupted, System
-from orchestration.campaigns import local, running
+from orchestration.campaigns import running
 from orchestration.campaigns.engines.engine import Outcomes, Points
 from orchestration.campaigns.engines.task import Task
+from orchestration.campaigns.execution import local
 from orchestration.campaigns.execution.chunks import GROWTH, Chunks
 from orchestration.campaigns.execution.local import LocalExecutor
 from orchestration.campaigns.store.store import Store
