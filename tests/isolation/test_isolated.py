@@ -25,10 +25,24 @@ WHERE = "at t = 0.5 s (step 5)"
 SMALL = 600 * 2**20  # bytes, which an interpreter takes many times over in addresses, and a bomb in a second
 
 
-def children() -> list[str]:
-    """Processes of this one that have not been waited for."""
+_BEFORE: set[str] = set()
+"""Processes of this one when a test began: other tests leave the helpers of multiprocessing, which live on."""
+
+
+def _all_children() -> list[str]:
     task = Path(f"/proc/self/task/{threading.get_native_id()}/children")
     return task.read_text().split()
+
+
+def children() -> list[str]:
+    """Processes of this one that the test has begun and that have not been waited for."""
+    return [child for child in _all_children() if child not in _BEFORE]
+
+
+@pytest.fixture(autouse=True)
+def _know_other_children() -> None:
+    _BEFORE.clear()
+    _BEFORE.update(_all_children())
 
 
 @pytest.mark.parametrize(
