@@ -10,7 +10,7 @@ from types import MethodType as Method
 from typing import Any
 
 from orchestration.campaigns.measuring.module_content import is_own
-from orchestration.errors import StudyError
+from orchestration.errors import StudyError, printable
 
 # What Python notes of a class beside its code. Values of fields are in the class and in its __init__.
 _NOTES = frozenset(
@@ -79,7 +79,8 @@ def object_members(value: Any, name: str) -> list[tuple[str, Any]]:
             return [("name", _found_by_name(value, pieces))]
     except Exception as error:
         msg = (
-            f"A measure reads {name}, a value of type {type(value).__name__}, whose content cannot be told ({error});"
+            f"A measure reads {name}, a value of type {type(value).__name__}, whose content cannot be told"
+            f" ({printable(error, 300)});"
             " give a formula, or keep the value in a module of your own and read it as module.name."
         )
         raise StudyError(msg) from error
