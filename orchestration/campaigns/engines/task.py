@@ -8,6 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
+from orchestration.campaigns.engines.checkout import checkout
 from orchestration.campaigns.measuring.measure import Measure
 from orchestration.fmi.isolation import Isolation
 from orchestration.master.provenance import versions
@@ -79,7 +80,7 @@ class Task:
         """SHA-256 hash of all that decides a run but its start values and its step, as hexadecimal text.
 
         It covers the content of the FMUs, the connections, the order, the algorithm, the times and the versions of the
-        packages that decide the numbers. Measures do not count.
+        packages that decide the numbers; of adaptimp in a folder of sources also their content. Measures do not count.
         """
         system = self.system
         digests = {path: file_hash(path) for path in {component.path for component in system.components}}
@@ -89,6 +90,7 @@ class Task:
             "times": [float(system.start_time).hex(), float(self.stop_time).hex()],
             "algorithm": self.algorithm,
             "versions": versions(),
+            **checkout(),
         }
         return _hash(content)
 

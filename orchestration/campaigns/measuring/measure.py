@@ -4,7 +4,6 @@ import hashlib
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -101,9 +100,9 @@ class Measure:
         require_names(f"The columns of measure {', '.join(names)}", columns, "'plant.x'")
         return cls(names, units, None, function, (columns,) if isinstance(columns, str) else tuple(columns))
 
-    @cached_property
+    @property
     def identity(self) -> str:
-        """SHA-256 hash of the formula, or of the function's code, as hexadecimal text."""
+        """SHA-256 hash of the formula, or of the function's code and what it reads now, as hexadecimal text."""
         if self.function is not None:
             code = function_identity(self.function)
             text = f"function {code} {self.names!r} {self.columns!r}"

@@ -3,10 +3,11 @@
 A key is a hash of
 
 * the structure of the task: content of the FMUs, names and order of components, connections, start and stop time,
-  algorithm, versions of the packages that decide the numbers, and the kind of machine (`Task.structure`);
+  algorithm, versions of the packages that decide the numbers, adaptimp's sources if they can change without a new
+  version, and the kind of machine (`Task.structure`);
 * all start values in force, those of the FMUs included, whether rows vary them or not;
 * the communication step;
-* names and identities of the measures, in any order.
+* names and identities of the measures, in any order, as they are when the keys are made first.
 
 Numbers count by their bits. What a run is not made of does not count: files' names and places, the number of the run
 in its study, and which start values the study varies. So a run of another study is found again.

@@ -55,7 +55,7 @@ class Store:
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
-        self._keys: RunKeys | None = None
+        self._keys: dict[int, RunKeys] = {}  # by the id of their task, which they keep
 
     @classmethod
     def open(cls, folder: str | Path, *, new: bool = True) -> "Store":
@@ -85,9 +85,9 @@ class Store:
 
     def keys(self, task: Task, points: Points) -> np.ndarray:
         """Return the keys of runs, shape (n,); see `orchestration.campaigns.store.keys`."""
-        if self._keys is None or self._keys.task is not task:
-            self._keys = RunKeys(task)
-        return self._keys.of(points)
+        if id(task) not in self._keys:
+            self._keys[id(task)] = RunKeys(task)
+        return self._keys[id(task)].of(points)
 
     def find(self, keys: np.ndarray, measures: tuple[str, ...], study: str = "") -> Found:
         """Find runs by their keys among the runs of all studies.
