@@ -137,6 +137,7 @@ def read_rows(folder: Path, columns: Sequence[str] | None = None) -> Iterator["t
         Path and table of each file. A run may be in several tables.
     """
     seen: set[Path] = set()
+    missed: set[Path] = set()
     while True:
         new = [path for path in sorted(folder.glob(f"*{SUFFIX}")) if path not in seen]
         if not new:
@@ -145,6 +146,10 @@ def read_rows(folder: Path, columns: Sequence[str] | None = None) -> Iterator["t
             try:
                 table = _read(path, columns)
             except FileNotFoundError:  # another process has merged it; the next look finds the new file
+                if path in missed:
+                    seen.add(path)
+                    _warn_of(path, "is listed, but is not there")
+                missed.add(path)
                 continue
             seen.add(path)
             if table is not None:
@@ -245,6 +250,11 @@ def _read(path: Path, columns: Sequence[str] | None) -> "pa.Table | None":
         raise
     except (pa.ArrowException, OSError, ValueError) as error:
         refusal = f"cannot be read ({error})"
+    _warn_of(path, refusal)
+    return None
+
+
+def _warn_of(path: Path, refusal: str) -> None:
+    """Warn of a file that cannot be used."""
     msg = f"{path} {refusal}; its runs are made anew where they are asked for. Move the file elsewhere."
     warn_caller(msg, StoreWarning)
-    return None

@@ -1,5 +1,6 @@
 """Tests that finished runs are kept, found again and never twice in a table."""
 
+import os
 from pathlib import Path
 
 import numpy as np
@@ -146,6 +147,14 @@ def test_files_of_something_else_are_left_alone(tmp_path: Path) -> None:
         filled(tmp_path, [range(3, 6)])
     assert (folder / "mine.parquet").exists()
     assert (folder / "notes.txt").read_text() == "keep"
+
+
+@pytest.mark.skipif(os.name == "nt", reason="links need a right there that users lack")
+def test_a_dangling_link_is_left_out(tmp_path: Path) -> None:
+    store = filled(tmp_path, [range(3)])
+    (tmp_path / "rows" / f"study={STUDY}" / "dead.parquet").symlink_to(tmp_path / "nonexistent")
+    with pytest.warns(StoreWarning, match=r"dead\.parquet is listed, but is not there; its runs are made anew"):
+        assert_rows(store.table(STUDY), range(3))
 
 
 @pytest.mark.parametrize("effort", range(4))  # the hash of the content decides which file is read first
