@@ -225,7 +225,14 @@ def test_only_a_new_or_empty_folder_becomes_a_store(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     ("mark", "message"),
-    [('{"format": 2}', "has format 2, but 1 is known"), ("{", "mark cannot be read"), ("[]", "mark cannot be read")],
+    [
+        ('{"adaptimp": "store of runs", "format": 2}', "has format 2, but 1 is known"),
+        ('{"adaptimp": "store of runs", "format": 0}', "is 'store of runs' of format 0, not 'store of runs' of"),
+        ('{"adaptimp": "cache", "format": 1}', "is 'cache' of format 1, not 'store of runs' of format 1"),
+        ('{"format": 1}', "mark cannot be read: 'adaptimp'"),
+        ("{", "mark cannot be read"),
+        ("[]", "mark cannot be read"),
+    ],
 )
 def test_a_store_of_a_newer_version_or_a_damaged_mark_is_refused(tmp_path: Path, mark: str, message: str) -> None:
     Store.open(tmp_path)
