@@ -76,8 +76,8 @@ Vary = Annotated[
     ),
 ]
 Seeds = Annotated[
-    str | None,
-    typer.Option(metavar="A-B", help="Seeds of random numbers: 1-30 or 1,2,7.", rich_help_panel=STUDY),
+    list[str] | None,
+    typer.Option(metavar="A-B", help="Seeds of random numbers: 1-30 or 1,2,7; repeatable.", rich_help_panel=STUDY),
 ]
 Measures = Annotated[
     list[str] | None,
@@ -186,7 +186,7 @@ def sweep(
 
     given = {
         "vary": vary,
-        "seeds": seeds,
+        "seeds": ",".join(seeds or []) or None,
         "measure": measure,
         "samples": samples,
         "method": method,

@@ -6,7 +6,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from typer.testing import CliRunner
 
+from orchestration.cli.app import app
 from orchestration.cli.sweep_command import sweep, with_words
 from orchestration.cli.sweep_file import KEYS
 from orchestration.cli.sweep_options import sweep_request
@@ -179,3 +181,17 @@ def test_plot_takes_a_folder_or_none() -> None:
     assert with_words(["fig5", "--plot"]) == ["fig5", "--plot", "plots"]
     assert with_words(["--plot", "-o", "x.csv"]) == ["--plot", "plots", "-o", "x.csv"]
     assert with_words(["--plot", "out", "fig5"]) == ["--plot", "out", "fig5"]
+
+
+def test_seeds_that_are_given_several_times_are_joined(monkeypatch: pytest.MonkeyPatch) -> None:
+    given: dict[str, Any] = {}
+
+    def run_sweep(_: str | None, options: dict[str, Any]) -> int:
+        given.update(options)
+        return 0
+
+    monkeypatch.setattr("orchestration.cli.sweep.run_sweep", run_sweep)
+    words = ["sweep", "fig7", "--seeds", "1-2", "--seeds", "4", "--measure", "peak_force"]
+    outcome = CliRunner().invoke(app, words)
+    assert outcome.exit_code == 0, outcome.output
+    assert given["seeds"] == "1-2,4"
