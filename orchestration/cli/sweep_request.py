@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 SOBOL = "sobol"
 TABLES = (".csv", ".parquet", ".nc")
 """Suffixes of files for the table."""
+NO_INTERVAL = "plant.K_f=1e4:1e6 or 'plant.K_f=1e4:1e6 log'"
 NO_RANGE = "NAME=RANGE is needed, such as plant.K_f=1e4:1e6:9log"
 
 
@@ -113,6 +114,9 @@ class SweepRequest:
             raise SystemDescriptionError(msg)
         if not self.measures:
             msg = "Nothing is measured; give --measure, such as peak_force ('adaptimp list' names the ready ones)."
+            raise SystemDescriptionError(msg)
+        if self.samples is not None and not self.vary:
+            msg = f"--samples {self.samples.n}: there is no factor to draw; give --vary, such as {NO_INTERVAL}."
             raise SystemDescriptionError(msg)
         if not self.vary and self.seeds is None:
             msg = f"Nothing varies; give --vary or --seeds: {NO_RANGE}."

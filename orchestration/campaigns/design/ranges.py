@@ -178,6 +178,9 @@ def _levels_of_text(factor: str, text: str) -> tuple[Level, ...]:
             found.append(float(part))
         elif _WORD.fullmatch(part.strip()):
             found.append(part.strip())
+        elif _INTERVAL.fullmatch(part.strip()) or _CALL.fullmatch(text.strip()):
+            advice = "points are drawn from it by --samples N or Study.samples"
+            raise _error(factor, text, f"{advice}; for a grid write a number of levels too, as 0:1:5 or 1e4:1e6:9log")
         else:
             advice = "write levels as 50,100,200, or a range as 0:1:5 or 1e4:1e6:9log (first:last:number of levels)"
             raise _error(factor, text, advice)

@@ -147,3 +147,11 @@ def test_too_many_seeds_are_refused(given: Any) -> None:
 def test_many_seeds_of_which_one_is_there_twice_are_told_at_once() -> None:
     with pytest.raises(StudyError, match=r"the level 500000\.0 is there twice; give each level once\.$"):
         seed_numbers("1-500000,500000,600000-1000000")
+
+
+@pytest.mark.parametrize("given", ["1e4:1e6", "1e4:1e6 log", "normal(1, 0.1)"])
+def test_a_distribution_as_a_grid_is_told_how_points_are_drawn(given: str) -> None:
+    with pytest.raises(
+        StudyError, match=r"points are drawn from it by --samples N or Study\.samples; for a grid write"
+    ):
+        levels("plant.K_f", given)

@@ -150,6 +150,11 @@ def test_wrong_options_are_refused(system: str | None, given: dict[str, Any], sa
     [
         ({"measure": [], "seeds": "1-2"}, "Nothing is measured; give --measure, such as peak_force"),
         ({"measure": ["peak_force"]}, "Nothing varies; give --vary or --seeds: NAME=RANGE is needed"),
+        (
+            {"measure": ["a"], "samples": 4},
+            "--samples 4: there is no factor to draw; give --vary, such as plant.K_f=1e4",
+        ),
+        ({"measure": ["a"], "samples": 4, "seeds": "1-2"}, "--samples 4: there is no factor to draw; give --vary"),
         ({"out": Path("x.txt")}, "--out x.txt: tables are written as .csv, .parquet, .nc"),
         ({"cluster": "tcp://a:1", "workers": 2}, "--cluster and --workers exclude each other"),
         ({"measure": ["a"], "seeds": "1", "step": 1e-4, "sample-time": 1e-4}, "--step and --sample-time exclude"),
