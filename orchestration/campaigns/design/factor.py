@@ -158,8 +158,7 @@ def target(system: System, factor: Factor) -> Target:
     Raises
     ------
     StudyError
-        If a name without a component means several variables, sampling periods are set where there are none, or an
-        input is set that another component gives.
+        If a name without a component means several variables, or sampling periods are set where there are none.
     SystemDescriptionError
         If a name is unknown, or the variable cannot be set.
     """
@@ -179,12 +178,6 @@ def target(system: System, factor: Factor) -> Target:
     for path in paths:
         component, variable = system.resolve(path)
         require_settable(component, variable)
-        if path in system.sources:
-            advice = "which replaces its start value in every run; vary another variable, or remove the connection"
-            msg = (
-                f"Factor {factor.name}: {path} is an input that takes its value from {system.sources[path]}, {advice}."
-            )
-            raise StudyError(msg)
         if variable.type == STRING:
             advice = "factors are numbers; give each text a system of its own"
             msg = f"Factor {factor.name}: {path} is a String, and {advice}."

@@ -56,15 +56,6 @@ def test_a_factor_of_several_variables_has_one_column(relays: Study) -> None:
     assert study._setting.job("small", study._design).points(np.array([1])).values.tolist() == [[0.5, 0.5]]
 
 
-def test_an_input_with_a_source_is_refused(relays: Study) -> None:
-    (system,) = relays.systems.values()
-    for path, source in system.sources.items():
-        with pytest.raises(StudyError) as caught:
-            relays.grid({path: [1, 2]})
-        assert f"Factor {path}: {path} is an input that takes its value from {source}, " in str(caught.value)
-    assert system.sources
-
-
 def test_the_sample_time_is_the_step_and_every_period(study: Study) -> None:
     extended = study.grid({"sample_time": [H, H / 2]})
     job = extended._setting.job("small", extended._design)
