@@ -53,7 +53,7 @@ def test_levels_of_a_logarithmic_range_have_equal_ratios() -> None:
     ("given", "advice"),
     [
         ("1e4 to 1e6", "write levels as"),
-        ("1:2", "write levels as"),
+        ("1:2", "points are drawn from it"),
         ("1:2:1", "2 to 1000000 levels"),
         ("1:1:3", "two different ends"),
         ("0:1:3log", "above zero"),
