@@ -108,6 +108,10 @@ Resume = Annotated[
     Path | None,
     typer.Option(metavar="FOLDER", help="Go on with the study that this store has.", rich_help_panel=RUNS),
 ]
+RetryFailed = Annotated[
+    bool,
+    typer.Option("--retry-failed", help="Make runs again that the store has as failed.", rich_help_panel=RUNS),
+]
 Ready = Annotated[
     str | None,
     typer.Option(
@@ -172,6 +176,7 @@ def sweep(
     stop: Stop = None,
     store: Store = None,
     resume: Resume = None,
+    retry_failed: RetryFailed = False,
     workers: Workers = None,
     cluster: Cluster = None,
     best: Best = None,
@@ -202,6 +207,7 @@ def sweep(
         "isolate": isolate,
         "store": store,
         "resume": resume,
+        "retry-failed": retry_failed,
         "ready": ready,
         "workers": workers,
         "cluster": cluster,

@@ -65,6 +65,8 @@ class SweepRequest:
         File for the table; folder for the pictures.
     best
         ``min:MEASURE`` or ``max:MEASURE``: the run that is shown while others are made.
+    retry_failed
+        Whether runs that the store has as failed are made again.
     """
 
     systems: Mapping[str, SystemRequest] = field(default_factory=dict)
@@ -84,6 +86,7 @@ class SweepRequest:
     out: Path | None = None
     plot: Path | None = None
     best: str | None = None
+    retry_failed: bool = False
     dry_run: bool = False
     json: bool = False
 
@@ -106,6 +109,9 @@ class SweepRequest:
             raise SystemDescriptionError(msg)
         if self.cluster is not None and self.workers is not None:
             msg = "--cluster and --workers exclude each other: the cluster has its own workers."
+            raise SystemDescriptionError(msg)
+        if self.retry_failed and self.store is None:
+            msg = "--retry-failed is about runs that a store has, and there is none; give --store or --resume."
             raise SystemDescriptionError(msg)
         if self.resume is not None or self.ready is not None:
             return

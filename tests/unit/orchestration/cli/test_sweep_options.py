@@ -155,6 +155,7 @@ def test_wrong_options_are_refused(system: str | None, given: dict[str, Any], sa
             "--samples 4: there is no factor to draw; give --vary, such as plant.K_f=1e4",
         ),
         ({"measure": ["a"], "samples": 4, "seeds": "1-2"}, "--samples 4: there is no factor to draw; give --vary"),
+        ({"measure": ["a"], "seeds": "1", "retry-failed": True}, "--retry-failed is about runs that a store has"),
         ({"out": Path("x.txt")}, "--out x.txt: tables are written as .csv, .parquet, .nc"),
         ({"cluster": "tcp://a:1", "workers": 2}, "--cluster and --workers exclude each other"),
         ({"measure": ["a"], "seeds": "1", "step": 1e-4, "sample-time": 1e-4}, "--step and --sample-time exclude"),
@@ -200,3 +201,12 @@ def test_seeds_that_are_given_several_times_are_joined(monkeypatch: pytest.Monke
     outcome = CliRunner().invoke(app, words)
     assert outcome.exit_code == 0, outcome.output
     assert given["seeds"] == "1-2,4"
+
+
+def test_failed_runs_of_a_store_are_made_again_on_request(study: Path) -> None:
+    study.write_text(f'retry-failed = true\nstore = "runs"\n{STUDY}', encoding="utf-8")
+    given = {"retry-failed": True}
+    assert sweep_request(str(study), {}).retry_failed
+    assert sweep_request(None, {"resume": Path("runs"), **given}).retry_failed
+    assert sweep_request("fig5", {"store": Path("runs"), **given}).retry_failed
+    assert not sweep_request("fig5", {"store": Path("runs"), "retry-failed": False}).retry_failed
