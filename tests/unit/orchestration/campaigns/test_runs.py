@@ -149,6 +149,38 @@ def test_a_fault_of_an_engine_is_raised_and_ends_the_threads() -> None:
     assert not [thread for thread in threading.enumerate() if thread.name.startswith("campaign")]
 
 
+def test_threads_rest_while_nobody_takes_what_they_made() -> None:
+    numbers = np.arange(400)
+    given: list[int] = []
+
+    def recorded(number: int) -> Points:
+        given.append(number)
+        return points(np.array([number]))
+
+    class OneByOne(Squares):
+        def make(self, points: Points) -> Outcomes:
+            if len(given) > local.AHEAD:
+                too_many.set()
+            return super().make(points)
+
+    too_many = threading.Event()
+    executor = LocalExecutor(OneByOne(), 1)
+    made = executor.map(map(recorded, numbers.tolist()))
+    assert not too_many.wait(0.5)
+    assert sum(len(outcomes.numbers) for outcomes in made) == len(numbers)
+    assert given == numbers.tolist()
+    executor.close()
+
+
+def test_threads_that_rest_end_when_the_executor_is_closed() -> None:
+    executor = LocalExecutor(Squares(), 2)
+    made = executor.map(Chunks(np.arange(10**6), points, lambda: 2))
+    next(made)
+    executor.wait()
+    executor.close()
+    assert not [thread for thread in threading.enumerate() if thread.name.startswith("campaign")]
+
+
 def test_an_engine_is_left_alone_when_its_run_does_not_end(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(local, "LONGEST_END", 0.01)
     begun, free = threading.Event(), threading.Event()
