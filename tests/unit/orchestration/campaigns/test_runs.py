@@ -16,6 +16,7 @@ from orchestration.campaigns import running
 from orchestration.campaigns.engines.engine import Outcomes, Points
 from orchestration.campaigns.engines.task import Task
 from orchestration.campaigns.execution import local
+from orchestration.campaigns.execution.campaign import Rows, make_runs
 from orchestration.campaigns.execution.chunks import GROWTH, Chunks
 from orchestration.campaigns.execution.local import LocalExecutor
 from orchestration.campaigns.store.store import Store
@@ -199,6 +200,27 @@ def test_an_engine_is_left_alone_when_its_run_does_not_end(monkeypatch: pytest.M
     assert engine.closed
     free.set()
     assert [outcomes.numbers.tolist() for outcomes in made] == [[0]]
+
+
+def test_the_store_is_read_once_for_many_runs(study: Study) -> None:
+    class Finder:
+        def __init__(self) -> None:
+            self.looks: list[Task] = []
+
+        def found(self, task: Task, points: Points) -> Outcomes:
+            self.looks.append(task)
+            return Outcomes(points.numbers, np.zeros((len(points), 1)), ("",) * len(points))
+
+        def keep(self, task: Task, points: Points, outcomes: Outcomes) -> None:
+            pytest.fail(f"{task}: {len(outcomes.numbers)} of {len(points)} runs were made, though all were found")
+
+    many, finder = study.grid({"relay.n": range(10_000)}), Finder()
+    (system,) = many.systems
+    job, rows = many._setting.job(system, many._design), Rows.empty(len(many), 1)
+    make_runs([job], rows, lambda _: pytest.fail("no run is left"), lambda *_: None, finder)
+    assert rows.made.all()
+    assert len(many) > 100_000
+    assert finder.looks == [job.task]
 
 
 def test_rows_are_the_same_for_any_number_of_workers(study: Study, made: list[int]) -> None:
