@@ -137,7 +137,6 @@ def read_rows(folder: Path, columns: Sequence[str] | None = None) -> Iterator["t
         Path and table of each file. A run may be in several tables.
     """
     seen: set[Path] = set()
-    missed: set[Path] = set()
     while True:
         new = [path for path in sorted(folder.glob(f"*{SUFFIX}")) if path not in seen]
         if not new:
@@ -146,10 +145,9 @@ def read_rows(folder: Path, columns: Sequence[str] | None = None) -> Iterator["t
             try:
                 table = _read(path, columns)
             except FileNotFoundError:  # another process has merged it; the next look finds the new file
-                if path in missed:
+                if path.is_symlink():  # it stays listed for good, while what others write are plain files
                     seen.add(path)
-                    _warn_of(path, "is listed, but is not there")
-                missed.add(path)
+                    _warn_of(path, "is a link to a file that is not there")
                 continue
             seen.add(path)
             if table is not None:

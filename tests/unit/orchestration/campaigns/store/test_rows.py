@@ -153,7 +153,9 @@ def test_files_of_something_else_are_left_alone(tmp_path: Path) -> None:
 def test_a_dangling_link_is_left_out(tmp_path: Path) -> None:
     store = filled(tmp_path, [range(3)])
     (tmp_path / "rows" / f"study={STUDY}" / "dead.parquet").symlink_to(tmp_path / "nonexistent")
-    with pytest.warns(StoreWarning, match=r"dead\.parquet is listed, but is not there; its runs are made anew"):
+    with pytest.warns(
+        StoreWarning, match=r"dead\.parquet is a link to a file that is not there; its runs are made anew"
+    ):
         assert_rows(store.table(STUDY), range(3))
 
 
