@@ -130,7 +130,13 @@ def _folders(request: SweepRequest) -> Iterator[Path]:
 def _table(study: "Study", request: SweepRequest, report: SweepReport, tally: Tally) -> "xr.Dataset | pd.DataFrame":
     """Make the runs; if that is interrupted, say how to go on."""
     try:
-        return study.run(workers=request.workers, store=request.store, cluster=request.cluster, progress=tally)
+        return study.run(
+            workers=request.workers,
+            store=request.store,
+            cluster=request.cluster,
+            progress=tally,
+            retry_failed=request.retry_failed,
+        )
     except StudyInterrupted as interrupt:
         output.remark(f"Interrupted: {_goes_on(tally, request)}")
         if request.out is not None and request.store is None:

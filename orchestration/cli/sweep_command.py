@@ -76,8 +76,8 @@ Vary = Annotated[
     ),
 ]
 Seeds = Annotated[
-    str | None,
-    typer.Option(metavar="A-B", help="Seeds of random numbers: 1-30 or 1,2,7.", rich_help_panel=STUDY),
+    list[str] | None,
+    typer.Option(metavar="A-B", help="Seeds of random numbers: 1-30 or 1,2,7; repeatable.", rich_help_panel=STUDY),
 ]
 Measures = Annotated[
     list[str] | None,
@@ -107,6 +107,10 @@ Store = Annotated[
 Resume = Annotated[
     Path | None,
     typer.Option(metavar="FOLDER", help="Go on with the study that this store has.", rich_help_panel=RUNS),
+]
+RetryFailed = Annotated[
+    bool,
+    typer.Option("--retry-failed", help="Make runs again that the store has as failed.", rich_help_panel=RUNS),
 ]
 Ready = Annotated[
     str | None,
@@ -172,6 +176,7 @@ def sweep(
     stop: Stop = None,
     store: Store = None,
     resume: Resume = None,
+    retry_failed: RetryFailed = False,
     workers: Workers = None,
     cluster: Cluster = None,
     best: Best = None,
@@ -186,7 +191,7 @@ def sweep(
 
     given = {
         "vary": vary,
-        "seeds": seeds,
+        "seeds": ",".join(seeds or []) or None,
         "measure": measure,
         "samples": samples,
         "method": method,
@@ -202,6 +207,7 @@ def sweep(
         "isolate": isolate,
         "store": store,
         "resume": resume,
+        "retry-failed": retry_failed,
         "ready": ready,
         "workers": workers,
         "cluster": cluster,

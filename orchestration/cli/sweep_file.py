@@ -40,6 +40,7 @@ KEYS: dict[str, tuple[str, ...]] = {
     "workers": (INTEGER,),
     "cluster": (TEXT,),
     "store": (TEXT,),
+    "retry-failed": (FLAG,),
     "out": (TEXT,),
     "plot": (TEXT,),
     "best": (TEXT,),

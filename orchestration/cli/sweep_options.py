@@ -16,7 +16,7 @@ from orchestration.errors import SystemDescriptionError
 
 DRAWING = ("method", "sample-seed")
 """Options on points that are drawn."""
-RUNNING = ("workers", "cluster", "best", "store", "out", "plot")
+RUNNING = ("workers", "cluster", "best", "store", "retry-failed", "out", "plot")
 """Options that say how runs are made and what becomes of the table."""
 
 
@@ -90,7 +90,7 @@ def _request(file: Mapping[str, Any], options: Mapping[str, Any]) -> SweepReques
 
 def _with_running(request: SweepRequest, wanted: Mapping[str, Any]) -> SweepRequest:
     """The request with what says how runs are made, and what becomes of the table."""
-    running = {name: wanted[name] for name in RUNNING if name in wanted}
+    running = {name.replace("-", "_"): wanted[name] for name in RUNNING if name in wanted}
     paths = {name: Path(running[name]) for name in ("store", "out", "plot") if name in running}
     flags = {"dry_run": bool(wanted.get("dry-run")), "json": bool(wanted.get("json"))}
     return replace(request, **{**running, **paths, **flags})

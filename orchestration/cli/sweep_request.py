@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 SOBOL = "sobol"
 TABLES = (".csv", ".parquet", ".nc")
 """Suffixes of files for the table."""
+NO_INTERVAL = "plant.K_f=1e4:1e6 or 'plant.K_f=1e4:1e6 log'"
 NO_RANGE = "NAME=RANGE is needed, such as plant.K_f=1e4:1e6:9log"
 
 
@@ -64,6 +65,8 @@ class SweepRequest:
         File for the table; folder for the pictures.
     best
         ``min:MEASURE`` or ``max:MEASURE``: the run that is shown while others are made.
+    retry_failed
+        Whether runs that the store has as failed are made again.
     """
 
     systems: Mapping[str, SystemRequest] = field(default_factory=dict)
@@ -83,6 +86,7 @@ class SweepRequest:
     out: Path | None = None
     plot: Path | None = None
     best: str | None = None
+    retry_failed: bool = False
     dry_run: bool = False
     json: bool = False
 
@@ -106,6 +110,9 @@ class SweepRequest:
         if self.cluster is not None and self.workers is not None:
             msg = "--cluster and --workers exclude each other: the cluster has its own workers."
             raise SystemDescriptionError(msg)
+        if self.retry_failed and self.store is None:
+            msg = "--retry-failed is about runs that a store has, and there is none; give --store or --resume."
+            raise SystemDescriptionError(msg)
         if self.resume is not None or self.ready is not None:
             return
         if self.step is not None and any(asked.sample_time is not None for asked in self.systems.values()):
@@ -113,6 +120,9 @@ class SweepRequest:
             raise SystemDescriptionError(msg)
         if not self.measures:
             msg = "Nothing is measured; give --measure, such as peak_force ('adaptimp list' names the ready ones)."
+            raise SystemDescriptionError(msg)
+        if self.samples is not None and not self.vary:
+            msg = f"--samples {self.samples.n}: there is no factor to draw; give --vary, such as {NO_INTERVAL}."
             raise SystemDescriptionError(msg)
         if not self.vary and self.seeds is None:
             msg = f"Nothing varies; give --vary or --seeds: {NO_RANGE}."

@@ -187,6 +187,12 @@ def test_rows_without_a_store_are_rescued(adaptimp: Command, tmp_path: Path, mon
     assert 0 < len(found) < 6
 
 
+def test_failed_runs_are_made_again_on_request(adaptimp: Command) -> None:
+    adaptimp("sweep", "fig2", "--vary", "plant.K_f=1e4,-1", *MEASURES, *SHORT, "--store", "runs")
+    assert "; 2 were in the store\n" in adaptimp("sweep", "--resume", "runs").out
+    assert "; 1 were in the store; " in adaptimp("sweep", "--resume", "runs", "--retry-failed").out
+
+
 def test_a_dry_run_makes_no_table(adaptimp: Command, tmp_path: Path) -> None:
     outcome = adaptimp("sweep", *GRID, "--store", "runs", "-o", "x.csv", "--workers", "2", "--dry-run")
     lines = [" ".join(line.split()) for line in outcome.out.splitlines()]

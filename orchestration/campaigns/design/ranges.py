@@ -11,7 +11,8 @@ normal(1, 0.1)     also uniform(a, b) and loguniform(a, b); for samples
 
 import math
 import re
-from collections.abc import Iterable, Sequence
+from collections import Counter
+from collections.abc import Iterable, Sequence, Sized
 from dataclasses import dataclass
 from typing import Any
 
@@ -94,7 +95,7 @@ def levels(factor: str, given: Any) -> tuple[Level, ...]:
     if not found:
         raise _error(factor, given, "there is no level; give one at least")
     if len(set(found)) < len(found):
-        twice = next(level for level in found if found.count(level) > 1)
+        twice = Counter(found).most_common(1)[0][0]
         raise _error(factor, given, f"the level {twice!r} is there twice; give each level once")
     return found
 
@@ -132,18 +133,32 @@ def seed_numbers(given: Any) -> tuple[int, ...]:
     Raises
     ------
     StudyError
-        If a seed is not a whole number from 0 on.
+        If a seed is not a whole number from 0 on, or there are more than `MOST_LEVELS`.
     """
     found: list[Any] = []
     for part in given.split(",") if isinstance(given, str) else [given]:
-        match = _WHOLE.fullmatch(part.strip()) if isinstance(part, str) else None
-        if isinstance(part, str) and match is None and not part.strip().isdigit():
-            raise _error(SEED, given, "write seeds as 1-30 or 1,2,5")
-        found += range(int(match[1]), int(match[2]) + 1) if match else levels(SEED, part)
+        seeds = _seeds_of_text(given, part.strip()) if isinstance(part, str) else part
+        number = len(found) + (len(seeds) if isinstance(seeds, Sized) else 1)
+        if number > MOST_LEVELS:
+            raise _error(SEED, given, f"these are {number} seeds; give {MOST_LEVELS} at most")
+        found += levels(SEED, seeds)
     for seed in found:
         if isinstance(seed, str | bool) or not float(seed).is_integer() or not 0 <= seed < 2**31:
             raise _error(SEED, given, f"{seed!r} is not a whole number from 0 to {2**31 - 1}; write 1-30 or 1,2,5")
     return tuple(int(seed) for seed in levels(SEED, found))
+
+
+def _seeds_of_text(given: str, part: str) -> Sequence[int]:
+    """Seeds of a part of a text: a range or one number. They are counted before any of them is made."""
+    match = _WHOLE.fullmatch(part)
+    if match is None and not part.isdecimal():
+        raise _error(SEED, given, "write seeds as 1-30 or 1,2,5")
+    first, last = (int(match[1]), int(match[2])) if match else (int(part), int(part))
+    if first > last:
+        raise _error(SEED, given, f"the first seed of {part} is above the last; write {last}-{first}")
+    if last >= 2**31:
+        raise _error(SEED, given, f"{last} is not a whole number from 0 to {2**31 - 1}; write 1-30 or 1,2,5")
+    return range(first, last + 1)
 
 
 def _interval(factor: str, given: Any, low: float, high: float, logarithmic: bool) -> Interval:
@@ -163,6 +178,9 @@ def _levels_of_text(factor: str, text: str) -> tuple[Level, ...]:
             found.append(float(part))
         elif _WORD.fullmatch(part.strip()):
             found.append(part.strip())
+        elif _INTERVAL.fullmatch(part.strip()) or _CALL.fullmatch(text.strip()):
+            advice = "points are drawn from it by --samples N or Study.samples"
+            raise _error(factor, text, f"{advice}; for a grid write a number of levels too, as 0:1:5 or 1e4:1e6:9log")
         else:
             advice = "write levels as 50,100,200, or a range as 0:1:5 or 1e4:1e6:9log (first:last:number of levels)"
             raise _error(factor, text, advice)

@@ -10,8 +10,8 @@ from orchestration.campaigns.engines.engine import Executor, Outcomes, Points
 from orchestration.campaigns.engines.task import Task
 from orchestration.campaigns.execution.chunks import Chunks
 
-LOOKED_UP = 16384
-"""Runs that are looked up in the store at once."""
+LOOKED_UP = 2**20
+"""Runs that are looked up in the store at once; each time all of its files are read."""
 
 
 @dataclass(frozen=True)

@@ -12,6 +12,8 @@ from orchestration.fmi.given import shown
 
 LONGEST_END = 2.0
 """Longest wait for a thread whose engine is closed, s."""
+AHEAD = 8
+"""Chunks for each thread that are at work or wait to be taken; threads rest until there are fewer."""
 
 
 def worker_count(asked: int | None) -> int:
@@ -77,20 +79,25 @@ class LocalExecutor:
 
 
 class _Outcomes(Iterator[Outcomes]):
-    """Outcomes as threads make them. An interrupt of `next` leaves the threads at work, so `next` may go on."""
+    """Outcomes as threads make them, some chunks ahead of who takes them.
+
+    An interrupt of `next` leaves the threads at work, so `next` may go on.
+    """
 
     def __init__(self, engine: Engine, workers: int, chunks: Iterator[Points]) -> None:
         self._engine, self._chunks = engine, chunks
         self._made: SimpleQueue[Outcomes | BaseException | None] = SimpleQueue()
         self._stopped = threading.Event()
+        self._room = threading.Semaphore(AHEAD * workers)
         self._working = workers
         self._threads = [threading.Thread(target=self._work, name=f"campaign-{k}", daemon=True) for k in range(workers)]
         for thread in self._threads:
             thread.start()
 
     def stop(self) -> None:
-        """Let the threads take no further chunk."""
+        """Let the threads take no further chunk, those that rest included."""
         self._stopped.set()
+        self._room.release(len(self._threads))
 
     def wait(self, longest: float | None) -> None:
         """Wait until the threads have ended, each for a time, s, at most."""
@@ -104,18 +111,24 @@ class _Outcomes(Iterator[Outcomes]):
             if made is None:
                 self._working -= 1
             elif isinstance(made, BaseException):
-                self._stopped.set()
+                self.stop()
                 raise made
             else:
+                self._room.release()
                 return made
         raise StopIteration
 
     def _work(self) -> None:
         """Make chunk after chunk, until there is none or another thread failed."""
         try:
-            while not self._stopped.is_set() and (points := next(self._chunks, None)) is not None:
+            while self._may_go_on() and (points := next(self._chunks, None)) is not None:
                 self._made.put(self._engine.make(points))
         except BaseException as error:
             self._made.put(error)
         finally:
             self._made.put(None)
+
+    def _may_go_on(self) -> bool:
+        """Wait until there is room for the outcomes of one more chunk; return whether one is wanted."""
+        self._room.acquire()
+        return not self._stopped.is_set()

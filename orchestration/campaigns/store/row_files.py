@@ -145,6 +145,9 @@ def read_rows(folder: Path, columns: Sequence[str] | None = None) -> Iterator["t
             try:
                 table = _read(path, columns)
             except FileNotFoundError:  # another process has merged it; the next look finds the new file
+                if path.is_symlink():  # it stays listed for good, while what others write are plain files
+                    seen.add(path)
+                    _warn_of(path, "is a link to a file that is not there")
                 continue
             seen.add(path)
             if table is not None:
@@ -245,6 +248,11 @@ def _read(path: Path, columns: Sequence[str] | None) -> "pa.Table | None":
         raise
     except (pa.ArrowException, OSError, ValueError) as error:
         refusal = f"cannot be read ({error})"
+    _warn_of(path, refusal)
+    return None
+
+
+def _warn_of(path: Path, refusal: str) -> None:
+    """Warn of a file that cannot be used."""
     msg = f"{path} {refusal}; its runs are made anew where they are asked for. Move the file elsewhere."
     warn_caller(msg, StoreWarning)
-    return None

@@ -41,6 +41,7 @@ if TYPE_CHECKING:
 
 FORMAT = 1
 """Version of the folder's layout."""
+_KIND = "store of runs"  # what the mark says that the folder is
 _MARK, _ROWS, _STUDY = "store.json", "rows", "study="
 
 
@@ -183,7 +184,7 @@ def _make(folder: Path) -> None:
     if strange and not (folder / _MARK).exists():  # another process may have made the store meanwhile
         msg = f"{folder}: the folder is no store and has other files, such as {strange[0]}; name a new folder."
         raise StoreError(msg)
-    write_whole(folder / _MARK, json.dumps({"adaptimp": "store of runs", "format": FORMAT}).encode())
+    write_whole(folder / _MARK, json.dumps({"adaptimp": _KIND, "format": FORMAT}).encode())
 
 
 def _is_draft_of_mark(name: str) -> bool:
@@ -195,13 +196,17 @@ def _require_store(folder: Path) -> None:
     """Refuse a folder that is not a store of this version."""
     try:
         content = json.loads((folder / _MARK).read_text(encoding="utf-8"))
-        version = int(content["format"])
+        kind, version = content["adaptimp"], int(content["format"])
     except FileNotFoundError:
         msg = f"{folder}: there is no store of runs; name the folder that a study was run with."
         raise StoreError(msg) from None
     except (OSError, ValueError, TypeError, KeyError) as error:
         msg = f"{folder / _MARK}: the store's mark cannot be read: {error}; restore the file."
         raise StoreError(msg) from error
+    if kind != _KIND or version < 1:
+        msg = f"{folder / _MARK}: this is {kind!r} of format {version}, not {_KIND!r} of format 1 or later;"
+        msg = f"{msg} restore the file, or name the folder of a store."
+        raise StoreError(msg)
     if version > FORMAT:
         msg = f"{folder}: the store has format {version}, but {FORMAT} is known; use a newer adaptimp."
         raise StoreError(msg)

@@ -6,7 +6,15 @@ import numpy as np
 import pytest
 
 from orchestration import StudyError
-from orchestration.campaigns.design.ranges import Choice, Interval, Normal, distribution, levels, seed_numbers
+from orchestration.campaigns.design.ranges import (
+    MOST_LEVELS,
+    Choice,
+    Interval,
+    Normal,
+    distribution,
+    levels,
+    seed_numbers,
+)
 
 
 @pytest.mark.parametrize(
@@ -45,7 +53,7 @@ def test_levels_of_a_logarithmic_range_have_equal_ratios() -> None:
     ("given", "advice"),
     [
         ("1e4 to 1e6", "write levels as"),
-        ("1:2", "write levels as"),
+        ("1:2", "points are drawn from it"),
         ("1:2:1", "2 to 1000000 levels"),
         ("1:1:3", "two different ends"),
         ("0:1:3log", "above zero"),
@@ -123,3 +131,27 @@ def test_seeds_that_are_no_whole_numbers_are_refused(given: Any) -> None:
 def test_a_wrong_text_of_seeds_is_told_how_seeds_are_written() -> None:
     with pytest.raises(StudyError, match=r"^Factor seed: '1-x'; write seeds as 1-30 or 1,2,5\.$"):
         seed_numbers("1-x")
+
+
+def test_seeds_in_falling_order_are_told_how_to_be_written() -> None:
+    with pytest.raises(StudyError, match=r"^Factor seed: '5-1'; the first seed of 5-1 is above the last; write 1-5\.$"):
+        seed_numbers("5-1")
+
+
+@pytest.mark.parametrize("given", ["1-1000001", "0-2147483647", "1-600000,700000-1200000", range(1_000_001)])
+def test_too_many_seeds_are_refused(given: Any) -> None:
+    with pytest.raises(StudyError, match=rf"^Factor seed: .*; these are \d+ seeds; give {MOST_LEVELS} at most\.$"):
+        seed_numbers(given)
+
+
+def test_many_seeds_of_which_one_is_there_twice_are_told_at_once() -> None:
+    with pytest.raises(StudyError, match=r"the level 500000\.0 is there twice; give each level once\.$"):
+        seed_numbers("1-500000,500000,600000-1000000")
+
+
+@pytest.mark.parametrize("given", ["1e4:1e6", "1e4:1e6 log", "normal(1, 0.1)"])
+def test_a_distribution_as_a_grid_is_told_how_points_are_drawn(given: str) -> None:
+    with pytest.raises(
+        StudyError, match=r"points are drawn from it by --samples N or Study\.samples; for a grid write"
+    ):
+        levels("plant.K_f", given)

@@ -16,6 +16,7 @@ from orchestration.campaigns import running
 from orchestration.campaigns.engines.engine import Outcomes, Points
 from orchestration.campaigns.engines.task import Task
 from orchestration.campaigns.execution import local
+from orchestration.campaigns.execution.campaign import Rows, make_runs
 from orchestration.campaigns.execution.chunks import GROWTH, Chunks
 from orchestration.campaigns.execution.local import LocalExecutor
 from orchestration.campaigns.store.store import Store
@@ -149,6 +150,38 @@ def test_a_fault_of_an_engine_is_raised_and_ends_the_threads() -> None:
     assert not [thread for thread in threading.enumerate() if thread.name.startswith("campaign")]
 
 
+def test_threads_rest_while_nobody_takes_what_they_made() -> None:
+    numbers = np.arange(400)
+    given: list[int] = []
+
+    def recorded(number: int) -> Points:
+        given.append(number)
+        return points(np.array([number]))
+
+    class OneByOne(Squares):
+        def make(self, points: Points) -> Outcomes:
+            if len(given) > local.AHEAD:
+                too_many.set()
+            return super().make(points)
+
+    too_many = threading.Event()
+    executor = LocalExecutor(OneByOne(), 1)
+    made = executor.map(map(recorded, numbers.tolist()))
+    assert not too_many.wait(0.5)
+    assert sum(len(outcomes.numbers) for outcomes in made) == len(numbers)
+    assert given == numbers.tolist()
+    executor.close()
+
+
+def test_threads_that_rest_end_when_the_executor_is_closed() -> None:
+    executor = LocalExecutor(Squares(), 2)
+    made = executor.map(Chunks(np.arange(10**6), points, lambda: 2))
+    next(made)
+    executor.wait()
+    executor.close()
+    assert not [thread for thread in threading.enumerate() if thread.name.startswith("campaign")]
+
+
 def test_an_engine_is_left_alone_when_its_run_does_not_end(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(local, "LONGEST_END", 0.01)
     begun, free = threading.Event(), threading.Event()
@@ -167,6 +200,27 @@ def test_an_engine_is_left_alone_when_its_run_does_not_end(monkeypatch: pytest.M
     assert engine.closed
     free.set()
     assert [outcomes.numbers.tolist() for outcomes in made] == [[0]]
+
+
+def test_the_store_is_read_once_for_many_runs(study: Study) -> None:
+    class Finder:
+        def __init__(self) -> None:
+            self.looks: list[Task] = []
+
+        def found(self, task: Task, points: Points) -> Outcomes:
+            self.looks.append(task)
+            return Outcomes(points.numbers, np.zeros((len(points), 1)), ("",) * len(points))
+
+        def keep(self, task: Task, points: Points, outcomes: Outcomes) -> None:
+            pytest.fail(f"{task}: {len(outcomes.numbers)} of {len(points)} runs were made, though all were found")
+
+    many, finder = study.grid({"relay.n": range(10_000)}), Finder()
+    (system,) = many.systems
+    job, rows = many._setting.job(system, many._design), Rows.empty(len(many), 1)
+    make_runs([job], rows, lambda _: pytest.fail("no run is left"), lambda *_: None, finder)
+    assert rows.made.all()
+    assert len(many) > 100_000
+    assert finder.looks == [job.task]
 
 
 def test_rows_are_the_same_for_any_number_of_workers(study: Study, made: list[int]) -> None:

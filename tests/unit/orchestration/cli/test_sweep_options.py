@@ -6,7 +6,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from typer.testing import CliRunner
 
+from orchestration.cli.app import app
 from orchestration.cli.sweep_command import sweep, with_words
 from orchestration.cli.sweep_file import KEYS
 from orchestration.cli.sweep_options import sweep_request
@@ -148,6 +150,12 @@ def test_wrong_options_are_refused(system: str | None, given: dict[str, Any], sa
     [
         ({"measure": [], "seeds": "1-2"}, "Nothing is measured; give --measure, such as peak_force"),
         ({"measure": ["peak_force"]}, "Nothing varies; give --vary or --seeds: NAME=RANGE is needed"),
+        (
+            {"measure": ["a"], "samples": 4},
+            "--samples 4: there is no factor to draw; give --vary, such as plant.K_f=1e4",
+        ),
+        ({"measure": ["a"], "samples": 4, "seeds": "1-2"}, "--samples 4: there is no factor to draw; give --vary"),
+        ({"measure": ["a"], "seeds": "1", "retry-failed": True}, "--retry-failed is about runs that a store has"),
         ({"out": Path("x.txt")}, "--out x.txt: tables are written as .csv, .parquet, .nc"),
         ({"cluster": "tcp://a:1", "workers": 2}, "--cluster and --workers exclude each other"),
         ({"measure": ["a"], "seeds": "1", "step": 1e-4, "sample-time": 1e-4}, "--step and --sample-time exclude"),
@@ -179,3 +187,26 @@ def test_plot_takes_a_folder_or_none() -> None:
     assert with_words(["fig5", "--plot"]) == ["fig5", "--plot", "plots"]
     assert with_words(["--plot", "-o", "x.csv"]) == ["--plot", "plots", "-o", "x.csv"]
     assert with_words(["--plot", "out", "fig5"]) == ["--plot", "out", "fig5"]
+
+
+def test_seeds_that_are_given_several_times_are_joined(monkeypatch: pytest.MonkeyPatch) -> None:
+    given: dict[str, Any] = {}
+
+    def run_sweep(_: str | None, options: dict[str, Any]) -> int:
+        given.update(options)
+        return 0
+
+    monkeypatch.setattr("orchestration.cli.sweep.run_sweep", run_sweep)
+    words = ["sweep", "fig7", "--seeds", "1-2", "--seeds", "4", "--measure", "peak_force"]
+    outcome = CliRunner().invoke(app, words)
+    assert outcome.exit_code == 0, outcome.output
+    assert given["seeds"] == "1-2,4"
+
+
+def test_failed_runs_of_a_store_are_made_again_on_request(study: Path) -> None:
+    study.write_text(f'retry-failed = true\nstore = "runs"\n{STUDY}', encoding="utf-8")
+    given = {"retry-failed": True}
+    assert sweep_request(str(study), {}).retry_failed
+    assert sweep_request(None, {"resume": Path("runs"), **given}).retry_failed
+    assert sweep_request("fig5", {"store": Path("runs"), **given}).retry_failed
+    assert not sweep_request("fig5", {"store": Path("runs"), "retry-failed": False}).retry_failed

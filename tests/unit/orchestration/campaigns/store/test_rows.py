@@ -1,5 +1,6 @@
 """Tests that finished runs are kept, found again and never twice in a table."""
 
+import os
 from pathlib import Path
 
 import numpy as np
@@ -148,6 +149,16 @@ def test_files_of_something_else_are_left_alone(tmp_path: Path) -> None:
     assert (folder / "notes.txt").read_text() == "keep"
 
 
+@pytest.mark.skipif(os.name == "nt", reason="links need a right there that users lack")
+def test_a_dangling_link_is_left_out(tmp_path: Path) -> None:
+    store = filled(tmp_path, [range(3)])
+    (tmp_path / "rows" / f"study={STUDY}" / "dead.parquet").symlink_to(tmp_path / "nonexistent")
+    with pytest.warns(
+        StoreWarning, match=r"dead\.parquet is a link to a file that is not there; its runs are made anew"
+    ):
+        assert_rows(store.table(STUDY), range(3))
+
+
 @pytest.mark.parametrize("effort", range(4))  # the hash of the content decides which file is read first
 def test_a_file_of_another_study_in_the_folder_is_left_out(tmp_path: Path, effort: int) -> None:
     store = filled(tmp_path, [range(3)])
@@ -216,7 +227,14 @@ def test_only_a_new_or_empty_folder_becomes_a_store(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     ("mark", "message"),
-    [('{"format": 2}', "has format 2, but 1 is known"), ("{", "mark cannot be read"), ("[]", "mark cannot be read")],
+    [
+        ('{"adaptimp": "store of runs", "format": 2}', "has format 2, but 1 is known"),
+        ('{"adaptimp": "store of runs", "format": 0}', "is 'store of runs' of format 0, not 'store of runs' of"),
+        ('{"adaptimp": "cache", "format": 1}', "is 'cache' of format 1, not 'store of runs' of format 1"),
+        ('{"format": 1}', "mark cannot be read: 'adaptimp'"),
+        ("{", "mark cannot be read"),
+        ("[]", "mark cannot be read"),
+    ],
 )
 def test_a_store_of_a_newer_version_or_a_damaged_mark_is_refused(tmp_path: Path, mark: str, message: str) -> None:
     Store.open(tmp_path)
