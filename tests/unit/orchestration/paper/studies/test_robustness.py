@@ -17,7 +17,7 @@ from orchestration.paper.studies.robustness_table import (
     read_table,
     write_table,
 )
-from orchestration.paper.studies.shares import Share
+from orchestration.paper.share import Share
 
 DOCS = Path(__file__).parents[5] / "docs"
 
