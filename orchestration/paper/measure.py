@@ -77,7 +77,7 @@ def at_ticks(result: Result, name: str) -> np.ndarray:
 
 
 def norms(vectors: np.ndarray) -> np.ndarray:
-    """Euclidean norms of the rows of an array of shape (n, 2); the bits of ``np.linalg.norm`` in a seventh of its time."""
+    """Euclidean norms of the rows of an array of shape (n, 2), with the bits of ``np.linalg.norm``, and faster."""
     x, y = vectors[:, 0], vectors[:, 1]
     return np.sqrt(x * x + y * y)
 

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from orchestration.paper.studies.open_values import OpenValue
 from orchestration.paper.share import Share
+from orchestration.paper.studies.open_values import OpenValue
 from orchestration.paper.studies.shares import deciding, first_order_index, parts
 
 N = 4096
