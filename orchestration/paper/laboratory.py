@@ -11,7 +11,7 @@ import numpy as np
 from orchestration.errors import SimulationError
 from orchestration.master.simulate import Options, simulate
 from orchestration.paper.measure import ESTIMATE, RECORDED, NoContactError, Summary, summarize
-from orchestration.paper.scenarios import SCENARIOS, VARIANTS
+from orchestration.paper.scenarios import ALL_SCENARIOS
 from orchestration.results.result import Result
 
 SEEDS = tuple(range(1, 31))
@@ -46,7 +46,7 @@ class Laboratory:
         ------
         SimulationError
         """
-        scenario = {**SCENARIOS, **VARIANTS}[job.scenario]
+        scenario = ALL_SCENARIOS[job.scenario]
         system = scenario.system(self.fmus).set(job.changes)
         if job.sample_time is not None:
             system = system.with_sample_time(job.sample_time)
