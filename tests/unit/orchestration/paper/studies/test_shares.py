@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
+from orchestration.paper.share import Share
 from orchestration.paper.studies.open_values import OpenValue
-from orchestration.paper.studies.shares import Share, deciding, first_order_index, parts
+from orchestration.paper.studies.shares import deciding, first_order_index, parts
 
 N = 4096
 LINEAR = OpenValue("a", "m", 0.0, 3.0, "", "")
