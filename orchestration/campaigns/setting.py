@@ -15,7 +15,11 @@ from orchestration.errors import StudyError
 from orchestration.fmi.isolation import Isolation
 from orchestration.fmi.names import suggestion
 from orchestration.master.simulate import prepare
+from orchestration.master.walls import WALLS, different_walls
 from orchestration.system.system import System
+
+SEEN_FOR_WALLS = 33
+"""Runs of a study, spread evenly, that are asked whether their walls differ; the warning names one of them."""
 
 
 @dataclass(frozen=True)
@@ -110,4 +114,13 @@ def require_runnable(job: Job) -> None:
     if step is None and system.step is None:
         first = job.points(np.array([job.numbers.start]))
         system, step = task.system_of(first.values[0]), float(first.steps[0])
+    if any(path.partition(".")[2].partition("[")[0] in WALLS for path in task.varied):
+        system = _with_different_walls(job)
     prepare(system, task.stop_time, step, task.algorithm, isolate=task.isolation)
+
+
+def _with_different_walls(job: Job) -> System:
+    """System of the first run, among some of a study, whose components have different walls; or else of the first."""
+    some = np.unique(np.linspace(job.numbers.start, job.numbers.stop - 1, SEEN_FOR_WALLS).round().astype(int))
+    systems = [job.task.system_of(values) for values in job.points(some).values]
+    return next((system for system in systems if different_walls(system)), systems[0])
