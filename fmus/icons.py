@@ -28,8 +28,8 @@ _MASS_SPRING_DAMPER = (
 )
 
 
-def arm(n: int) -> Icon:
-    """A plant: n links on a base, the tip against a wall."""
+def arm(n: int, *, corner: bool = False) -> Icon:
+    """A plant: n links on a base, the tip against a wall, or below a second wall in a corner."""
     ends: Sequence[Point] = {
         2: ((0.24, 0.26), (0.36, 0.66), (0.72, 0.56)),
         3: ((0.24, 0.26), (0.27, 0.6), (0.52, 0.76), (0.72, 0.5)),
@@ -38,7 +38,8 @@ def arm(n: int) -> Icon:
     wall = Stroke([(0.78, 0.18), (0.78, 0.82)], _THIN)
     hatching = [Stroke([(0.78, y), (0.86, y - 0.08)], _THIN) for y in (0.3, 0.44, 0.58, 0.72, 0.82)]
     base = Stroke([(0.13, 0.18), (0.35, 0.18)], _THIN)
-    return Icon(STEEL, [Stroke(ends, _BOLD), *joints, wall, *hatching, base])
+    lid = [Stroke([(0.44, 0.82), (0.78, 0.82)], _THIN)] if corner else []
+    return Icon(STEEL, [Stroke(ends, _BOLD), *joints, wall, *hatching, base, *lid])
 
 
 def sensor() -> Icon:

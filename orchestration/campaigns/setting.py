@@ -115,12 +115,14 @@ def require_runnable(job: Job) -> None:
         first = job.points(np.array([job.numbers.start]))
         system, step = task.system_of(first.values[0]), float(first.steps[0])
     if any(path.partition(".")[2].partition("[")[0] in WALLS for path in task.varied):
-        system = _with_different_walls(job)
+        system, step = _with_different_walls(job)
     prepare(system, task.stop_time, step, task.algorithm, isolate=task.isolation)
 
 
-def _with_different_walls(job: Job) -> System:
-    """System of the first run, among some of a study, whose components have different walls; or else of the first."""
+def _with_different_walls(job: Job) -> tuple[System, float]:
+    """A run of a study, among some, whose components have different walls, or else the first: system and step, s."""
     some = np.unique(np.linspace(job.numbers.start, job.numbers.stop - 1, SEEN_FOR_WALLS).round().astype(int))
-    systems = [job.task.system_of(values) for values in job.points(some).values]
-    return next((system for system in systems if different_walls(system)), systems[0])
+    points = job.points(some)
+    systems = [job.task.system_of(values) for values in points.values]
+    chosen = next((i for i, system in enumerate(systems) if different_walls(system)), 0)
+    return systems[chosen], float(points.steps[chosen])

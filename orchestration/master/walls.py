@@ -17,7 +17,7 @@ from orchestration.fmi.codes import REAL
 from orchestration.system.component import Component
 from orchestration.system.system import System
 
-WALLS = ("wall_normal", "wall_offset", "wall2_normal", "wall2_offset")
+WALLS = ("wall_normal", "wall_offset", "wall_normal2", "wall_offset2")
 """Names of the parameters that tell where a wall is."""
 TOLERANCE = 1e-9  # by which two values may differ, relative to the larger one and to 1
 
