@@ -58,12 +58,14 @@ def saturation(n: int) -> Icon:
     return Icon(VIOLET, [*axes, curve, *_dots(n if n > 2 else 0)])
 
 
-def cut_ellipse() -> Icon:
-    """The virtual trajectory: an ellipse with a straight segment along the wall."""
-    cut, turns = 0.26, [2 * math.pi * i / 72 for i in range(73)]
-    points = [(max(0.5 + 0.34 * math.cos(a), cut), 0.5 + 0.26 * math.sin(a)) for a in turns]
-    wall = Stroke([(0.18, 0.2), (0.18, 0.8)], _THIN)
-    return Icon(TEAL, [Stroke(points), wall, Stroke([(0.84, 0.5)], _JOINT)])
+def cut_ellipse(*, corner: bool = False) -> Icon:
+    """The virtual trajectory: an ellipse with a straight segment along the wall, or one along each of two walls."""
+    cut, floor = 0.26, 0.34 if corner else 0.0
+    turns = [2 * math.pi * i / 72 for i in range(73)]
+    points = [(max(0.5 + 0.34 * math.cos(a), cut), max(0.5 + 0.26 * math.sin(a), floor)) for a in turns]
+    walls = [Stroke([(0.18, 0.2), (0.18, 0.8)], _THIN)]
+    walls += [Stroke([(0.18, 0.2), (0.78, 0.2)], _THIN)] if corner else []
+    return Icon(TEAL, [Stroke(points), *walls, Stroke([(0.84, 0.5)], _JOINT)])
 
 
 def impedance(n: int = 2) -> Icon:

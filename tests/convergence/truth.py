@@ -131,7 +131,7 @@ def solve(throw: Throw, T: float) -> tuple[np.ndarray, list[str]]:
     while True:
         events = [crossing(z, rising=not modes[name]) for name, z in indicators.items()]
 
-        def rhs(_: float, y: np.ndarray, fixed: Mapping[str, bool] = dict(modes)) -> np.ndarray:  # noqa: B006 - a copy
+        def rhs(_: float, y: np.ndarray, fixed: Mapping[str, bool] = dict(modes)) -> np.ndarray:
             return throw.derivative(y, fixed)
 
         piece = solve_ivp(rhs, (t, T), state, "DOP853", events=events, rtol=RTOL, atol=ATOL, max_step=MAX_STEP)
