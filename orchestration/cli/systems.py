@@ -63,11 +63,11 @@ class SystemRequest:
 
 def is_package(name: str) -> bool:
     """Whether a name is that of a package, an .ssd file or a folder; a scenario goes before a folder of its name."""
-    from orchestration.paper.scenarios import SCENARIOS, VARIANTS
+    from orchestration.paper.scenarios import ALL_SCENARIOS
 
     if Path(name).suffix.lower() in (PACKAGE, DEFINITION):
         return True
-    return Path(name).is_dir() and name not in SCENARIOS and name not in VARIANTS
+    return Path(name).is_dir() and name not in ALL_SCENARIOS
 
 
 def named_system(name: str, variant: str | None = None, *, reals: bool = False) -> System:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from orchestration.errors import OrchestrationError, UnknownNameError
 from orchestration.fmi.names import suggestion
-from orchestration.paper.scenarios import SCENARIOS, VARIANTS, Scenario
+from orchestration.paper.scenarios import ALL_SCENARIOS, Scenario
 
 if TYPE_CHECKING:
     from adaptimp_fmu import Model, Platform
@@ -20,11 +20,10 @@ def find_scenario(name: str) -> Scenario:
     UnknownNameError
         If there is no such scenario; the message gives near names.
     """
-    known = {**SCENARIOS, **VARIANTS}
-    if name not in known:
-        msg = f"There is no scenario {name}; {suggestion(name, known)}"
+    if name not in ALL_SCENARIOS:
+        msg = f"There is no scenario {name}; {suggestion(name, ALL_SCENARIOS)}"
         raise UnknownNameError(msg)
-    return known[name]
+    return ALL_SCENARIOS[name]
 
 
 def fmus(identifiers: Iterable[str], *, reals: bool = False) -> Mapping[str, Path]:

@@ -8,11 +8,11 @@ import numpy as np
 
 from orchestration.paper.laboratory import SEEDS, Job, Laboratory, Outcome
 from orchestration.paper.measure import ESTIMATE, Summary
-from orchestration.paper.numbers import PSI, TRUE_M2
+from orchestration.paper.numbers import TRUE_M2
 from orchestration.paper.scenarios import SCENARIOS, UNSATURATED
 from orchestration.results.result import Result
 
-PSI_GRID = tuple(PSI * 10.0 ** (k / 3) for k in range(-3, 4))  # 1/s, two decades
+PSI_GRID = tuple(100.0 * 10.0 ** (k / 3) for k in range(-3, 4))  # 1/s, two decades
 GAMMA_GRID_FACTORS = tuple(10.0 ** (k / 3) for k in range(-3, 4))  # of the scenario's gain
 K_D_GRID = (30.0, 100.0, 300.0, 1000.0, 3000.0)  # N.s/m
 DIVISORS = (1, 10, 100)

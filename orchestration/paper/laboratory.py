@@ -3,7 +3,7 @@
 import os
 from collections.abc import Collection, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +11,7 @@ import numpy as np
 from orchestration.errors import SimulationError
 from orchestration.master.simulate import Options, simulate
 from orchestration.paper.measure import ESTIMATE, RECORDED, NoContactError, Summary, summarize
-from orchestration.paper.scenarios import SCENARIOS, VARIANTS
+from orchestration.paper.scenarios import ALL_SCENARIOS
 from orchestration.results.result import Result
 
 SEEDS = tuple(range(1, 31))
@@ -26,11 +26,14 @@ class Job:
     ----------
     sample_time
         Communication step and sampling period, s; the scenario's if None.
+    span
+        Begin and end of the run, s; those of the scenario if None.
     """
 
     scenario: str
     changes: Mapping[str, float] = field(default_factory=dict)
     sample_time: float | None = None
+    span: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True)
@@ -46,10 +49,12 @@ class Laboratory:
         ------
         SimulationError
         """
-        scenario = {**SCENARIOS, **VARIANTS}[job.scenario]
+        scenario = ALL_SCENARIOS[job.scenario]
         system = scenario.system(self.fmus).set(job.changes)
         if job.sample_time is not None:
             system = system.with_sample_time(job.sample_time)
+        if job.span is not None:
+            system = replace(system, start_time=job.span[0], stop_time=job.span[1])
         return simulate(system, options=Options(record=record, strict=True))
 
     def results(self, jobs: Sequence[Job], record: Collection[str]) -> list[Result]:

@@ -11,7 +11,7 @@ import numpy as np
 from orchestration.containers.native.program import NativeProgram
 from orchestration.fmi.description import SAMPLE_TIME
 from orchestration.paper.laboratory import Job
-from orchestration.paper.scenarios import SCENARIOS, VARIANTS
+from orchestration.paper.scenarios import ALL_SCENARIOS
 from orchestration.results.result import Result
 
 
@@ -48,17 +48,18 @@ class NativeLaboratory:
             If the run fails.
         """
         program = self._program(job, tuple(record))
-        scenario = {**SCENARIOS, **VARIANTS}[job.scenario]
+        scenario = ALL_SCENARIOS[job.scenario]
         step = job.sample_time or scenario.step
         values = np.array([job.changes.get(path, step) for path in program.varied])
-        return program.result(values, step, scenario.stop_time)
+        start, stop = job.span or (0.0, scenario.stop_time)
+        return program.result(values, step, stop, start)
 
     def _program(self, job: Job, record: tuple[str, ...]) -> NativeProgram:
         """The library of a job, whose periods and changed start values are varied."""
         key = (job.scenario, tuple(sorted(job.changes)), record)
         with self._lock:
             if key not in self._programs:
-                system = {**SCENARIOS, **VARIANTS}[job.scenario].system(self.fmus)
+                system = ALL_SCENARIOS[job.scenario].system(self.fmus)
                 sampled = [c.name for c in system.components if c.sample_time is not None]
                 varied = (*sorted(job.changes), *(f"{name}.{SAMPLE_TIME}" for name in sampled))
                 self._programs[key] = NativeProgram.of(system, varied=varied, record=record)
