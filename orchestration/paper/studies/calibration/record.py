@@ -71,7 +71,13 @@ class Record:
         found = given["found"]
         nudges = given["nudges"]
         return cls(
-            found=Found(**{**found, "proofs": tuple(_proof(proof) for proof in found["proofs"])}),
+            found=Found(
+                **{
+                    **found,
+                    "first_costs": tuple(found["first_costs"]),
+                    "proofs": tuple(_proof(proof) for proof in found["proofs"]),
+                }
+            ),
             proofs={name: _proof(proof) for name, proof in given["proofs"].items()},
             periods=tuple(Period(**period) for period in given["periods"]),
             nudges=Nudges(**{**nudges, "moved": tuple(nudges["moved"])}),
