@@ -112,6 +112,8 @@ class Summary:
         Absolute error of m2_hat at the first contact.
     m2_in_contact
         Largest absolute error of m2_hat during contact.
+    m2_fluctuation
+        Range of m2_hat during contact, from its smallest to its largest value.
     m2_recovery
         Time after the last contact from which the error of m2_hat stays within `RECOVERED`.
     torque
@@ -129,6 +131,7 @@ class Summary:
     m2_settled: float
     m2_at_contact: float
     m2_in_contact: float
+    m2_fluctuation: float
     m2_recovery: float
     torque: np.ndarray
     e_start: float
@@ -153,7 +156,8 @@ def summarize(result: Result, ideal_force: np.ndarray | None = None) -> Summary:
     during = (ticks >= touch.first) & (ticks <= touch.last)
     before, after = ticks < touch.first, ticks > touch.last
     e = norms(at_ticks(result, "controller.e"))
-    error = np.abs(result.at_ticks(ESTIMATE) - TRUE_M2)
+    estimate = result.at_ticks(ESTIMATE)
+    error = np.abs(estimate - TRUE_M2)
     settled = np.flatnonzero(before & (error > SETTLED))
     recovered = np.flatnonzero(after & (error > RECOVERED))
     force = result["plant.F_ext"]
@@ -161,6 +165,7 @@ def summarize(result: Result, ideal_force: np.ndarray | None = None) -> Summary:
         m2_settled=float(ticks[settled[-1]]) if settled.size else 0.0,
         m2_at_contact=float(error[before][-1]),
         m2_in_contact=float(error[during].max()),
+        m2_fluctuation=float(np.ptp(estimate[during])),
         m2_recovery=float(ticks[recovered[-1]] - touch.last) if recovered.size else 0.0,
         torque=np.array([np.abs(result.at_ticks(f"controller.tau_cmd[{i}]")).max() for i in (1, 2)]),
         e_start=float(e[before].max()),

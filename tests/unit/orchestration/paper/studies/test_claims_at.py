@@ -24,6 +24,7 @@ GOOD = Summary(
     m2_settled=0.1,
     m2_at_contact=0.01,
     m2_in_contact=0.1,
+    m2_fluctuation=0.15,
     m2_recovery=0.01,
     torque=np.array([100.0, 50.0]),
     e_start=1e-3,
