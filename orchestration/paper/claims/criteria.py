@@ -123,3 +123,16 @@ FORMS = Criterion(f"relative differences at {N_STATES} random states", "<=", 1e-
 CASE_C = Criterion("number of ticks in case (c)", ">=", 1.0)
 GAMMA = Criterion("ratio of (2 mu delta - alpha)/beta^2 to gamma* at every tick in case (c)", "<=", 1 + 1e-9)
 SKEW = Criterion(f"symmetric part relative to the norm at {N_STATES} random states", "<=", 1e-10)
+
+# Saturation, (27) and (28). V_c falls outside of the region (28) names; a sampled law may rise by as much as V_s may.
+SATURATION_BOUND = Criterion(
+    "rises of V_c beyond the time integral of (28) while saturated, relative to V_c(0)", "<=", 0.01, "%"
+)
+RISES_OUTSIDE = Criterion("number of saturated ticks outside of the region of (28) at which V_c rises", "<=", 0.0)
+SATURATED_ENERGY = Criterion("ratio of the largest V_c from the first saturation on to V_c(0)", "<=", 1.0)
+ENERGY_AT_END = Criterion("V_c at the end, relative to V_c(0)", "<=", 0.01, "%")
+
+# The computations of section IV-B.
+INVERSE_DYNAMICS = Criterion(
+    "relative difference of the recursion and the Lagrangian equations at random states", "<=", 1e-10
+)

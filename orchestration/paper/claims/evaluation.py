@@ -6,8 +6,9 @@ reported as not reproduced, with the numbers.
 
 from collections.abc import Sequence
 from dataclasses import asdict
+from string import ascii_lowercase
 
-from orchestration.paper.claims import adaptive, cost, motion, theory
+from orchestration.paper.claims import adaptive, cost, motion, saturation, theory
 from orchestration.paper.claims.claim import Claim
 from orchestration.paper.evidence import Evidence
 
@@ -17,8 +18,9 @@ QUESTIONS = sorted(
         *adaptive.QUESTIONS,
         *theory.QUESTIONS,
         *cost.QUESTIONS,
+        *saturation.QUESTIONS,
     ),
-    key=lambda question: int(question.id[1:]),
+    key=lambda question: (int(question.id[1:].rstrip(ascii_lowercase)), question.id),
 )
 
 

@@ -9,9 +9,9 @@ from fmus.catalog import MODELS
 from orchestration.paper.calibrate import ratios
 from orchestration.paper.claims import criteria
 from orchestration.paper.claims.claim import HOLDS, NOT_REPRODUCED, Finding, Question
-from orchestration.paper.claims.cost import Operations, operations
 from orchestration.paper.claims.criteria import Criterion
 from orchestration.paper.claims.evaluation import QUESTIONS
+from orchestration.paper.claims.operations import Operations, operations
 from orchestration.paper.evidence import Evidence
 from orchestration.paper.measure import Summary
 from orchestration.paper.scenarios import CRAIG, SLOTINE_LI
