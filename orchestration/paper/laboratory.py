@@ -26,14 +26,17 @@ class Job:
     ----------
     sample_time
         Communication step and sampling period, s; the scenario's if None.
-    span
-        Begin and end of the run, s; those of the scenario if None.
+    stop_time
+        End of the run, s; the scenario's if None.
+    start_time
+        Begin of the run, s.
     """
 
     scenario: str
     changes: Mapping[str, float] = field(default_factory=dict)
     sample_time: float | None = None
-    span: tuple[float, float] | None = None
+    stop_time: float | None = None
+    start_time: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -53,9 +56,8 @@ class Laboratory:
         system = scenario.system(self.fmus).set(job.changes)
         if job.sample_time is not None:
             system = system.with_sample_time(job.sample_time)
-        if job.span is not None:
-            system = replace(system, start_time=job.span[0], stop_time=job.span[1])
-        return simulate(system, options=Options(record=record, strict=True))
+        system = replace(system, start_time=job.start_time)
+        return simulate(system, stop_time=job.stop_time, options=Options(record=record, strict=True))
 
     def results(self, jobs: Sequence[Job], record: Collection[str]) -> list[Result]:
         """Run many jobs.

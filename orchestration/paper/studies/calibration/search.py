@@ -4,7 +4,7 @@
 2. *Improve*: an evolution strategy from the best of these on, over `SEEDS` seeds. A setting that
    breaks much with one seed is not tried with more.
 3. *Prove*: the best settings that differ from one another, rounded, over 30 seeds and with all values changed by up to
-   5 %. The one that keeps all sentences most often is the choice.
+   5 %. The one that keeps all sentences most often is the first.
 
 Every step is seeded, so the search gives the same setting everywhere.
 """
@@ -29,10 +29,11 @@ FAILED = 1e3  # cost of a setting at which a run fails
 SEEDS = tuple(range(1, 17))
 SCREEN = 2.0  # cost with one seed from which more seeds are not worth their time
 SCREENED = 1e2  # is added to such a cost
-OFFSPRING, GENERATIONS, SPREAD = 12, 36, 0.1
-ANYWHERE, AROUND, WIDTH = 64, 24, 0.3
-PROVED, APART = 4, 0.1  # settings that are put to the proof, and their least distance in the shares
+OFFSPRING, GENERATIONS, SPREAD = 10, 16, 0.1
+ANYWHERE, AROUND, WIDTH = 16, 16, 0.3
+PROVED, APART = 3, 0.1  # settings that are put to the proof, and their least distance in the shares
 RANDOM_SEED = 1991
+REPEATED = 3
 Tell = Callable[[str], None]
 
 
@@ -91,6 +92,8 @@ class Found:
     ----------
     looked_at
         Number of settings that were tried with one seed in the first step.
+    first_costs
+        Costs of the first `REPEATED` of them, so that a small part of the search can be repeated.
     held_at_first
         Number of those at which all sentences hold with one seed.
     tried
@@ -105,6 +108,7 @@ class Found:
     """
 
     looked_at: int
+    first_costs: tuple[float, ...]
     held_at_first: int
     tried: int
     held: int
@@ -126,9 +130,10 @@ def search(laboratory: Runner, known: Sequence[Setting], pool: Executor, tell: T
         Called with a sentence after each step.
     """
     first = starts(known, plan.anywhere, plan.around, WIDTH)
-    looked = list(pool.map(lambda shares: _try(laboratory, shares, SEEDS[:1]), first))
+    looked = list(pool.map(lambda shares: tried_at(laboratory, shares, SEEDS[:1]), first))
     held_at_first = sum(one.cost <= 0 for one in looked)
     tell(f"looked at {len(first)} settings with one seed: all sentences hold at {held_at_first}")
+    first_costs = tuple(one.cost for one in looked[:REPEATED])
     looked.sort(key=lambda one: one.cost)
     tried = [one for one in _improve(laboratory, looked[0].shares, plan, pool, tell) if one.cost < SCREENED]
     proofs = [prove(laboratory, rounded(setting_at(shares)), pool) for shares in _apart(tried, plan.proved)]
@@ -136,6 +141,7 @@ def search(laboratory: Runner, known: Sequence[Setting], pool: Executor, tell: T
     tell(f"put {len(proofs)} settings to the proof: the best keeps all sentences in {proofs[0].kept:.0%}")
     return Found(
         looked_at=len(first),
+        first_costs=first_costs,
         held_at_first=held_at_first,
         tried=len(tried),
         held=sum(one.cost <= 0 for one in tried),
@@ -163,11 +169,12 @@ def _improve(laboratory: Runner, start: np.ndarray, plan: Plan, pool: Executor, 
 
 def _screened(laboratory: Runner, shares: np.ndarray) -> Tried:
     """A setting over all seeds; where one seed alone is bad, with this seed's cost and `SCREENED`."""
-    alone = _try(laboratory, shares, SEEDS[:1])
-    return Tried(shares, alone.cost + SCREENED) if alone.cost > SCREEN else _try(laboratory, shares, SEEDS)
+    alone = tried_at(laboratory, shares, SEEDS[:1])
+    return Tried(shares, alone.cost + SCREENED) if alone.cost > SCREEN else tried_at(laboratory, shares, SEEDS)
 
 
-def _try(laboratory: Runner, shares: np.ndarray, seeds: Sequence[int]) -> Tried:
+def tried_at(laboratory: Runner, shares: np.ndarray, seeds: Sequence[int]) -> Tried:
+    """Try a setting over some seeds."""
     try:
         trial = Bench(laboratory, setting_at(shares)).sketch(seeds)
     except (SimulationError, NoContactError):

@@ -164,7 +164,8 @@ class Bench:
     def _run(
         self, name: str, changes: Mapping[str, float], record: tuple[str, ...], span: tuple[float, float] | None = None
     ) -> Result:
-        job = Job(name, {**settings.place(self.setting), **changes}, self.setting["sample_time"], span)
+        begin, end = span or (0.0, None)
+        job = Job(name, {**settings.place(self.setting), **changes}, self.setting["sample_time"], end, begin)
         return self.laboratory.run(job, record)
 
 
