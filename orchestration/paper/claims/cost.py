@@ -1,36 +1,14 @@
-"""Measures the claims about sensitivity and computational cost: C11 and C12."""
+"""Measures the claims about computational cost: C12."""
 
 from fmus.catalog import MODELS
 from orchestration.paper import joint_space_laws as laws
 from orchestration.paper.claims import criteria as limits
 from orchestration.paper.claims.claim import Finding, Question
 from orchestration.paper.claims.operations import counted, operations, without_update
-from orchestration.paper.evidence import DIVISORS, GAMMA_GRID_FACTORS, PSI_GRID, Evidence
-from orchestration.paper.measure import Summary
-from orchestration.paper.numbers import LARGEST_PSI
+from orchestration.paper.evidence import DIVISORS, Evidence
 from orchestration.paper.scenarios import CRAIG, SLOTINE_LI
 
 JOINTS = (2, 6)
-
-
-def _accurate(summary: Summary | None) -> bool:
-    """Whether a run is stable and accurate: `criteria.ACCURATE`."""
-    if summary is None:
-        return False
-    measured = (summary.e_free, summary.e_contact, summary.m2_in_contact)
-    return all(criterion.met(value) for criterion, value in zip(limits.ACCURATE, measured, strict=True))
-
-
-def _sensitivity(evidence: Evidence) -> Finding:
-    counts = {name: sum(_accurate(s) for _, _, s in rows) for name, rows in evidence.sensitivity.items()}
-    failed = {name: sum(s is None for _, _, s in rows) for name, rows in evidence.sensitivity.items()}
-    total = len(evidence.sensitivity["fig5"])
-    return Finding(
-        {limits.MORE_ACCURATE_RUNS: counts["fig7"] - counts["fig5"]},
-        f"stable and accurate: algorithm 1 {counts['fig5']} of {total} ({failed['fig5']} failed or refused,"
-        f" Psi must be below B/M = {LARGEST_PSI:g} 1/s), algorithm 2 {counts['fig7']} of {total}"
-        f" ({failed['fig7']} failed)",
-    )
 
 
 def _fewer_operations(evidence: Evidence) -> Finding:  # noqa: ARG001 - needs no run
@@ -86,16 +64,6 @@ def _lower_rate(evidence: Evidence) -> Finding:
 _SLOWER = " and ".join(str(n) for n in DIVISORS[1:])
 
 QUESTIONS = (
-    Question(
-        "C11",
-        "Algorithm 2 is less sensitive to Psi and Gamma than algorithm 1",
-        "V",
-        (limits.MORE_ACCURATE_RUNS,),
-        _sensitivity,
-        "fig5, fig7 without limits (seed 1)",
-        f"of {len(PSI_GRID)} x {len(GAMMA_GRID_FACTORS)} runs over two decades of Psi and Gamma; a run is stable and"
-        f" accurate if {', '.join(map(str, limits.ACCURATE))}",
-    ),
     Question(
         "C12a",
         "Algorithm 2 costs less to compute",

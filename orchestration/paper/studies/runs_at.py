@@ -183,7 +183,9 @@ class Chain:
         else:
             self._take(FREE, {name: self.numbers[f"fig7.{name}"] for name in measured.OF_NOISY})
 
-    def _summed_up(self, of: str, scenario: str, changes: Numbers, more: tuple[str, ...] = ()) -> tuple[Result, Contact]:
+    def _summed_up(
+        self, of: str, scenario: str, changes: Numbers, more: tuple[str, ...] = ()
+    ) -> tuple[Result, Contact]:
         """Make a run and take its summary, under a name that may be another than that of the scenario."""
         result = self._run(scenario, changes, tuple(dict.fromkeys((*RECORDED, ESTIMATE, *more))))
         self._take(of, measured.summary(summarize(result, self.ideal)))
