@@ -46,7 +46,8 @@ def _forms() -> str:
     whole = ", ".join(f"{form} {counted(tick)}" for form, tick in ticks.items())
     one, two = (without_update(tick) for tick in (laws.algorithm_1(n, dynamics), ticks["(32)"]))
     return (
-        f"Forms of algorithm 2 at n = {n}, by recursion: {whole}; without update algorithm 1 takes {one}, algorithm 2 by (32) {two},"
+        f"Forms of algorithm 2 at n = {n}, by recursion: {whole}; without update algorithm 1 takes {one}, algorithm 2"
+        f" by (32) {two},"
         f" without C_x s {without_update(ticks['no C_x s'])}"
     )
 
