@@ -12,7 +12,7 @@ from orchestration.paper.claims.cache import claims_of
 from orchestration.paper.claims.claim import Claim
 from orchestration.paper.claims.evaluation import as_markdown, as_records, evaluate
 from orchestration.paper.evidence import Evidence
-from orchestration.paper.figures import draw
+from orchestration.paper.figures.draw import draw
 from orchestration.paper.laboratory import Job, Laboratory
 from orchestration.paper.scenarios import SCENARIOS, VARIANTS, Scenario
 from orchestration.results.result import Result
