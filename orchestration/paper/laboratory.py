@@ -26,11 +26,14 @@ class Job:
     ----------
     sample_time
         Communication step and sampling period, s; the scenario's if None.
+    stop_time
+        End of the run, s; the scenario's if None.
     """
 
     scenario: str
     changes: Mapping[str, float] = field(default_factory=dict)
     sample_time: float | None = None
+    stop_time: float | None = None
 
 
 @dataclass(frozen=True)
@@ -50,7 +53,7 @@ class Laboratory:
         system = scenario.system(self.fmus).set(job.changes)
         if job.sample_time is not None:
             system = system.with_sample_time(job.sample_time)
-        return simulate(system, options=Options(record=record, strict=True))
+        return simulate(system, stop_time=job.stop_time, options=Options(record=record, strict=True))
 
     def results(self, jobs: Sequence[Job], record: Collection[str]) -> list[Result]:
         """Run many jobs.

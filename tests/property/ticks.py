@@ -18,6 +18,7 @@ CRAIG, SLOTINE_LI, SPONG_ORTEGA = (
     "SpongOrtegaAdaptiveImpedance",
 )
 CONTROLLERS = (CRAIG, SLOTINE_LI, SPONG_ORTEGA)
+FULL = "Full"  # ends the names of the variants with full matrices
 INPUTS = ("q", "dq", "ddq", "F_hat", "x_v", "dx_v", "ddx_v")
 SHOWN = {CRAIG: "e_star", SPONG_ORTEGA: "e_star", SLOTINE_LI: "s"}
 _ONLY = {
@@ -28,7 +29,8 @@ _ONLY = {
 
 
 def answer(controller: str, tick: Tick, gains: Gains) -> Answer:
-    """What the paper's formulas give for a controller."""
+    """What the paper's formulas give for a controller, or for its variant with full matrices."""
+    controller = controller.removesuffix(FULL)
     if controller == SLOTINE_LI:
         return slotine_li(tick, gains)
     return craig(tick, gains, fixed=controller == SPONG_ORTEGA)
@@ -47,7 +49,8 @@ class Sample:
         return replace(self, gains=replace(self.gains, **changes))
 
     def start(self, controller: str) -> dict[str, Value]:
-        """Start values of a controller."""
+        """Start values of a controller, or of its variant with full matrices."""
+        controller = controller.removesuffix(FULL)
         values: dict[str, Value] = {
             "gravity": self.arm.gravity,
             "coulomb_velocity": self.arm.coulomb_velocity,
@@ -107,7 +110,10 @@ def _gains(rng: np.random.Generator, p: np.ndarray) -> Gains:
 
 
 def elements(name: str, values: np.ndarray) -> dict[str, float]:
-    """``name[1]``, ``name[2]``, ... with their values."""
+    """``name[1]``, ``name[2]``, ... with their values; ``name[1,1]``, ``name[1,2]``, ... of a matrix's upper triangle."""
+    if values.ndim == 2:
+        places = zip(*np.triu_indices(len(values)), strict=True)
+        return {f"{name}[{i + 1},{j + 1}]": float(values[i, j]) for i, j in places}
     return {f"{name}[{i + 1}]": float(value) for i, value in enumerate(values)}
 
 

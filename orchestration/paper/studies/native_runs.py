@@ -51,7 +51,7 @@ class NativeLaboratory:
         scenario = ALL_SCENARIOS[job.scenario]
         step = job.sample_time or scenario.step
         values = np.array([job.changes.get(path, step) for path in program.varied])
-        return program.result(values, step, scenario.stop_time)
+        return program.result(values, step, job.stop_time or scenario.stop_time)
 
     def _program(self, job: Job, record: tuple[str, ...]) -> NativeProgram:
         """The library of a job, whose periods and changed start values are varied."""
