@@ -11,11 +11,13 @@ from orchestration.paper.figures.control import control_figure
 from orchestration.paper.figures.manipulator import manipulator_figure
 from orchestration.paper.figures.run import Run
 from orchestration.paper.figures.saturated import saturated_figure
+from orchestration.paper.figures.saturation import saturation_figure
 from orchestration.paper.figures.style import METADATA, STYLE
 from orchestration.paper.figures.tirt import tirt_figure
 from orchestration.paper.figures.torques import torque_figure
 from orchestration.paper.figures.windows import Windows, windows_of
 from orchestration.paper.numbers import TRUE_M2
+from orchestration.paper.saturation import Gains
 from orchestration.paper.scenarios import SCENARIOS
 from orchestration.results.result import Result
 
@@ -58,9 +60,19 @@ def _figures(runs: Mapping[str, Run]) -> dict[str, Figure]:
             drawn["fig1"] = manipulator_figure(next(iter(there.values())), windows)
         for name in there:
             drawn[name] = _figure(name, there, windows)
+        if "fig6" in there and there["fig6"].saturates:
+            drawn["saturation"] = saturation_figure(there["fig6"], _gains("fig6"), windows)
     if {"fig5", "fig7"} <= set(runs):
         drawn["torques"] = torque_figure(runs["fig5"], runs["fig7"], runs.get("fig6"))
     return drawn
+
+
+def _gains(name: str) -> Gains:
+    """The gains of a scenario of algorithm 1, as (28) needs them."""
+    psi, gain, bound = (
+        SCENARIOS[name].values[f"controller.{variable}"].number for variable in ("Psi[1]", "Gamma[2]", "noise_bound")
+    )
+    return Gains(psi, gain, bound)
 
 
 def _figure(name: str, group: Mapping[str, Run], windows: Windows) -> Figure:

@@ -55,6 +55,16 @@ class Run:
         return at_ticks(self.result, "actuator.tau")
 
     @cached_property
+    def saturated(self) -> np.ndarray:
+        """Whether an actuator gives less than its command, by joint."""
+        return np.abs(self.command) > np.abs(self.torque)
+
+    @property
+    def saturates(self) -> bool:
+        """Whether an actuator saturates at any tick."""
+        return bool(self.saturated.any())
+
+    @cached_property
     def force(self) -> np.ndarray:
         """|F_ext| at the communication points, N, shape (n_rows,)."""
         return norms(self.result["plant.F_ext"])

@@ -37,7 +37,7 @@ def _torque(axis: Axes, run: Run, joint: int, windows: Windows) -> None:
     Curve(run.ticks, run.command[:, joint], "command", VERMILLION, 0.9).draw(axis, windows.contact)
     Curve(run.ticks, run.torque[:, joint], "actuator", SKY, 0.9).draw(axis, windows.contact)
     draw_limit(axis, run, joint)
-    cut = float(within(run, _saturated(run, joint), run.span).mean())
+    cut = float(within(run, run.saturated[:, joint], run.span).mean())
     title = f"({'ef'[joint]}) Joint {joint + 1}, saturated in {100 * cut:.2g} % of the contact"
     time_axis(axis, run, title, "torque (N m)")
     legend_above(axis, ["command", "actuator", LIMIT])
@@ -46,13 +46,9 @@ def _torque(axis: Axes, run: Run, joint: int, windows: Windows) -> None:
 def _difference(axis: Axes, run: Run, values: np.ndarray) -> None:
     Curve(run.ticks, values, "difference", BLUE, 1.0).draw(axis)
     axis.axhline(0, color=BLACK, lw=0.8)
-    times = run.ticks[_saturated(run, 0) | _saturated(run, 1)]
+    times = run.ticks[run.saturated.any(axis=1)]
     marks = {"color": VERMILLION, "ms": 6, "transform": axis.get_xaxis_transform()}
     axis.plot(times, np.full_like(times, 0.025), "|", label="a joint saturates", **marks)
-
-
-def _saturated(run: Run, joint: int) -> np.ndarray:
-    return np.abs(run.command[:, joint]) > np.abs(run.torque[:, joint])
 
 
 def _at(ticks: np.ndarray, t: np.ndarray, y: np.ndarray) -> np.ndarray:

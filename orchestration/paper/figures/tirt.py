@@ -6,14 +6,17 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from orchestration.paper import tirt
 from orchestration.paper.figures.over_time import Curve, time_axis
 from orchestration.paper.figures.plane import Path, near_wall, stretched, whole_plane
 from orchestration.paper.figures.run import Run
-from orchestration.paper.figures.style import BLACK, BLUE, ORANGE, VERMILLION, legend_above, new_figure
+from orchestration.paper.figures.style import BLACK, BLUE, LIGHT, ORANGE, VERMILLION, legend_above, new_figure
 from orchestration.paper.figures.windows import Windows
 from orchestration.paper.measure import at_ticks, norms
 from orchestration.paper.numbers import PERIOD, SEMI_AXIS, TARGET_INERTIA, TARGET_STIFFNESS
 
+OFFSET = r"$(hM/2K)\,\|\dddot{x}_v\|$"  # at which sampling holds the TIRT
+CRITICAL_DAMPING = 2 * math.sqrt(TARGET_INERTIA * TARGET_STIFFNESS)  # N.s/m, of the run
 LEAST = 1e-7  # mm, the lower end of the logarithmic axis
 
 
@@ -39,11 +42,11 @@ def tirt_figure(run: Run, windows: Windows, title: str) -> Figure:
 
 def _distance(axis: Axes, run: Run, distance: np.ndarray) -> None:
     axis.set_yscale("log")
-    Curve(run.ticks, np.maximum(distance, LEAST / 10), r"$\|x_t - x_v\|$", BLUE).draw(axis)
-    Curve(
-        run.ticks, sampling_offset(run.ticks), r"sampling: $(hM/2K)\,\|\dddot{x}_v\|$", VERMILLION, 1.0, dashed=True
-    ).draw(axis)
-    time_axis(axis, run, "(d) Their distance", "distance (mm)")
+    exact = 1e3 * norms(tirt.difference(run.result, CRITICAL_DAMPING, run.wall_offset, run.depth))
+    Curve(run.ticks, np.maximum(distance, LEAST / 10), "sampled", LIGHT, 3.0).draw(axis)
+    Curve(run.ticks, np.maximum(exact, LEAST / 10), "by (11)", BLUE).draw(axis)
+    Curve(run.ticks, sampling_offset(run.ticks), OFFSET, VERMILLION, 1.0, dashed=True).draw(axis)
+    time_axis(axis, run, r"(d) Their distance $\|x_t - x_v\|$", "distance (mm)")
     axis.set_ylim(LEAST, 1e2)
     legend_above(axis)
 
@@ -51,8 +54,7 @@ def _distance(axis: Axes, run: Run, distance: np.ndarray) -> None:
 def sampling_offset(ticks: np.ndarray) -> np.ndarray:
     """Distance at which the sampled TIRT follows the ellipse in free motion, mm, shape (n_ticks,).
 
-    A step of length h predicts the velocity as dx_v + h ddx_v. What is missing, h^2/2 times the third derivative of
-    x_v, is made good by the spring of the target impedance once the TIRT is (h/2) (M/K) |d^3 x_v/dt^3| off.
+    It is (h/2) (M/K) |d^3 x_v/dt^3|, for the reason that `orchestration.paper.tirt` gives.
 
     Parameters
     ----------

@@ -51,7 +51,7 @@ def draw_limit(axis: Axes, saturated: Run | None, joint: int) -> None:
     """Draw the limit of a joint, if the run shows one: the torque at which the actuator cut the command."""
     if saturated is None:
         return
-    cut = np.abs(saturated.command[:, joint]) > np.abs(saturated.torque[:, joint])
+    cut = saturated.saturated[:, joint]
     if not cut.any():
         return
     limit = float(np.abs(saturated.torque[cut, joint]).max())

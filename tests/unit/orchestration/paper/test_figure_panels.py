@@ -80,7 +80,7 @@ def inside(points: np.ndarray, box: Bbox) -> int:
 
 
 def test_there_are_all_figures(drawn: Drawn) -> None:
-    assert list(drawn[1]) == ["fig1", *FIGURES, "torques"]
+    assert list(drawn[1]) == ["fig1", *FIGURES, "saturation", "torques"]
     for name, count in PANELS.items():
         for letter in "abcdefgh"[:count]:
             panel(drawn[1][name], letter)
@@ -193,6 +193,15 @@ def test_the_offset_of_the_tirt_is_that_of_its_sampling(drawn: Drawn) -> None:
     np.testing.assert_allclose(distance[free], expected, rtol=0.006)
 
 
+def test_the_tirt_without_sampling_stays_on_the_virtual_trajectory(drawn: Drawn) -> None:
+    axis = panel(drawn[1]["fig3"], "d")
+    curves = {str(line.get_label()): np.asarray(line.get_xydata()) for line in axis.lines}
+    low = axis.get_ylim()[0]
+    before = curves["by (11)"][:, 0] < drawn[0]["fig3"].span[0]
+    assert (curves["by (11)"][before, 1] < low).all()
+    assert curves["sampled"][-1, 1] > 1e3 * low  # mm
+
+
 def test_fig6_shows_fig5_behind_and_the_difference(drawn: Drawn) -> None:
     runs, figures = drawn
     for letter in "abcd":
@@ -211,9 +220,23 @@ def test_torque_limits_are_where_the_actuator_cuts(drawn: Drawn) -> None:
         assert sorted(float(np.asarray(line.get_ydata())[0]) for line in dotted) == [-limit, limit]
 
 
+def test_the_bound_of_saturation_is_drawn_at_saturated_ticks(drawn: Drawn) -> None:
+    ticks = int(drawn[0]["fig6"].saturated.any(axis=1).sum())
+    assert ticks > 1
+    curves = {
+        letter: {
+            str(line.get_label()): np.asarray(line.get_xydata()) for line in panel(drawn[1]["saturation"], letter).lines
+        }
+        for letter in "bcd"
+    }
+    assert [len(curves[letter]["while saturated"]) for letter in "bcd"] == [ticks] * 3
+    assert (curves["d"]["while saturated"] < curves["d"]["reach of (28)"].max(axis=0)).all()
+
+
 def test_an_unsaturated_run_shows_no_limit(drawn: Drawn) -> None:
     runs = drawn[0]
     figures = _figures({"fig5": runs["fig5"], "fig6": runs["fig5"], "fig7": runs["fig7"]})
+    assert "saturation" not in figures
     for name, letter in (("torques", "a"), ("fig6", "e")):
         assert not [line for line in panel(figures[name], letter).lines if line.get_linestyle() == ":"]
 
