@@ -13,7 +13,7 @@ from orchestration.paper.claims.claim import Claim
 from orchestration.paper.claims.evaluation import evaluate
 from orchestration.paper.claims.page import as_markdown, as_records, word
 from orchestration.paper.evidence import Evidence
-from orchestration.paper.figures import draw
+from orchestration.paper.figures.draw import draw
 from orchestration.paper.laboratory import Job, Laboratory
 from orchestration.paper.scenarios import ALL_SCENARIOS, SCENARIOS, Scenario
 from orchestration.paper.strength import read_strength

@@ -12,7 +12,7 @@ from pathlib import Path
 from adaptimp_fmu.files.whole_file import write_whole
 from orchestration.errors import OrchestrationError
 from orchestration.paper.built_fmus import fmus
-from orchestration.paper.figures import draw
+from orchestration.paper.figures.draw import draw
 from orchestration.paper.laboratory import Job, Laboratory
 from orchestration.paper.scenarios import SCENARIOS
 from orchestration.paper.sentences import SECTION_V, THEORY, Page, Panels, Sentence
