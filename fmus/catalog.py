@@ -34,6 +34,8 @@ _CRAIG, _SLOTINE_LI, _SPONG_ORTEGA = (
 )
 _NO_CORIOLIS = "SlotineLiAdaptiveImpedanceNoCoriolis"
 VARIANTS: dict[str, Callable[[], Model]] = {
+    "FailingForceSensor": partial(force_sensor, "FailingForceSensor", failing=True),
+    "PlantWristPayload": partial(plant, name="PlantWristPayload", wrist=True),
     "HoganImpedanceMobility": partial(hogan_impedance, name="HoganImpedanceMobility", form=MOBILITY),
     "HoganImpedanceFull": partial(hogan_impedance, name="HoganImpedanceFull", full=True),
     _CRAIG: partial(craig_adaptive_impedance, _CRAIG, full=True),

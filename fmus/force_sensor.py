@@ -13,6 +13,8 @@ noise_period must be a whole multiple of the sampling period. With `contact_gate
 no force acts. A bias, a range and a resolution follow, all off by default:
 
     F_hat = resolution floor(clip(F_ext + bias + error, -range, range) / resolution + 1/2)
+
+The variant FailingForceSensor has a failure, too (`fmus.sensor_failure`).
 """
 
 import math
@@ -22,15 +24,16 @@ import casadi as ca
 from adaptimp_fmu import NOT_NEGATIVE, POSITIVE, SampledModel, Type
 from fmus import icons
 from fmus.project import group_signals, publish
+from fmus.sensor_failure import declare_failure
 
 OFF = 1e9  # N, a range that limits nothing
 ROUNDING = 1e-9  # relative, by which a multiple of the sampling period may be off
 
 
-def force_sensor() -> SampledModel:
-    """Declare the model of a wrist force sensor, which is ideal by default."""
-    model = SampledModel("ForceSensor", "Wrist force sensor with bounded noise")
-    publish(model, icons.sensor(), __name__, "fmus")
+def force_sensor(name: str = "ForceSensor", *, failing: bool = False) -> SampledModel:
+    """Declare the model of a wrist force sensor, which is ideal by default and may have a failure."""
+    model = SampledModel(name, f"Wrist force sensor with bounded noise{' and a failure' if failing else ''}")
+    publish(model, icons.sensor(), __name__, *(["fmus.sensor_failure"] if failing else []), "fmus")
     F_ext = model.input("F_ext", [0.0, 0.0], unit="N", description="Force of the tip on the wall")
     std = model.parameter(
         "noise_std",
@@ -84,10 +87,15 @@ def force_sensor() -> SampledModel:
     noise = model.random(lambda u: truncated_normal(u[0], u[1], std, bound), active=std, seed="seed", ticks=ticks)
     free = ca.logic_and(gated, ca.logic_and(F_ext[0] == 0, F_ext[1] == 0))
     force = F_ext + bias + ca.if_else(free, 0, noise)
+    failure = declare_failure(model) if failing else None
+    force = force if failure is None else failure.disturbed(force)
     within = ca.fmin(ca.fmax(force, -span), span)
     steps = ca.floor(within / resolution + 0.5)
     F_hat = ca.if_else(resolution > 0, steps * resolution, within)
+    F_hat = F_hat if failure is None else failure.reading(model, F_hat, F_ext)
     model.output("F_hat", F_hat, unit="N", description="Measured force")
+    if failure is not None:
+        model.output("failed", failure.active, type=Type.BOOLEAN, description="Whether the sensor fails")
     group_signals(model)
     return model
 

@@ -65,6 +65,18 @@ class Evidence:
         suffix = f"-{FIRST.name}"
         return self._over_seeds(suffix, self.laboratory.run(Job(f"ideal{suffix}"), FORCE)["plant.F_ext"])
 
+    @cached_property
+    def no_coriolis(self) -> list[Summary]:
+        """Summaries of algorithm 2 without the term C_x s over the noise seeds `SEEDS`.
+
+        Raises
+        ------
+        SimulationError
+            If a run fails.
+        """
+        jobs = [Job("fig7-no-coriolis", {"sensor.seed": seed}) for seed in SEEDS]
+        return [_required(outcome) for outcome in self.laboratory.summaries(jobs, self.ideal_force)]
+
     def _over_seeds(self, suffix: str, ideal_force: np.ndarray) -> Mapping[str, list[Summary]]:
         """Summaries by the name of a figure, whose scenarios have a suffix."""
         jobs = [Job(f"{name}{suffix}", {"sensor.seed": seed}) for name in ADAPTIVE for seed in SEEDS]

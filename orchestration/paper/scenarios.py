@@ -167,6 +167,7 @@ UNSATURATED = {"actuator.tau_max[1]": NO_TORQUE_LIMIT, "actuator.tau_max[2]": NO
 """Start values that switch the torque limits of a scenario off, N.m."""
 CRAIG, SLOTINE_LI = "CraigAdaptiveImpedance", "SlotineLiAdaptiveImpedance"
 SPONG_ORTEGA = "SpongOrtegaAdaptiveImpedance"
+NO_CORIOLIS = "SlotineLiAdaptiveImpedanceNoCoriolis"
 
 
 def _known_masses(m2: float) -> dict[str, Value]:
@@ -253,5 +254,15 @@ VARIANTS = _by_name(_CHOSEN_RUNS.fixed_inverse(), _CHOSEN_RUNS.ideal())
 AT_FIRST = _by_name(*_FIRST_RUNS.adaptive(), _FIRST_RUNS.fixed_inverse(), _FIRST_RUNS.ideal())
 """The runs of Figs. 5 to 7 at the earlier calibration: ``fig5-first``, ``fig6-first`` and so on."""
 
-ALL_SCENARIOS: Mapping[str, Scenario] = {**SCENARIOS, **VARIANTS, **AT_FIRST}
+OF_VARIANTS = _by_name(
+    replace(
+        SCENARIOS["fig7"],
+        name="fig7-no-coriolis",
+        caption="Algorithm 2 without the term C_x s",
+        models={**SCENARIOS["fig7"].models, "controller": NO_CORIOLIS},
+    )
+)
+"""Runs of FMUs with other equations, those of `fmus.catalog.VARIANTS`."""
+
+ALL_SCENARIOS: Mapping[str, Scenario] = {**SCENARIOS, **VARIANTS, **AT_FIRST, **OF_VARIANTS}
 """Every scenario that has a name."""
