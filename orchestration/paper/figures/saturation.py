@@ -6,7 +6,7 @@ from matplotlib.figure import Figure
 
 from orchestration.paper.figures.over_time import Curve, time_axis
 from orchestration.paper.figures.run import Run
-from orchestration.paper.figures.style import BLACK, BLUE, LIGHT, VERMILLION, legend_above, new_figure
+from orchestration.paper.figures.style import BINS, BLACK, BLUE, LIGHT, VERMILLION, legend_above, new_figure
 from orchestration.paper.figures.windows import Windows, with_margin
 from orchestration.paper.saturation import Along, Gains, along
 
@@ -68,7 +68,7 @@ def _rates(axis: Axes, terms: Along) -> None:
 def _region(axis: Axes, terms: Along) -> None:
     """Errors of the run, and the reach of the region outside of which (28) makes V_c fall."""
     e, de = np.maximum(terms.e, LEAST), np.maximum(terms.de, LEAST)
-    shown = slice(None, None, max(1, len(e) // 5000))
+    shown = slice(None, None, max(1, len(e) // BINS))
     axis.loglog(1e3 * e[shown], de[shown], ".", color=LIGHT, ms=2, label="run")
     axis.loglog(1e3 * e[terms.saturated], de[terms.saturated], ".", color=VERMILLION, ms=4, label="while saturated")
     reach = 1e3 * terms.region.e, terms.region.de

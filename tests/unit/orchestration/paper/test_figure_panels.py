@@ -4,8 +4,10 @@ The figures are drawn at the scenarios' calibration and with another wall and de
 """
 
 import math
+import re
 from collections.abc import Iterator, Mapping
 from itertools import combinations
+from pathlib import Path
 
 import matplotlib as mpl
 import numpy as np
@@ -17,7 +19,7 @@ from matplotlib.transforms import Bbox
 
 from orchestration.paper.built_fmus import fmus
 from orchestration.paper.figures import style
-from orchestration.paper.figures.draw import _figures
+from orchestration.paper.figures.draw import _figures, draw
 from orchestration.paper.figures.plane import stretched
 from orchestration.paper.figures.run import Run
 from orchestration.paper.figures.tirt import sampling_offset
@@ -239,6 +241,22 @@ def test_an_unsaturated_run_shows_no_limit(drawn: Drawn) -> None:
     assert "saturation" not in figures
     for name, letter in (("torques", "a"), ("fig6", "e")):
         assert not [line for line in panel(figures[name], letter).lines if line.get_linestyle() == ":"]
+
+
+@pytest.mark.parametrize("image", ["png", "svg"])
+def test_the_same_runs_give_the_same_bytes(drawn: Drawn, image: str, tmp_path: Path) -> None:
+    results = {name: drawn[0][name].result for name in ("fig3", "fig5")}
+    files = [draw(results, tmp_path / folder, image) for folder in ("one", "two")]
+    assert [path.name for path in files[0]] == [f"{name}.{image}" for name in ("fig1", "fig3", "fig5")]
+    for one, two in zip(*files, strict=True):
+        assert one.read_bytes() == two.read_bytes(), one.name
+
+
+def test_texts_of_an_svg_are_texts(drawn: Drawn, tmp_path: Path) -> None:
+    *_, path = draw({"fig5": drawn[0]["fig5"].result}, tmp_path, "svg")
+    text = path.read_text(encoding="utf-8")
+    for title in ("(a) Ideal and actual trajectories", "(d) Contact force", "touching"):
+        assert re.search(f"<text[^>]*>{re.escape(title)}</text>", text), title
 
 
 # Simulation of full deuteranopia in linear RGB: Machado, Oliveira & Fernandes (2009), severity 1.0.
