@@ -129,9 +129,7 @@ def _start(old: Component, new: Component, mapping: Mapping[str, str]) -> tuple[
             notices.append(f"{new.name}: start value of {name} = {value:g} kept, but {units}; set a new value.")
         start[place] = value if scale is None else scale(value)
     if diagonal:
-        notices.insert(
-            0, f"{new.name}: {model} has matrices, start values go on their diagonals: {', '.join(diagonal)}."
-        )
+        notices.insert(0, f"{new.name}: start values moved to diagonals of {model}: {', '.join(diagonal)}.")
     if lost:
         notices.insert(0, f"{new.name}: start values dropped, {model} has no {', '.join(lost)}.")
     return start, notices
