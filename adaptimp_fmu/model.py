@@ -18,7 +18,7 @@ from adaptimp_fmu.metadata import Experiment, Ownership
 from adaptimp_fmu.names import suggestion
 from adaptimp_fmu.per_element import PerElement, Start, per_element, start_numbers
 from adaptimp_fmu.references import ParameterSet, ReferenceRun
-from adaptimp_fmu.variables import INTEGER_LIMIT, Role, Type, Variable, element_names, triangle_names
+from adaptimp_fmu.variables import INTEGER_LIMIT, Role, Type, Variable, element_names, matrix_names
 
 
 @dataclass(frozen=True)
@@ -45,6 +45,8 @@ class Limits:
             raise DefinitionError(msg)
 
 
+SYMMETRY = 1e-12
+"""Relative difference up to which two elements of a matrix are taken for equal."""
 ANY = Limits()
 POSITIVE = Limits(minimum=1e-12)
 NOT_NEGATIVE = Limits(minimum=0.0)
@@ -199,8 +201,9 @@ class Model:
     ) -> ca.SX:
         """Declare a symmetric matrix of n rows as a parameter.
 
-        The upper triangle is declared, row by row: ``name[1,1]``, ``name[1,2]``, ..., ``name[n,n]``. An element below
-        the diagonal is the one above it, so the matrix is symmetric whatever is set.
+        All elements are declared, row by row: ``name[1,1]``, ``name[1,2]``, ..., ``name[n,n]``, because FMI 2.0 knows
+        arrays without holes only. An element must be equal to the one across the diagonal to rounding, else it is an
+        error when the parameters begin to act; the upper triangle is what counts.
 
         Parameters
         ----------
@@ -229,20 +232,24 @@ class Model:
         >>> model = SampledModel("Spring", "A spring in the plane")
         >>> K = model.symmetric_parameter("K", [4e3, 4e3], unit="N/m", limits=POSITIVE, description="Stiffness")
         >>> [variable.name for variable in model.variables], K.shape
-        (['sample_time', 'K[1,1]', 'K[1,2]', 'K[2,2]'], (2, 2))
+        (['sample_time', 'K[1,1]', 'K[1,2]', 'K[2,1]', 'K[2,2]'], (2, 2))
         """
         values, _ = start_numbers(diagonal, f"{self.name}.{name}")
         n = len(values)
-        places = [(i, j) for i in range(n) for j in range(i, n)]
+        places = [(i, j) for i in range(n) for j in range(n)]
         starts = [values[i] if i == j else 0.0 for i, j in places]
         role = Role.TUNABLE_PARAMETER if tunable else Role.FIXED_PARAMETER
         ranges = [limits if i == j else ANY for i, j in places]
         declared = Declaration(name, role, Type.REAL, ranges)
-        self._add_variables(declared, triangle_names(name, n), starts, (unit, "", description))
+        self._add_variables(declared, matrix_names(name, n), starts, (unit, "", description))
         symbol = ca.SX.sym(name, len(places))
         self.parameter_symbols.append(symbol)
-        # A row of the upper triangle is a column of the lower one, and CasADi stores columns.
-        return ca.tril2symm(ca.SX(ca.Sparsity.lower(n), symbol))
+        matrix = ca.reshape(symbol, n, n).T
+        diagonals = ca.sqrt(ca.fabs(ca.mtimes(ca.diag(matrix), ca.diag(matrix).T)))
+        rounding = SYMMETRY * (ca.fabs(matrix) + ca.fabs(matrix.T) + diagonals)
+        differing = ca.sum1(ca.vec(ca.fabs(matrix - matrix.T) > rounding))
+        self.require(0.5 - differing, f"{name} must be symmetric: {name}[i,j] and {name}[j,i] must be equal; set both")
+        return ca.triu2symm(ca.triu(matrix))
 
     def input(
         self,

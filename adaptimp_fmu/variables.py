@@ -165,9 +165,9 @@ def element_names(name: str, shape: int | None) -> list[str]:
     return [name] if shape is None else [f"{name}[{i + 1}]" for i in range(shape)]
 
 
-def triangle_names(name: str, n: int) -> list[str]:
-    """Return the names of the upper triangle of a matrix with n rows: ``name[1,1]``, ``name[1,2]``, ..., row by row."""
-    return [f"{name}[{i + 1},{j + 1}]" for i in range(n) for j in range(i, n)]
+def matrix_names(name: str, n: int) -> list[str]:
+    """Return the names of the elements of a square matrix of n rows: ``name[1,1]``, ``name[1,2]``, ..., row by row."""
+    return [f"{name}[{i + 1},{j + 1}]" for i in range(n) for j in range(n)]
 
 
 def range_in_words(minimum: float, maximum: float, unit: str) -> str:

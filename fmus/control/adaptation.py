@@ -158,14 +158,14 @@ def _declare_Gamma(controller: Controller, gains: Sequence[float], gain_units: G
     """Declare the adaptation gain; a full one must be positive semidefinite."""
     model, n = controller.model, controller.arm.n
     kinds = [kind for kind in range(3) for _ in range(n)]
-    places = [(i, j) for i in range(3 * n) for j in range(i, 3 * n) if controller.full or i == j]
+    places = [(i, j) for i in range(3 * n) for j in range(3 * n) if controller.full or i == j]
     diagonal = parameter_descriptions(n, "Adaptation gain (0 = known) of the")
     Gamma = declare_gain(
         model,
         "Gamma",
         list(gains),
         full=controller.full,
-        unit=[gain_units[kinds[i]][kinds[j] - kinds[i]] for i, j in places],
+        unit=[gain_units[min(kinds[i], kinds[j])][abs(kinds[j] - kinds[i])] for i, j in places],
         limits=NOT_NEGATIVE,
         description=[
             diagonal[i] if i == j else f"Adaptation gain between p[{i + 1}] and p[{j + 1}]" for i, j in places

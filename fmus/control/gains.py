@@ -1,7 +1,7 @@
 """Gains of the controllers: diagonal matrices, or symmetric ones that must be positive definite.
 
-A diagonal gain is a column of parameters, ``M[1]``, ``M[2]``. A full one is the upper triangle of a symmetric
-matrix, ``M[1,1]``, ``M[1,2]``, ``M[2,2]``. Whether a matrix is positive definite is tested by the pivots of its
+A diagonal gain is a column of parameters, ``M[1]``, ``M[2]``. A full one is a symmetric matrix,
+``M[1,1]``, ``M[1,2]``, ``M[2,1]``, ``M[2,2]``. Whether a matrix is positive definite is tested by the pivots of its
 factorisation A = L D L', each relative to its element of the diagonal.
 """
 

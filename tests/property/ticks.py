@@ -95,7 +95,9 @@ def full_samples(size: int, ticks: int, *, seed: int) -> Iterator[Sample]:
         M, B, K = (_turned(rng, getattr(gains, name)) for name in ("M", "B", "K"))
         Psi = _turned(rng, 0.3 * gains.Psi.mean() * np.ones(2) * rng.uniform(0.7, 1.3, 2))
         factor = np.diag(np.sqrt(gains.Gamma)) @ (np.eye(6) + rng.uniform(-0.3, 0.3, (6, 6)))
-        yield sample.with_gains(M=M, B=B, K=K, Psi=Psi, K_d=_turned(rng, gains.K_d), Gamma=factor @ factor.T)
+        yield sample.with_gains(
+            M=M, B=B, K=K, Psi=Psi, K_d=_turned(rng, gains.K_d), Gamma=(factor @ factor.T + (factor @ factor.T).T) / 2
+        )
 
 
 def _turned(rng: np.random.Generator, diagonal: np.ndarray) -> np.ndarray:
@@ -128,10 +130,9 @@ def _gains(rng: np.random.Generator, p: np.ndarray) -> Gains:
 
 
 def elements(name: str, values: np.ndarray) -> dict[str, float]:
-    """``name[1]``, ``name[2]``, ... with their values; of a matrix the upper triangle, from ``name[1,1]`` on."""
+    """``name[1]``, ``name[2]``, ... with their values; ``name[1,1]``, ``name[1,2]``, ... of a matrix."""
     if values.ndim == 2:
-        places = zip(*np.triu_indices(len(values)), strict=True)
-        return {f"{name}[{i + 1},{j + 1}]": float(values[i, j]) for i, j in places}
+        return {f"{name}[{i + 1},{j + 1}]": float(value) for (i, j), value in np.ndenumerate(values)}
     return {f"{name}[{i + 1}]": float(value) for i, value in enumerate(values)}
 
 

@@ -11,7 +11,7 @@ from string import ascii_lowercase
 import numpy as np
 
 from orchestration.paper.calibrations import FIRST
-from orchestration.paper.claims import adaptive, cost, judged, motion, saturation, sensitivity, theory
+from orchestration.paper.claims import adaptive, cost, judged, motion, saturation, sensitivity, sensor_failure, theory
 from orchestration.paper.claims import criteria as limits
 from orchestration.paper.claims.claim import HOLDS, NOT_REPRODUCED, Claim
 from orchestration.paper.evidence import Evidence
@@ -25,6 +25,7 @@ QUESTIONS = sorted(
         *cost.QUESTIONS,
         *sensitivity.QUESTIONS,
         *saturation.QUESTIONS,
+        *sensor_failure.QUESTIONS,
     ),
     key=lambda question: (int(question.id[1:].rstrip(ascii_lowercase)), question.id),
 )

@@ -1,5 +1,6 @@
 """Controllers' variants: which matrices they refuse, names and start values, what tunes, form (5) and no C_x s."""
 
+import re
 from collections.abc import Callable, Iterator
 
 import numpy as np
@@ -26,6 +27,12 @@ CRAIG, SLOTINE_LI, SPONG_ORTEGA, HOGAN = (
     "HoganImpedanceFull",
 )
 OURS = [*FULL, "HoganImpedanceMobility", "SlotineLiAdaptiveImpedanceNoCoriolis"]
+
+
+def mirrored(values: dict[str, Value]) -> dict[str, Value]:
+    """The values with those of elements across the diagonal: A[2,1] for A[1,2]."""
+    across = {re.sub(r"(\d),(\d)", r"\2,\1", name): value for name, value in values.items()}
+    return values | across
 
 
 @pytest.fixture
@@ -58,8 +65,16 @@ def test_a_variant_breaks_no_rule_and_shows_finite_outputs(open_variant: Open, n
 def test_an_impedance_that_is_not_positive_definite_is_refused(open_variant: Open, name: str, matrix: str) -> None:
     diagonal = {"M": 2.0, "B": 340.0, "K": 4000.0}[matrix]
     for wrong in (diagonal, -1.5 * diagonal):  # singular, indefinite
-        require_refused(open_variant(name), {f"{matrix}[1,2]": wrong}, rf"^{matrix} must be positive definite")
-    open_variant(name).initialize({f"{matrix}[1,2]": 0.1 * diagonal})
+        require_refused(
+            open_variant(name), mirrored({f"{matrix}[1,2]": wrong}), rf"^{matrix} must be positive definite"
+        )
+    open_variant(name).initialize(mirrored({f"{matrix}[1,2]": 0.1 * diagonal}))
+
+
+@pytest.mark.parametrize("name", FULL)
+def test_a_matrix_that_is_not_symmetric_is_refused(open_variant: Open, name: str) -> None:
+    sentence = r"^M must be symmetric: M\[i,j\] and M\[j,i\] must be equal; set both"
+    require_refused(open_variant(name), {"M[1,2]": 0.5}, sentence)
 
 
 @pytest.mark.parametrize("name", FULL)
@@ -68,10 +83,10 @@ def test_an_impedance_tunes_between_steps(open_variant: Open, name: str) -> None
     driver.initialize()
     driver.step(0.0, TS)
     before = driver.get(*TAU)
-    driver.set({"x_v[1]": 1.4, "K[1,2]": 500.0})
+    driver.set({"x_v[1]": 1.4} | mirrored({"K[1,2]": 500.0}))
     driver.step(TS, TS)
     coupled = driver.get(*TAU)
-    driver.set({"K[1,2]": 0.0})
+    driver.set(mirrored({"K[1,2]": 0.0}))
     driver.step(2 * TS, TS)
     # The coupling pulls the tip across with 500 N/m times 0.1 m: 50 N on an arm of 1.5 m.
     assert np.abs(coupled - before).max() > 10
@@ -87,12 +102,12 @@ def test_an_impedance_tunes_between_steps(open_variant: Open, name: str) -> None
 def test_an_adaptation_gain_that_is_not_semidefinite_is_refused(
     open_variant: Open, name: str, wrong: dict[str, Value]
 ) -> None:
-    require_refused(open_variant(name), wrong, "^Gamma must be positive semidefinite")
+    require_refused(open_variant(name), mirrored(wrong), "^Gamma must be positive semidefinite")
 
 
 @pytest.mark.parametrize("name", [CRAIG, SLOTINE_LI, SPONG_ORTEGA])
 def test_a_coupled_gain_moves_both_estimates_and_excludes_projection(open_variant: Open, name: str) -> None:
-    rank_one: dict[str, Value] = {"Gamma[1,1]": 4.0, "Gamma[1,2]": 2.0, "Gamma[2,2]": 1.0}
+    rank_one = mirrored({"Gamma[1,1]": 4.0, "Gamma[1,2]": 2.0, "Gamma[2,2]": 1.0})
     driver = open_variant(name)
     driver.initialize(rank_one)
     for k in range(3):
@@ -108,15 +123,15 @@ def test_a_coupled_gain_moves_both_estimates_and_excludes_projection(open_varian
 def test_algorithm_1_refuses_gains_for_which_its_lyapunov_function_is_none(open_variant: Open, name: str) -> None:
     sentence = r"^Q of eq\. \(A2\) must be positive definite: strict positive realness"
     require_refused(open_variant(name), {"Psi[1,1]": 170.0}, sentence)  # B/M itself, as in the plain FMU
-    require_refused(open_variant(name), {"Psi[1,2]": 90.0, "B[1,2]": -200.0}, sentence)  # axes too far apart
+    require_refused(open_variant(name), mirrored({"Psi[1,2]": 90.0, "B[1,2]": -200.0}), sentence)  # axes too far apart
     open_variant(name).initialize({"Psi[1,1]": 169.9, "Psi[2,2]": 169.9})
-    open_variant(name).initialize({"Psi[1,2]": 20.0, "B[1,2]": -20.0, "K[1,2]": 200.0})
+    open_variant(name).initialize(mirrored({"Psi[1,2]": 20.0, "B[1,2]": -20.0, "K[1,2]": 200.0}))
 
 
 def test_algorithm_2_takes_any_definite_psi_and_semidefinite_k_d(open_variant: Open) -> None:
-    open_variant(SLOTINE_LI).initialize({"Psi[1,1]": 1000.0, "Psi[1,2]": 200.0, "K_d[1,2]": 100.0})
-    require_refused(open_variant(SLOTINE_LI), {"Psi[1,2]": 100.0}, "^Psi must be positive definite")
-    require_refused(open_variant(SLOTINE_LI), {"K_d[1,2]": 101.0}, "^K_d must be positive semidefinite")
+    open_variant(SLOTINE_LI).initialize(mirrored({"Psi[1,1]": 1000.0, "Psi[1,2]": 200.0, "K_d[1,2]": 100.0}))
+    require_refused(open_variant(SLOTINE_LI), mirrored({"Psi[1,2]": 100.0}), "^Psi must be positive definite")
+    require_refused(open_variant(SLOTINE_LI), mirrored({"K_d[1,2]": 101.0}), "^K_d must be positive semidefinite")
 
 
 def test_a_sample_that_the_exponential_cannot_span_is_refused(open_variant: Open) -> None:
