@@ -187,8 +187,8 @@ def _sampling(record: Record) -> str:
     )
     return f"""## Sampling period
 
-F_c of (25) is a sliding term. A sampled sliding term chatters, and the chatter drives m2_hat off in contact. C5 asks for
-less than 20 %. The simulation of the paper was practically continuous. Six seeds of fig5:
+F_c of (25) is a sliding term. A sampled sliding term chatters, and the chatter drives m2_hat off in contact. C5 asks
+for less than 20 %. The simulation of the paper was practically continuous. Six seeds of fig5:
 
 | sampling period, s | m2_hat off in contact | runs that fail |
 |---|---|---|
