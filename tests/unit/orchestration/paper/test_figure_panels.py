@@ -6,6 +6,7 @@ The figures are drawn at the scenarios' calibration and with another wall and de
 import math
 import re
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from itertools import combinations
 from pathlib import Path
 
@@ -256,6 +257,14 @@ def test_texts_of_an_svg_are_texts(drawn: Drawn, tmp_path: Path) -> None:
     text = path.read_text(encoding="utf-8")
     for title in ("(a) Ideal and actual trajectories", "(d) Contact force", "touching"):
         assert re.search(f"<text[^>]*>{re.escape(title)}</text>", text), title
+
+
+def test_a_run_that_ends_at_the_impact_is_drawn(drawn: Drawn, tmp_path: Path) -> None:
+    """The tip has not slid yet: no window may need a sliding tip."""
+    whole = drawn[0]["fig2"]
+    end = int(np.flatnonzero(whole.force > 0)[0]) + 2
+    short = replace(whole.result, time=whole.result.time[:end], rows=whole.result.rows[:end])
+    assert len(draw({"fig2": short}, tmp_path)) == 2
 
 
 # Simulation of full deuteranopia in linear RGB: Machado, Oliveira & Fernandes (2009), severity 1.0.
