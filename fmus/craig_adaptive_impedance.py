@@ -7,6 +7,10 @@
 With W_c = J^-T Y(q, dq, ddq), the direction of (19) is Y' H_hat^-1 J' e*: no inverse of J. F_c is
 that of `fmus.control.noise_rejection`; since F_c = H_hat_x (-(gamma/2) e*), it enters as an acceleration of
 the tip. The measured acceleration ddq is used in the adaptation only.
+
+A singular H_hat, as of an estimate m2_hat = 0, is an error. While a mass is estimated negative, as too large a Gamma
+can make it for some milliseconds, H_hat has an inverse but is not positive definite: the law goes on, and the paper's
+theory does not say where to. Projection with p_min > 0 excludes both.
 """
 
 import casadi as ca

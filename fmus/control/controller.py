@@ -82,7 +82,7 @@ class Controller:
         return isinstance(self.impedance, FullImpedance)
 
     def require_invertible(self, name: str, H: ca.SX, masses: str, advice: str) -> None:
-        """Demand that an inertia which the law inverts is positive definite.
+        """Demand that an inertia which the law inverts is not singular.
 
         Parameters
         ----------
@@ -94,12 +94,12 @@ class Controller:
             What the user is to do, for the message.
         """
         sentence = (
-            f"{name} is singular or not positive definite by the masses {masses}[1] to {masses}[{self.arm.n}], and the"
-            f" control law needs its inverse; {advice}. Pivot of {name}, kg.m2"
+            f"{name} is singular by the masses {masses}[1] to {masses}[{self.arm.n}], and the control law needs its"
+            f" inverse; {advice}. Size of a pivot of {name}, kg.m2"
         )
         _, pivots = factors_spd(H)
         for pivot in pivots:
-            self.model.require(pivot, sentence)
+            self.model.require(ca.fabs(pivot), sentence)
 
     def finish(self, tau_cmd: ca.SX, p_hat: ca.SX) -> SampledModel:
         """Declare the common outputs and the terminals, let the TIRT advance, and return the model."""

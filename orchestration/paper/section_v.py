@@ -8,6 +8,7 @@ import argparse
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
+from string import ascii_lowercase
 
 from adaptimp_fmu.files.whole_file import write_whole
 from orchestration.errors import OrchestrationError
@@ -18,6 +19,7 @@ from orchestration.paper.scenarios import SCENARIOS
 from orchestration.paper.sentences import SECTION_V, THEORY, Page, Panels, Sentence
 
 PAGE, CLAIMS, IMAGES = "section-v.md", "claims.md", "images"
+MOST_LETTERS = 2  # of panels in a row that a link names one by one
 _HEADING = re.compile(r"^## ((C\d+[a-z]*): (.+))$", re.MULTILINE)
 
 HEAD = """# Section V, sentence by sentence
@@ -64,15 +66,18 @@ def _table(sentences: Iterable[Sentence], rows: Mapping[str, str]) -> str:
     for sentence in sentences:
         words = f"{sentence.words} *{sentence.note}*" if sentence.note else sentence.words
         shown = ", ".join(map(_panels, sentence.panels))
-        judged = [_row(name, rows) for name in sentence.rows]
-        lines.append(f"| {words} | {shown} | {', '.join([*judged, *map(_link, sentence.pages)])} |")
+        judged = ", ".join([*(_row(name, rows) for name in sentence.rows), *map(_link, sentence.pages)])
+        cells = (cell.replace("|", r"\|") for cell in (words, shown, judged))
+        lines.append(f"| {' | '.join(cells)} |")
     return "\n".join(lines) + "\n"
 
 
 def _panels(panels: Panels) -> str:
     name = panels.figure
-    title = f"Fig. {name[3:]}" if name.startswith("fig") else name
+    title = f"Fig. {name[3:]}" if name.startswith("fig") else name.capitalize()
     letters = ", ".join(f"({letter})" for letter in panels.letters)
+    if len(panels.letters) > MOST_LETTERS and panels.letters in ascii_lowercase:
+        letters = f"({panels.letters[0]}) to ({panels.letters[-1]})"
     return f"[{f'{title} {letters}'.rstrip()}]({IMAGES}/{name}.svg)"
 
 

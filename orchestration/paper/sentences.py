@@ -156,7 +156,7 @@ SECTION_V = (
     ),
     Sentence(
         "Fig. 6: with these actuators algorithm 1 has larger tracking errors and larger force errors.",
-        [Panels("fig6", "cd")],
+        [Panels("fig6", "cdgh")],
         ["C7"],
     ),
     Sentence("Its overall performance remains acceptable.", [Panels("fig6", "abcd")], ["C7", "C20"]),
@@ -209,6 +209,11 @@ THEORY = (
     Sentence("IV-A: if the sensor fails, the error may grow and stays bounded.", (), ["C19"]),
     Sentence("IV-B: algorithm 2 needs neither the acceleration nor an inverse of the inertia.", (), ["C12a"]),
     Sentence("IV-B: the estimate may be updated at a lower rate.", (), ["C12b"]),
-    Sentence("IV-B: the term C_x s may be ignored.", (), ["C12c"]),
+    Sentence(
+        "IV-B: the term C_x s may be ignored.",
+        (),
+        ["C12c"],
+        note="The paper prints C_x dx_r beside + C_x s; with (31) they are C_x dx and - C_x s.",
+    ),
 )
 """Sentences of sections II to IV that can be measured."""

@@ -87,6 +87,24 @@ def samples(size: int, ticks: int, *, seed: int) -> Iterator[Sample]:
         yield Sample(arm, _gains(rng, arms.p[:, i]), inputs)
 
 
+def full_samples(size: int, ticks: int, *, seed: int) -> Iterator[Sample]:
+    """Random samples as above, with full matrices that have different axes each; a row of Gamma stays zero."""
+    rng = np.random.default_rng(seed)
+    for sample in samples(size, ticks, seed=seed):
+        gains = sample.gains
+        M, B, K = (_turned(rng, getattr(gains, name)) for name in ("M", "B", "K"))
+        Psi = _turned(rng, 0.3 * gains.Psi.mean() * np.ones(2) * rng.uniform(0.7, 1.3, 2))
+        factor = np.diag(np.sqrt(gains.Gamma)) @ (np.eye(6) + rng.uniform(-0.3, 0.3, (6, 6)))
+        yield sample.with_gains(M=M, B=B, K=K, Psi=Psi, K_d=_turned(rng, gains.K_d), Gamma=factor @ factor.T)
+
+
+def _turned(rng: np.random.Generator, diagonal: np.ndarray) -> np.ndarray:
+    """A symmetric matrix with the eigenvalues `diagonal` and axes that are turned by up to 0.3 rad."""
+    angle = rng.uniform(-0.3, 0.3)
+    R = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+    return R @ np.diag(diagonal) @ R.T
+
+
 def _gains(rng: np.random.Generator, p: np.ndarray) -> Gains:
     """Random gains; p_hat starts at p and moves by some per cent in a tick. One gain is zero."""
     Gamma = rng.uniform(0.2, 2.0, 6)
@@ -110,7 +128,7 @@ def _gains(rng: np.random.Generator, p: np.ndarray) -> Gains:
 
 
 def elements(name: str, values: np.ndarray) -> dict[str, float]:
-    """``name[1]``, ``name[2]``, ... with their values; ``name[1,1]``, ``name[1,2]``, ... of a matrix's upper triangle."""
+    """``name[1]``, ``name[2]``, ... with their values; of a matrix the upper triangle, from ``name[1,1]`` on."""
     if values.ndim == 2:
         places = zip(*np.triu_indices(len(values)), strict=True)
         return {f"{name}[{i + 1},{j + 1}]": float(values[i, j]) for i, j in places}

@@ -4,6 +4,7 @@ import math
 from typing import Any
 
 import casadi as ca
+import numpy as np
 import pytest
 from lxml import etree
 
@@ -398,3 +399,34 @@ def test_an_output_of_one_element_is_called_as_an_input_is(n: int, scalar: bool 
     model = sampled()
     model.output("F", ca.SX(n, 1), description="Force", scalar=scalar)
     assert [variable.name for variable in model.with_role(Role.OUTPUT)] == names
+
+
+def test_a_symmetric_parameter_is_its_upper_triangle() -> None:
+    model = sampled()
+    A = model.symmetric_parameter(
+        "A",
+        [1.0, 2.0, 3.0],
+        unit="N/m",
+        limits=NOT_NEGATIVE,
+        tunable=True,
+        description=[f"entry {i}" for i in range(6)],
+    )
+    declared = model.with_role(Role.TUNABLE_PARAMETER)
+    assert [v.name for v in declared] == ["A[1,1]", "A[1,2]", "A[1,3]", "A[2,2]", "A[2,3]", "A[3,3]"]
+    assert [v.start for v in declared] == [1, 0, 0, 2, 0, 3]
+    assert [v.minimum for v in declared] == [0, -math.inf, -math.inf, 0, -math.inf, 0]
+    values = ca.Function("values", [model.parameter_symbols[-1]], [A])(range(11, 17))
+    assert np.array(values).tolist() == [[11, 12, 13], [12, 14, 15], [13, 15, 16]]
+
+
+@pytest.mark.parametrize(
+    ("diagonal", "more", "message"),
+    [
+        ([-1.0, 1.0], {}, r"A\[1,1\]: start -1.0 must be at least 0"),
+        ("ab", {}, "start 'ab' is not a number"),
+        ([1.0, 1.0], {"unit": ["N", "m"]}, "3 elements but 2 units"),
+    ],
+)
+def test_a_symmetric_parameter_that_cannot_be_declared_is_refused(diagonal: Any, more: Any, message: str) -> None:
+    with pytest.raises(DefinitionError, match=message):
+        sampled().symmetric_parameter("A", diagonal, limits=NOT_NEGATIVE, description="A", **more)

@@ -31,7 +31,7 @@ def test_every_panel_is_there() -> None:
     for panels in {panels for sentence in ALL for panels in sentence.panels}:
         text = (DOCS / IMAGES / f"{panels.figure}.svg").read_text(encoding="utf-8")
         assert text.startswith("<?xml")
-        missing = [letter for letter in panels.letters if not re.search(rf"(<!-- |>)\({letter}\) \w", text)]
+        missing = [letter for letter in panels.letters if not re.search(rf"(<!-- |>)\({letter}\) \S", text)]
         assert not missing, f"{panels.figure} has no panel {missing}"
 
 
@@ -40,13 +40,22 @@ def test_the_page_is_the_one_that_the_claims_make() -> None:
 
 
 def test_a_sentence_is_a_row_with_links() -> None:
-    sentence = Sentence("It moves.", [Panels("fig5", "ac"), Panels("torques")], ["C12a"], note="Slowly.")
+    panels = [Panels("fig5", "ac"), Panels("fig6", "abcd"), Panels("torques")]
+    sentence = Sentence("It moves by |e|.", panels, ["C12a"], note="Slowly.")
     text = page("# Claims\n\n## C12a: holds (equations)\n\nWords.\n", {"Part": [sentence]})
     assert text.endswith(
         "## Part\n\n| the paper says | figures | claims and pages |\n|---|---|---|\n"
-        "| It moves. *Slowly.* | [Fig. 5 (a), (c)](images/fig5.svg), [torques](images/torques.svg)"
+        r"| It moves by \|e\|. *Slowly.* | [Fig. 5 (a), (c)](images/fig5.svg), [Fig. 6 (a) to (d)](images/fig6.svg),"
+        " [Torques](images/torques.svg)"
         " | [C12a: holds (equations)](claims.md#c12a-holds-equations) |\n"
     )
+
+
+def test_every_sentence_is_one_row_of_three_cells() -> None:
+    claims = "\n".join(f"## {row}: holds\n" for sentence in ALL for row in sentence.rows)
+    rows = re.findall(r"^\|.*\|$", page(claims), re.MULTILINE)
+    assert len(rows) == len(ALL) + 4, "two tables with two lines above their rows"
+    assert {len(re.split(r"(?<!\\)\|", row)) for row in rows} == {5}
 
 
 def test_an_unknown_row_names_the_known_ones() -> None:
