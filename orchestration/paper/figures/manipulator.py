@@ -34,8 +34,8 @@ def manipulator_figure(run: Run, windows: Windows) -> Figure:
     axis.grid(visible=False)
     _wall(axis, run)
     axis.plot(*thinned(run.x_v), "--", color=BLACK, lw=1.2, zorder=2)
-    slides = np.flatnonzero(run.sliding)
-    touching = run.result["plant.q"][slides[slides.size // 2]]
+    rows = np.flatnonzero(run.force > 0)
+    touching = run.result["plant.q"][rows[3 * rows.size // 4]]
     at_start = run.result["plant.q"][0]
     _arm(axis, touching, GREY)
     _arm(axis, at_start, BLUE)

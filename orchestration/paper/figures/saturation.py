@@ -50,7 +50,11 @@ def _energy(axis: Axes, run: Run, terms: Along) -> None:
 
 
 def _rates(axis: Axes, terms: Along) -> None:
-    """What V_c does at saturated ticks, over the most that (28) allows."""
+    """What V_c does over each saturated sample, beside the most that (28) allows at its begin.
+
+    Equation (28) is one of continuous time. A sampled F_c turns e* around within a sample if gamma h/2 is above 1, and
+    takes less from V_c than (28) says.
+    """
     bound, rate = terms.bound[terms.saturated], terms.rate[terms.saturated]
     ends = np.array(with_margin(float(min(bound.min(), rate.min())), float(max(bound.max(), rate.max()))))
     axis.plot(ends, ends, "--", color=BLACK, lw=1.0, label="equality: below it (28) holds")
@@ -61,7 +65,7 @@ def _rates(axis: Axes, terms: Along) -> None:
     axis.set_ylim(*ends)
     axis.set_title("(c) Rate of $V_c$, and its bound")
     axis.set_xlabel("right side of (28) (m$^2$/s$^3$)", labelpad=1)
-    axis.set_ylabel("$dV_c/dt$ (m$^2$/s$^3$)", labelpad=2)
+    axis.set_ylabel("change of $V_c$ over a sample (m$^2$/s$^3$)", labelpad=2)
     legend_above(axis)
 
 
