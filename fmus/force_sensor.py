@@ -4,13 +4,15 @@ The error has the density of two independent normal components of standard devia
 truncated where its Euclidean norm exceeds `noise_bound`, so |F_hat - F_ext| <= noise_bound (the
 delta of eq. (21)):
 
-    r = min(noise_std sqrt(-2 ln(1 - u0 (1 - exp(-noise_bound^2 / (2 noise_std^2))))), noise_bound)
+    r = min(noise_std sqrt(-2 log1p(u0 expm1(-(noise_bound / noise_std)^2 / 2))), noise_bound)
     error = r (cos 2 pi u1, sin 2 pi u1)
 
-with u0, u1 uniform in (0, 1), drawn anew at each tick from (seed, tick). With a `noise_period` longer than
-a tick the error has a bandwidth: draw k serves the ticks from k noise_period on, and is held until the
-next draw. Such a noise_period must be a whole multiple of the sampling period. With `contact_gated` the
-error is zero while no force acts. A bias, a range and a resolution follow, all off by default:
+with log1p(x) = ln(1 + x) and expm1(x) = exp(x) - 1, which keep their digits where noise_std is far above
+noise_bound; the distribution then is the uniform one on the disc of radius noise_bound. The numbers u0, u1 are
+uniform in (0, 1), drawn anew at each tick from (seed, tick). With a `noise_period` longer than a tick the error
+has a bandwidth: draw k serves the ticks from k noise_period on, and is held until the next draw. Such a
+noise_period must be a whole multiple of the sampling period. With `contact_gated` the error is zero while no
+force acts. A bias, a range and a resolution follow, all off by default:
 
     F_hat = resolution floor(clip(F_ext + bias + error, -range, range) / resolution + 1/2)
 
@@ -120,7 +122,8 @@ def ticks_per_draw(model: SampledModel) -> ca.SX:
 
 def truncated_normal(u0: ca.SX, u1: ca.SX, std: ca.SX, bound: ca.SX) -> ca.SX:
     """Return a normally distributed vector of the plane, of norm at most `bound`, from two uniform numbers."""
-    inside = 1 - ca.exp(-(bound**2) / (2 * std**2))
+    # 1 - exp(x) and ln(1 - x) would lose all digits of a small x, where the bound is far below std.
+    inside = ca.expm1(-((bound / std) ** 2) / 2)
     # Rounding may carry r beyond the bound (u0 next to 1, or a bound far below std).
-    r = ca.fmin(std * ca.sqrt(-2 * ca.log(1 - u0 * inside)), bound)
+    r = ca.fmin(std * ca.sqrt(-2 * ca.log1p(u0 * inside)), bound)
     return r * ca.vertcat(ca.cos(2 * math.pi * u1), ca.sin(2 * math.pi * u1))
