@@ -5,7 +5,7 @@
     python -m orchestration.paper.calibrate --prove     the calibrations put to the proof, and further runs
     python -m orchestration.paper.calibrate --page      the page alone, from docs/calibration.json
 
-``--search`` and ``--prove`` renew their part of docs/calibration.json, and the page.
+``--search`` and ``--prove`` renew their part of docs/calibration.json, and the page. Both together make the file.
 """
 
 import argparse
@@ -98,6 +98,20 @@ def proved(lab: Runner, pool: Executor, tell: Tell) -> Mapping[str, Proof]:
     return found
 
 
+def renewed(record: Record | None, tell: Tell, *, look: bool, prove_all: bool) -> Record:
+    """A record whose parts are made anew; without a record, both are needed."""
+    master = laboratory()
+    native = NativeLaboratory(master.fmus)
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        if look or record is None:
+            found = searched(native, pool, tell)
+        else:
+            found = record.found
+        if record is not None and not prove_all:
+            return replace(record, found=found)
+        return Record(found, proved(native, pool, tell), deviations(master), torque_sensitivity(native, pool))
+
+
 def main() -> None:
     """Do what the command line asks for."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
@@ -111,15 +125,11 @@ def main() -> None:
         _print_constants(console)
         return
     path = request.folder / RECORD
-    record = Record.read(path)
-    master = laboratory()
-    native = NativeLaboratory(master.fmus)
-    with ThreadPoolExecutor(os.cpu_count()) as pool:
-        if request.search:
-            record = replace(record, found=searched(native, pool, console.print))
-        if request.prove:
-            proofs, periods = proved(native, pool, console.print), deviations(master)
-            record = replace(record, proofs=proofs, periods=periods, nudges=torque_sensitivity(native, pool))
+    record = Record.read(path) if path.exists() else None
+    if record is None and not (request.search and request.prove):
+        msg = f"{path} is not there; --search --prove makes it."
+        raise SystemExit(msg)
+    record = renewed(record, console.print, look=request.search, prove_all=request.prove)
     record.write(path)
     write_whole(request.folder / PAGE, page(record).encode())
 
