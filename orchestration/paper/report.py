@@ -13,9 +13,9 @@ from orchestration.paper.claims.claim import Claim
 from orchestration.paper.claims.evaluation import evaluate
 from orchestration.paper.claims.page import as_markdown, as_records, word
 from orchestration.paper.evidence import Evidence
-from orchestration.paper.figures import draw
+from orchestration.paper.figures.draw import draw
 from orchestration.paper.laboratory import Job
-from orchestration.paper.scenarios import AT_FIRST, SCENARIOS, VARIANTS, Scenario
+from orchestration.paper.scenarios import ALL_SCENARIOS, SCENARIOS, Scenario
 from orchestration.paper.strength import read_strength
 from orchestration.paper.studies.native_runs import NativeLaboratory
 from orchestration.results.result import Result
@@ -61,7 +61,7 @@ def reproduce(folder: Path, tell: Tell, image: str = "png", *, fresh: bool = Fal
     fresh
         Whether to measure the claims even if they are in the cache.
     """
-    scenarios = {**SCENARIOS, **VARIANTS, **AT_FIRST}
+    scenarios = ALL_SCENARIOS
     identifiers = {i for scenario in scenarios.values() for i in scenario.models.values()}
     tell(f"Building {len(identifiers)} FMUs, or taking them from the cache")
     laboratory = NativeLaboratory(fmus(sorted(identifiers)))

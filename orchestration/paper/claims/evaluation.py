@@ -11,10 +11,11 @@ from string import ascii_lowercase
 import numpy as np
 
 from orchestration.paper.calibrations import FIRST
-from orchestration.paper.claims import adaptive, cost, judged, motion, saturation, sensitivity, theory
+from orchestration.paper.claims import adaptive, cost, judged, motion, saturation, sensitivity, sensor_failure, theory
 from orchestration.paper.claims import criteria as limits
 from orchestration.paper.claims.claim import HOLDS, NOT_REPRODUCED, Claim
 from orchestration.paper.evidence import Evidence
+from orchestration.paper.saturation import along
 
 QUESTIONS = sorted(
     (
@@ -24,6 +25,7 @@ QUESTIONS = sorted(
         *cost.QUESTIONS,
         *sensitivity.QUESTIONS,
         *saturation.QUESTIONS,
+        *sensor_failure.QUESTIONS,
     ),
     key=lambda question: (int(question.id[1:].rstrip(ascii_lowercase)), question.id),
 )
@@ -50,5 +52,6 @@ def at_first(evidence: Evidence) -> Mapping[str, str]:
         "C9": lambda: {**judged.free_motion(noise), limits.FIXED_MASS_RATIO: started / fixed},
         "C10": lambda: judged.contact_errors(noise),
         "C16": lambda: judged.fixed_inverse(noise),
+        "C20": lambda: saturation.judge(along(evidence.saturated_at_first, saturation.gains_of(FIRST))),
     }
     return {claim: HOLDS if judged.met(values()) else NOT_REPRODUCED for claim, values in asked.items()}

@@ -62,7 +62,7 @@ class NativeLaboratory(Laboratory):
         step = job.sample_time or system.run_step()
         given = {**start, **dict.fromkeys(_periods(system), step), **job.changes}
         values = np.array([given[path] for path in program.varied], float)
-        return program.result(values, step, job.stop_time or system.run_stop_time())
+        return program.result(values, step, job.stop_time or system.run_stop_time(), job.start_time)
 
     def _system(self, scenario: str) -> tuple[System, Start]:
         """The system of a scenario, and the start values of its parameters."""

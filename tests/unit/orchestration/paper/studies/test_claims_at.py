@@ -70,7 +70,10 @@ def natives(masters: Laboratory) -> NativeLaboratory:
     return NativeLaboratory(masters.fmus)
 
 
-@pytest.mark.parametrize("job", [Job("fig5", {"sensor.seed": 3, "sensor.noise_period": 6e-5}), Job("fig7", {}, 1e-4)])
+@pytest.mark.parametrize(
+    "job",
+    [Job("fig5", {"sensor.seed": 3, "sensor.noise_period": 6e-5}), Job("fig7", {}, 1e-4)],
+)
 def test_native_runs_have_the_bits_of_the_master(masters: Laboratory, natives: NativeLaboratory, job: Job) -> None:
     expected, found = (lab.run(job, (*RECORDED, ESTIMATE)) for lab in (masters, natives))
     assert found.names == expected.names
