@@ -17,6 +17,24 @@ from orchestration.paper.share import Share
 NAME = "strength.json"
 """Name of the data file, in the folder ``data`` of the package `orchestration.paper`."""
 
+LEAST_SHARE = 0.05
+"""Share of the space from which a claim that holds at the calibration is said to hold."""
+
+
+def strength_word(holds: bool, space: Share) -> str:
+    """What is said of a claim: its verdict at the calibration and its share of the space in one phrase.
+
+    Examples
+    --------
+    >>> from orchestration.paper.share import Share
+    >>> from orchestration.paper.strength import strength_word
+    >>> strength_word(True, Share(2, 100)), strength_word(False, Share(2, 100))
+    ('holds at the calibration only', 'fails here, holds elsewhere')
+    """
+    if holds:
+        return "holds" if space.value >= LEAST_SHARE else "holds at the calibration only"
+    return "fails here, holds elsewhere" if space.yes else "holds nowhere in the space searched"
+
 
 @dataclass(frozen=True)
 class ClaimStrength:
@@ -86,7 +104,7 @@ class Strength:
         record = json.loads(text)
         claims = {name: _claim(one) for name, one in record["claims"].items()}
         effects = {
-            calibration: {name: Effect(**{**one, "larger": Share(**one["larger"])}) for name, one in found.items()}
+            calibration: {name: effect_from(one) for name, one in found.items()}
             for calibration, found in record["effects"].items()
         }
         return cls(record["settings"], record["seeds"], claims, effects)
@@ -103,6 +121,11 @@ def read_strength() -> Strength:
     (0, 0.0)
     """
     return Strength.read((files("orchestration.paper") / "data" / NAME).read_text(encoding="utf-8"))
+
+
+def effect_from(record: Mapping[str, Any]) -> Effect:
+    """An effect from the values that JSON has of it."""
+    return Effect(**{**record, "larger": Share(**record["larger"])})
 
 
 def _claim(record: Mapping[str, Any]) -> ClaimStrength:

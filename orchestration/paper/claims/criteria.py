@@ -76,6 +76,9 @@ SLIDE_SHARE = Criterion("share of the contact in which the tip touches", ">=", 2
 END = Criterion(f"distance from {_START} at the end", "<=", 1e-3, "mm")
 WRONG_MASS_ERROR = Criterion("largest |e|", ">=", 5e-3, "mm", why="half the depth of the segment, so half the force")
 WRONG_MASS_GROWTH = Criterion("ratio of the largest |e| to that of Fig. 2", ">=", 10.0)
+WRONG_MASS_FORCE = Criterion(
+    "larger of the ratios of peak and steady force to those of Fig. 2", ">=", 1.1, why="a difference that one can see"
+)
 
 # Adaptive control.
 M2_SETTLED = Criterion(
@@ -83,13 +86,24 @@ M2_SETTLED = Criterion(
 )
 M2_AT_CONTACT = Criterion(f"{_M2} at the first contact", "<=", 0.05, "kg")
 M2_IN_CONTACT = Criterion(f"{_M2} from first to last contact", "<", 0.2, "kg")
+M2_FLUCTUATION = Criterion(
+    "median range of m2_hat from first to last contact",
+    ">=",
+    0.05,
+    "kg",
+    why="2 % of the 2.5 kg that panel (b) shows",
+)
 M2_RECOVERY = Criterion(f"time after the last contact from which {_M2} <= {RECOVERED:g} kg for good", "<=", 0.1, "s")
 BOUNDED_ERROR = Criterion("|e|", "<=", 5e-3, "mm")
 SATURATED_ERROR = Criterion("median |e| in contact", ">", 0.0, "mm", "the median without saturation")
 SATURATED_FORCE = Criterion("median force error", ">", 0.0, "N", "the median without saturation")
+CLEARLY_LARGER = Criterion("ratio of the median to that of algorithm 1 without saturation", ">=", 1.1)
 TORQUE_RATIO = Criterion("median ratio of each joint's largest torques", "<=", TORQUE_SHARE)
 TORQUE_WITHIN = Criterion("median of each joint's largest command", "<=", 0.0, "N.m", "the limit of Fig. 6")
 START_ERROR = Criterion("|e| during the first free motion", "<=", 5e-3, "mm")
+FIXED_MASS_RATIO = Criterion(
+    "ratio of |e| during the first free motion to that without adaptation", "<=", 0.5, why="adaptation halves it"
+)
 FREE_ERROR = Criterion("|e| in the second half of the first free motion", "<=", 1e-4, "mm")
 LARGER_ERROR = Criterion("median |e| in contact", ">", 0.0, "mm", "that of algorithm 1")
 SLIGHTLY_LARGER_ERROR = Criterion(
@@ -110,6 +124,7 @@ FEWER_COSTLY = Criterion("costly operations per tick of algorithm 2", "<", 0.0, 
 SLOW_UPDATE_ERROR = Criterion("|e| in contact at a lower rate", "<=", 1e-4, "mm", "twice that at the full rate")
 
 # Equations and Lyapunov functions.
+CRAIG_GROWTH = Criterion("largest V_c in contact over V_c at the first contact", "<=", 1.0)
 CRAIG_ORDER = Criterion(
     "order in the sampling period at which the rises of V_c outside beta < eps/sqrt(margin - 1) fall", ">=", 1.0
 )
