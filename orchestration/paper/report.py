@@ -15,7 +15,7 @@ from orchestration.paper.claims.page import as_markdown, as_records, word
 from orchestration.paper.evidence import Evidence
 from orchestration.paper.figures import draw
 from orchestration.paper.laboratory import Job, Laboratory
-from orchestration.paper.scenarios import AT_FIRST, SCENARIOS, VARIANTS, WITH_FAILURE, WITH_PAYLOAD, Scenario
+from orchestration.paper.scenarios import AT_FIRST, SCENARIOS, VARIANTS, WITH_FAILURE, Scenario
 from orchestration.paper.strength import read_strength
 from orchestration.results.result import Result
 from orchestration.sandbox.archive import file_hash
@@ -60,7 +60,7 @@ def reproduce(folder: Path, tell: Tell, image: str = "png", *, fresh: bool = Fal
     fresh
         Whether to measure the claims even if they are in the cache.
     """
-    scenarios = {**SCENARIOS, **VARIANTS, **AT_FIRST, **WITH_FAILURE, **WITH_PAYLOAD}
+    scenarios = {**SCENARIOS, **VARIANTS, **AT_FIRST, **WITH_FAILURE}
     identifiers = {i for scenario in scenarios.values() for i in scenario.models.values()}
     tell(f"Building {len(identifiers)} FMUs, or taking them from the cache")
     laboratory = Laboratory(fmus(sorted(identifiers)))
