@@ -28,8 +28,8 @@ _MASS_SPRING_DAMPER = (
 )
 
 
-def arm(n: int) -> Icon:
-    """A plant: n links on a base, the tip against a wall."""
+def arm(n: int, *, corner: bool = False) -> Icon:
+    """A plant: n links on a base, the tip against a wall, or below a second wall in a corner."""
     ends: Sequence[Point] = {
         2: ((0.24, 0.26), (0.36, 0.66), (0.72, 0.56)),
         3: ((0.24, 0.26), (0.27, 0.6), (0.52, 0.76), (0.72, 0.5)),
@@ -38,7 +38,8 @@ def arm(n: int) -> Icon:
     wall = Stroke([(0.78, 0.18), (0.78, 0.82)], _THIN)
     hatching = [Stroke([(0.78, y), (0.86, y - 0.08)], _THIN) for y in (0.3, 0.44, 0.58, 0.72, 0.82)]
     base = Stroke([(0.13, 0.18), (0.35, 0.18)], _THIN)
-    return Icon(STEEL, [Stroke(ends, _BOLD), *joints, wall, *hatching, base])
+    lid = [Stroke([(0.44, 0.82), (0.78, 0.82)], _THIN)] if corner else []
+    return Icon(STEEL, [Stroke(ends, _BOLD), *joints, wall, *hatching, base, *lid])
 
 
 def sensor() -> Icon:
@@ -57,12 +58,14 @@ def saturation(n: int) -> Icon:
     return Icon(VIOLET, [*axes, curve, *_dots(n if n > 2 else 0)])
 
 
-def cut_ellipse() -> Icon:
-    """The virtual trajectory: an ellipse with a straight segment along the wall."""
-    cut, turns = 0.26, [2 * math.pi * i / 72 for i in range(73)]
-    points = [(max(0.5 + 0.34 * math.cos(a), cut), 0.5 + 0.26 * math.sin(a)) for a in turns]
-    wall = Stroke([(0.18, 0.2), (0.18, 0.8)], _THIN)
-    return Icon(TEAL, [Stroke(points), wall, Stroke([(0.84, 0.5)], _JOINT)])
+def cut_ellipse(*, corner: bool = False) -> Icon:
+    """The virtual trajectory: an ellipse with a straight segment along the wall, or one along each of two walls."""
+    cut, floor = 0.26, 0.34 if corner else 0.0
+    turns = [2 * math.pi * i / 72 for i in range(73)]
+    points = [(max(0.5 + 0.34 * math.cos(a), cut), max(0.5 + 0.26 * math.sin(a), floor)) for a in turns]
+    walls = [Stroke([(0.18, 0.2), (0.18, 0.8)], _THIN)]
+    walls += [Stroke([(0.18, 0.2), (0.78, 0.2)], _THIN)] if corner else []
+    return Icon(TEAL, [Stroke(points), *walls, Stroke([(0.84, 0.5)], _JOINT)])
 
 
 def impedance(n: int = 2) -> Icon:

@@ -1,33 +1,48 @@
-"""Plant: a robot arm, eq. (1), whose tip touches a compliant wall.
+"""Plant: a robot arm, eq. (1), whose tip touches a compliant wall, or two walls that make a corner.
 
     H(q) ddq + C(q, dq) dq + g(q) + f(dq) = tau - J' F_ext
 
 States are q and dq. Contact begins and ends at located events, so the integrator never steps
 across the corner of the contact force. Equations: `fmus.mechanics.planar_arm`, `fmus.environment.contact`.
+
+F_ext is the sum of the forces on all walls. Each wall has contact events of its own. Where two walls are, the names of
+the second wall's variables are those of the first wall with a 2 at the end.
+
+The variant PlantWristPayload says what a sensor at the wrist measures, F_wrist, if a part of the last mass sits beyond
+the sensor (`fmus.mechanics.payload`).
 """
+
+from functools import reduce
+from operator import add
 
 import casadi as ca
 
 from adaptimp_fmu import NOT_NEGATIVE, POSITIVE, ContinuousModel
 from fmus import icons, start
 from fmus.environment.contact import Wall
-from fmus.environment.half_space import declare_half_space
+from fmus.environment.half_space import declare_half_space, ordinal, suffix
 from fmus.mechanics.algebra import solve_spd
 from fmus.mechanics.arm import Arm
+from fmus.mechanics.payload import declare_payload, force_on_payload
 from fmus.mechanics.planar_arm import PlanarArm
 from fmus.project import group_signals, publish
 
 
-def plant(n: int = 2, name: str = "Plant") -> ContinuousModel:
-    """Declare the model of an arm of n joints, by default the paper's, with the wall."""
-    model = ContinuousModel(name, "Planar arm with point masses against a compliant wall")
+def plant(n: int = 2, name: str = "Plant", walls: int = 1, *, wrist: bool = False) -> ContinuousModel:
+    """Declare the model of an arm of n joints, by default the paper's, with one wall or with two.
+
+    With `wrist` a part of the last mass may sit beyond a sensor at the wrist.
+    """
+    place = {1: "against a compliant wall", 2: "in a corner of two compliant walls"}[walls]
+    model = ContinuousModel(name, f"Planar arm with point masses {place}")
     publish(
         model,
-        icons.arm(n),
+        icons.arm(n, corner=walls > 1),
         __name__,
         "fmus.mechanics.planar_arm",
         "fmus.environment.contact",
         "fmus.environment.half_space",
+        *(["fmus.mechanics.payload"] if wrist else []),
         "fmus",
     )
     arm: Arm = PlanarArm(n)
@@ -59,15 +74,15 @@ def plant(n: int = 2, name: str = "Plant") -> ContinuousModel:
         description="Joint rate over which Coulomb friction changes sign (tanh)",
     )
     gravity = model.parameter("gravity", 0.0, unit="m/s2", description="Gravitational acceleration along -x2")
-    wall = _wall(model)
+    payload = declare_payload(model, m[n - 1]) if wrist else None
+    touched = {number: _wall(model, number) for number in range(1, walls + 1)}
 
     q, dq = model.state("q", q_start), model.state("dq", dq_start)
     x = arm.forward_kinematics(q, l)
     J = arm.jacobian(q, l)
     dx = ca.mtimes(J, dq)
-    in_contact = model.event("contact", wall.gap(x))
-    pushing = model.event("pushing", wall.damping_factor(dx))
-    F_ext = wall.force(x, dx, in_contact, pushing)
+    forces = {number: _force(model, wall, x, dx, number) for number, wall in touched.items()}
+    F_ext = reduce(add, forces.values())
     bias = (
         ca.mtimes(arm.coriolis(q, dq, m, l), dq)
         + arm.gravity_torque(q, m, l, gravity)
@@ -83,23 +98,44 @@ def plant(n: int = 2, name: str = "Plant") -> ContinuousModel:
     model.output("x", x, unit="m", description="Tip position")
     model.output("dx", dx, unit="m/s", description="Tip velocity")
     model.output("F_ext", F_ext, unit="N", description="Force of the tip on the wall")
-    gap = wall.gap(x)
-    model.output(
-        "gap",
-        gap,
-        unit="m",
-        description="Signed depth of the tip in the wall, n.x - wall_offset",
-        scalar=True,
-    )
-    model.output(
-        "penetration",
-        ca.fmax(gap, 0),
-        unit="m",
-        description="Depth of the tip in the wall, 0 outside",
-        scalar=True,
-    )
+    if payload is not None:
+        ddx = ca.mtimes(J, ddq) + ca.mtimes(arm.jacobian_rate(q, dq, l), dq)
+        F_wrist = force_on_payload(payload, F_ext, ddx, gravity)
+        model.output("F_wrist", F_wrist, unit="N", description="Force of the arm on what is beyond the wrist sensor")
+    for number, wall in touched.items():
+        _show_depth(model, wall.gap(x), number)
+    if walls > 1:
+        for number, force in forces.items():
+            text = f"Force of the tip on the {'first wall' if number == 1 else ordinal(number)}"
+            model.output(f"F_wall{suffix(number)}", force, unit="N", description=text)
     group_signals(model)
     return model
+
+
+def _force(model: ContinuousModel, wall: Wall, x: ca.SX, dx: ca.SX, number: int) -> ca.SX:
+    """Declare the contact events of a wall; returns the force of the tip on the wall, N, shape (2,)."""
+    in_contact = model.event(f"contact{suffix(number)}", wall.gap(x))
+    pushing = model.event(f"pushing{suffix(number)}", wall.damping_factor(dx))
+    return wall.force(x, dx, in_contact, pushing)
+
+
+def _show_depth(model: ContinuousModel, gap: ca.SX, number: int) -> None:
+    """Declare the outputs that tell how deep the tip lies in a wall."""
+    end, wall = suffix(number), ordinal(number)
+    model.output(
+        f"gap{end}",
+        gap,
+        unit="m",
+        description=f"Signed depth of the tip in the {wall}, n.x - wall_offset{end}",
+        scalar=True,
+    )
+    model.output(
+        f"penetration{end}",
+        ca.fmax(gap, 0),
+        unit="m",
+        description=f"Depth of the tip in the {wall}, 0 outside",
+        scalar=True,
+    )
 
 
 def _friction(arm: Arm, dq: ca.SX, viscous: ca.SX, coulomb: ca.SX, coulomb_velocity: ca.SX) -> ca.SX:
@@ -111,23 +147,24 @@ def _friction(arm: Arm, dq: ca.SX, viscous: ca.SX, coulomb: ca.SX, coulomb_veloc
     )
 
 
-def _wall(model: ContinuousModel) -> Wall:
-    """Declare the wall's parameters."""
-    half_space = declare_half_space(model)
-    K_f = model.parameter("K_f", 1e5, unit="N/m", limits=NOT_NEGATIVE, description="Stiffness of the wall")
+def _wall(model: ContinuousModel, number: int) -> Wall:
+    """Declare the parameters of a wall; those of a second wall end with a 2."""
+    end, wall = suffix(number), ordinal(number)
+    half_space = declare_half_space(model, number)
+    K_f = model.parameter(f"K_f{end}", 1e5, unit="N/m", limits=NOT_NEGATIVE, description=f"Stiffness of the {wall}")
     D_f = model.parameter(
-        "D_f",
+        f"D_f{end}",
         0.0,
         unit="s/m",
         limits=NOT_NEGATIVE,
         description="Hunt-Crossley damping: relative gain of the normal force per penetration rate",
     )
-    mu = model.parameter("mu", 0.0, limits=NOT_NEGATIVE, description="Coefficient of friction along the wall")
+    mu = model.parameter(f"mu{end}", 0.0, limits=NOT_NEGATIVE, description=f"Coefficient of friction along the {wall}")
     friction_velocity = model.parameter(
-        "friction_velocity",
+        f"friction_velocity{end}",
         1e-2,
         unit="m/s",
         limits=POSITIVE,
-        description="Sliding speed over which friction along the wall changes sign (tanh)",
+        description=f"Sliding speed over which friction along the {wall} changes sign (tanh)",
     )
     return Wall(half_space.normal, half_space.offset, K_f, D_f, mu, friction_velocity)

@@ -11,6 +11,8 @@ SEMI_AXIS = (1.5, 1.0)  # m, V
 PERIOD = 2.0  # s, V: one turn in 0 <= t <= 2 s
 WALL_NORMAL = (-1.0, 0.0)  # assumed: a vertical wall on the left
 WALL_OFFSET = 1.45  # m, assumed
+WALL_NORMALS = {1: WALL_NORMAL, 2: (0.0, -1.0)}  # by number; assumed: the second wall closes a right-angled corner
+WALL_OFFSETS = {1: WALL_OFFSET, 2: 0.1}  # m, by number; assumed: the corner lies where the tip slides along the wall
 COULOMB_VELOCITY = 1e-2  # rad/s, assumed: smooths Coulomb friction at rest
 
 X_V = (SEMI_AXIS[0], 0.0)  # m

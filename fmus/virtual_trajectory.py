@@ -1,12 +1,16 @@
-"""VirtualTrajectory: the paper's ellipse with a straight segment along the wall (V, Fig. 1).
+"""VirtualTrajectory: the paper's ellipse with a straight segment along the wall, or along two walls (V, Fig. 1).
 
     x_v = (a cos(2 pi t / T), b sin(2 pi t / T))
 
 Where the ellipse lies deeper in the wall than `depth`, the component along the wall's normal is
 held at wall_offset + depth with zero rate and acceleration; the tangential one is unchanged.
+
+With two walls x_v is the nearest point that lies no deeper than `depth` in either: on the ellipse, on one of the two
+straight lines, or at rest where the lines meet.
 """
 
 import math
+from collections.abc import Callable
 
 import casadi as ca
 
@@ -15,11 +19,14 @@ from fmus import icons, start
 from fmus.environment.half_space import HalfSpace, declare_half_space
 from fmus.project import group_signals, publish
 
+PARALLEL = 1e-6  # n1.n2 of two walls stays away from 1 and -1 by this much
 
-def virtual_trajectory() -> SampledModel:
-    """Declare the model that gives the virtual trajectory x_v and its first two derivatives."""
-    model = SampledModel("VirtualTrajectory", "Ellipse with a straight segment inside the wall")
-    publish(model, icons.cut_ellipse(), __name__, "fmus")
+
+def virtual_trajectory(name: str = "VirtualTrajectory", walls: int = 1) -> SampledModel:
+    """Declare the model that gives the virtual trajectory x_v and its first two derivatives, with one wall or two."""
+    place = {1: "the wall", 2: "each of two walls"}[walls]
+    model = SampledModel(name, f"Ellipse with a straight segment inside {place}")
+    publish(model, icons.cut_ellipse(corner=walls > 1), __name__, "fmus")
     semi_axis = model.parameter(
         "semi_axis",
         start.SEMI_AXIS,
@@ -28,7 +35,7 @@ def virtual_trajectory() -> SampledModel:
         description=["Semi-axis of the ellipse along x1", "Semi-axis of the ellipse along x2"],
     )
     period = model.parameter("period", start.PERIOD, unit="s", limits=POSITIVE, description="Time of one turn")
-    wall = declare_half_space(model)
+    borders = [declare_half_space(model, number) for number in range(1, walls + 1)]
     depth = model.parameter("depth", 0.01, unit="m", description="Depth of the straight segment inside the wall")
 
     rate = 2 * math.pi / period
@@ -37,19 +44,49 @@ def virtual_trajectory() -> SampledModel:
     x = semi_axis * radius
     dx = rate * semi_axis * ca.vertcat(-radius[1], radius[0])
     ddx = -(rate**2) * x
-    excess = HalfSpace(wall.normal, wall.offset + depth).gap(x)
-    straight = excess > 0
-
-    def clipped(vector: ca.SX, along_normal: ca.SX) -> ca.SX:
-        return vector - ca.if_else(straight, along_normal, 0) * wall.normal
+    lines = [HalfSpace(wall.normal, wall.offset + depth) for wall in borders]
+    excess = [line.gap(x) for line in lines]
+    clipped = _clip_at_one(lines[0], excess[0]) if walls == 1 else _clip_at_both(model, lines, excess)
+    rates, accelerations = ([line.along_normal(vector) for line in lines] for vector in (dx, ddx))
 
     model.output("x_v", clipped(x, excess), unit="m", description="Virtual position of the tip")
-    model.output("dx_v", clipped(dx, wall.along_normal(dx)), unit="m/s", description="Virtual velocity of the tip")
-    model.output(
-        "ddx_v",
-        clipped(ddx, wall.along_normal(ddx)),
-        unit="m/s2",
-        description="Virtual acceleration of the tip",
-    )
+    model.output("dx_v", clipped(dx, rates), unit="m/s", description="Virtual velocity of the tip")
+    model.output("ddx_v", clipped(ddx, accelerations), unit="m/s2", description="Virtual acceleration of the tip")
     group_signals(model)
     return model
+
+
+Clip = Callable[[ca.SX, list[ca.SX]], ca.SX]
+"""A function of a vector and of its components along the normals, which takes those away that lead too deep."""
+
+
+def _clip_at_one(line: HalfSpace, excess: ca.SX) -> Clip:
+    """Clip at the line inside one wall, which the ellipse exceeds by `excess`, m."""
+    straight = excess > 0
+    return lambda vector, along: vector - ca.if_else(straight, along[0], 0) * line.normal
+
+
+def _clip_at_both(model: SampledModel, lines: list[HalfSpace], excess: list[ca.SX]) -> Clip:
+    """Clip at the lines inside two walls, and demand that the walls are not parallel."""
+    normals = [line.normal for line in lines]
+    together = ca.dot(*normals)
+    sine = 1 - together**2
+    model.require(sine - PARALLEL, "wall_normal and wall_normal2 must not be parallel")
+
+    def both(along: list[ca.SX]) -> list[ca.SX]:
+        """Shares of the normals in a vector, from its components along the normals."""
+        return [(along[0] - together * along[1]) / sine, (along[1] - together * along[0]) / sine]
+
+    shares = both(excess)
+    cornered = ca.logic_and(shares[0] > 0, shares[1] > 0)
+    first = ca.logic_and(excess[0] > 0, shares[1] <= 0)
+    second = ca.logic_and(excess[1] > 0, shares[0] <= 0)
+
+    def clipped(vector: ca.SX, along: list[ca.SX]) -> ca.SX:
+        taken = [
+            ca.if_else(cornered, share, ca.if_else(alone, component, 0))
+            for share, alone, component in zip(both(along), (first, second), along, strict=True)
+        ]
+        return vector - taken[0] * normals[0] - taken[1] * normals[1]
+
+    return clipped

@@ -53,6 +53,7 @@ if TYPE_CHECKING:
     from orchestration.master.snapshot import Snapshot
     from orchestration.master.stiffness import StiffnessWarning
     from orchestration.master.time_series import TimeSeries
+    from orchestration.master.walls import DifferentWallsWarning
     from orchestration.paper.ready import scenario
     from orchestration.results.comparison import ColumnDifference, Comparison, compare
     from orchestration.results.result import Result
@@ -70,6 +71,7 @@ _HOME = {
     "Correction": "master.algorithm",
     "Crossings": "master.options",
     "Diagnosis": "analysis.doctor.diagnosis",
+    "DifferentWallsWarning": "master.walls",
     "Factor": "campaigns.design.factor",
     "Finding": "analysis.doctor.finding",
     "Fmu": "fmi.fmu",
@@ -125,6 +127,7 @@ __all__ = [
     "Correction",
     "Crossings",
     "Diagnosis",
+    "DifferentWallsWarning",
     "Factor",
     "Finding",
     "Fmu",

@@ -323,9 +323,9 @@ class InitializationError(SimulationError):
     Examples
     --------
     >>> from orchestration import InitializationError, scenario, simulate
-    >>> tilted = scenario("fig2").set({"plant.wall_normal": [-1.0, 0.5]})  # a normal has length 1
+    >>> tilted = scenario("fig2").set({f"{name}.wall_normal": [-1.0, 0.5] for name in ("plant", "trajectory")})
     >>> try:
-    ...     simulate(tilted)
+    ...     simulate(tilted)  # a normal has length 1
     ... except InitializationError as error:
     ...     print(error.result, "wall_normal" in str(error))
     None True

@@ -50,15 +50,35 @@ class HalfSpace:
         return ca.vertcat(-self.normal[1], self.normal[0])
 
 
-def declare_half_space(model: Model) -> HalfSpace:
-    """Declare the parameters ``wall_normal`` and ``wall_offset``, and demand that the normal has length 1."""
-    normal = model.parameter("wall_normal", start.WALL_NORMAL, description="Unit normal of the wall, pointing into it")
+def declare_half_space(model: Model, number: int = 1) -> HalfSpace:
+    """Declare where a wall is, and demand that its normal has length 1.
+
+    Parameters
+    ----------
+    number
+        1 for the parameters ``wall_normal`` and ``wall_offset``, 2 for ``wall_normal2`` and ``wall_offset2`` of a
+        second wall.
+    """
+    end, wall = suffix(number), ordinal(number)
+    normal = model.parameter(
+        f"wall_normal{end}", start.WALL_NORMALS[number], description=f"Unit normal of the {wall}, pointing into it"
+    )
     offset = model.parameter(
-        "wall_offset",
-        start.WALL_OFFSET,
+        f"wall_offset{end}",
+        start.WALL_OFFSETS[number],
         unit="m",
-        description="Distance of the wall's surface from the origin along the normal",
+        description=f"Distance of the {wall}'s surface from the origin along the normal",
     )
     miss = ca.fabs(ca.norm_2(normal) - 1)
-    model.require(NORMAL_TOLERANCE - miss, "wall_normal must have length 1")
+    model.require(NORMAL_TOLERANCE - miss, f"wall_normal{end} must have length 1")
     return HalfSpace(normal, offset)
+
+
+def suffix(number: int) -> str:
+    """What the names of a wall's variables end with: nothing for the first wall, ``2`` for the second."""
+    return "" if number == 1 else str(number)
+
+
+def ordinal(number: int) -> str:
+    """What a wall is called in descriptions; the first is just the wall."""
+    return {1: "wall", 2: "second wall"}[number]

@@ -15,7 +15,11 @@ from orchestration.errors import StudyError
 from orchestration.fmi.isolation import Isolation
 from orchestration.fmi.names import suggestion
 from orchestration.master.simulate import prepare
+from orchestration.master.walls import WALLS, different_walls
 from orchestration.system.system import System
+
+SEEN_FOR_WALLS = 33
+"""Runs of a study, spread evenly, that are asked whether their walls differ; the warning names one of them."""
 
 
 @dataclass(frozen=True)
@@ -110,4 +114,15 @@ def require_runnable(job: Job) -> None:
     if step is None and system.step is None:
         first = job.points(np.array([job.numbers.start]))
         system, step = task.system_of(first.values[0]), float(first.steps[0])
+    if any(path.partition(".")[2].partition("[")[0] in WALLS for path in task.varied):
+        system, step = _with_different_walls(job)
     prepare(system, task.stop_time, step, task.algorithm, isolate=task.isolation)
+
+
+def _with_different_walls(job: Job) -> tuple[System, float]:
+    """A run of a study, among some, whose components have different walls, or else the first: system and step, s."""
+    some = np.unique(np.linspace(job.numbers.start, job.numbers.stop - 1, SEEN_FOR_WALLS).round().astype(int))
+    points = job.points(some)
+    systems = [job.task.system_of(values) for values in points.values]
+    chosen = next((i for i, system in enumerate(systems) if different_walls(system)), 0)
+    return systems[chosen], float(points.steps[chosen])

@@ -97,12 +97,12 @@ def named_system(name: str, variant: str | None = None, *, reals: bool = False) 
 
 def named_fmu(name: str, *, reals: bool = False) -> Path:
     """The FMU of a file, or a shipped one by its model identifier."""
-    from fmus.catalog import MODELS
+    from fmus.catalog import MODELS, VARIANTS
     from orchestration.paper.built_fmus import built
 
     if Path(name).exists() or Path(name).name != name or Path(name).suffix:
         return Path(name)
-    if name not in MODELS:
-        msg = f"--controller: there is no model {name}; {suggestion(name, MODELS)}"
+    if name not in MODELS and name not in VARIANTS:
+        msg = f"--controller: there is no model {name}; {suggestion(name, [*MODELS, *VARIANTS])}"
         raise SystemDescriptionError(msg)
     return built(name, reals=reals)

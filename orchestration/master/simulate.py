@@ -41,6 +41,7 @@ from orchestration.master.provenance import provenance
 from orchestration.master.simulation import Simulation
 from orchestration.master.stiffness import report_stiffness
 from orchestration.master.time_grid import Grid, fixed_grid, given_grid, tick_grid
+from orchestration.master.walls import report_walls
 from orchestration.results.result import Result
 from orchestration.system.system import System
 
@@ -273,6 +274,7 @@ def prepare(
     grid = chosen_grid(system, (stop_time, step, times), chosen, options)
     report_descriptions(system, strict=options.strict)
     report_stiffness(system, float(grid.lengths.max()))
+    report_walls(system)
     around, grid = outside(system, options, grid, controlled=chosen.control is not None)
     _report_unconnected(system, options, {*around.inputs.names, *itertools.chain(*around.changes.values())})
     metadata = isolated(system, options) | provenance(

@@ -33,9 +33,9 @@ def fmus(identifiers: Iterable[str], *, reals: bool = False) -> Mapping[str, Pat
 
 def built(identifier: str, *, reals: bool = False) -> Path:
     """The FMU file for this machine of a model identifier; errors are those of `built_model`."""
-    from fmus.catalog import MODELS
+    from fmus.catalog import model
 
-    return built_model(MODELS[identifier](), reals=reals)
+    return built_model(model(identifier), reals=reals)
 
 
 def built_model(

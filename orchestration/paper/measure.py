@@ -92,6 +92,31 @@ def largest_norm(vectors: np.ndarray) -> float:
     return float(norms(vectors).max())
 
 
+def steady_force(result: Result) -> float:
+    """Mean norm of the force while the tip touches the wall, N, from its second touch on (or its only one).
+
+    The first touch is the impact.
+
+    Raises
+    ------
+    NoContactError
+        If the tip never touched the wall.
+    """
+    contact(result)
+    force = norms(result["plant.F_ext"])
+    begins = np.flatnonzero(np.diff((force > 0).astype(int), prepend=0) > 0)
+    steady = force[begins[min(1, len(begins) - 1)] :]
+    return float(steady[steady > 0].mean())
+
+
+def free_error(result: Result) -> float:
+    """Largest |e| before the first contact, m, or of the whole run if the tip never touches the wall."""
+    touching = np.flatnonzero(norms(result["plant.F_ext"]) > 0)
+    first = result.time[touching[0]] if len(touching) else np.inf
+    e = norms(at_ticks(result, "controller.e"))
+    return float(e[result.tick_times("controller.e[1]") < first].max())
+
+
 RECORDED = tuple(
     f"{name}[{i}]" for name in ("controller.e", "controller.tau_cmd", "plant.F_ext", "plant.x") for i in (1, 2)
 )

@@ -39,3 +39,9 @@ PSI_SLOTINE_LI = CHOSEN_CALIBRATION.values["Psi_2"]  # 1/s, of algorithm 2
 NOISE_BOUND = CHOSEN_CALIBRATION.noise_bound  # N
 TORQUE_LIMITS = CHOSEN_CALIBRATION.torque_limits  # N.m
 NO_TORQUE_LIMIT = 1e9  # N.m, which switches an actuator's limit off
+
+# What the theory names and section V does not run, assumed.
+FAILURES = {"dropout": (1, 0.05), "stuck": (2, 0.05), "spike": (3, 5e-3)}
+"""Kind of a failure of the force sensor, as `fmus.sensor_failure` counts them, and its duration, s, by name."""
+SPIKE_FORCE = 1e3  # N, along the wall's normal
+PAYLOAD = TRUE_M2 / 2  # kg, beyond the wrist sensor

@@ -36,11 +36,11 @@ def scenario(name: str, *, controller: str | Path | None = None, reals: bool = F
     >>> scenario("fig2", reals=True)["actuator"].variable("saturated[1]").type
     'Real'
     """
-    from fmus.catalog import MODELS
+    from fmus.catalog import MODELS, VARIANTS
 
     found = find_scenario(name)
     system = found.system(fmus(found.models.values(), reals=reals))
     if controller is None:
         return system
-    own = str(controller) in MODELS
+    own = str(controller) in MODELS or str(controller) in VARIANTS
     return system.replace("controller", built(str(controller), reals=reals) if own else controller)

@@ -7,8 +7,10 @@ more than one place stand in `orchestration.paper.numbers`.
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
+
+import numpy as np
 
 from orchestration.fmi.description import SAMPLE_TIME
 from orchestration.paper import settings
@@ -17,10 +19,13 @@ from orchestration.paper.numbers import (
     ADAPTIVE_DAMPING,
     ARM,
     CONVENTIONAL_STEP,
+    FAILURES,
     NO_TORQUE_LIMIT,
+    PAYLOAD,
     PERIOD,
     SEED,
     SEMI_AXIS,
+    SPIKE_FORCE,
     TARGET_INERTIA,
     TARGET_STIFFNESS,
     TRUE_M2,
@@ -67,6 +72,8 @@ class Scenario:
         Communication step and sampling period, s.
     sampling
         ``"assumed: "`` and the reason for the sampling period.
+    sources
+        Outputs by the input that they feed, in the place of outputs of the input's name: ``component.variable``.
     """
 
     name: str
@@ -76,11 +83,16 @@ class Scenario:
     step: float
     sampling: str
     stop_time: float = PERIOD  # s, V: one turn of the ellipse
+    sources: Mapping[str, str] = field(default_factory=dict)
 
     def system(self, fmus: Mapping[str, Path]) -> System:
         """The system that is run, with the reasons for its assumed values, from FMU files by model identifier."""
         files = {component: fmus[identifier] for component, identifier in self.models.items()}
         system = System.connected_by_name(self.name, files, step=self.step, stop_time=self.stop_time)
+        for taken, source in self.sources.items():
+            free = set(system.elements(taken))
+            kept = [c for c in system.connections if f"{c.target}.{c.input}" not in free]
+            system = replace(system, connections=tuple(kept)).connect(f"{source} -> {taken}")
         numbers = {path: value.number for path, value in self.values.items()}
         assumptions = {path: value.origin for path, value in self.values.items() if value.assumed}
         sampled = [component.name for component in system.components if component.sample_time is not None]
@@ -167,6 +179,8 @@ UNSATURATED = {"actuator.tau_max[1]": NO_TORQUE_LIMIT, "actuator.tau_max[2]": NO
 """Start values that switch the torque limits of a scenario off, N.m."""
 CRAIG, SLOTINE_LI = "CraigAdaptiveImpedance", "SlotineLiAdaptiveImpedance"
 SPONG_ORTEGA = "SpongOrtegaAdaptiveImpedance"
+NO_CORIOLIS = "SlotineLiAdaptiveImpedanceNoCoriolis"
+FAILING_SENSOR = "FailingForceSensor"
 
 
 def _known_masses(m2: float) -> dict[str, Value]:
@@ -214,6 +228,43 @@ class _Made:
             self.algorithm_2(),
         )
 
+    def failing(self) -> tuple[Scenario, ...]:
+        """Runs of both algorithms with limited torques in which the force sensor fails in the midst of the contact."""
+        _, one, two = self.adaptive()
+        return tuple(
+            self._with_failure(scenario, f"sensor-{kind}{end}", kind)
+            for scenario, end in ((two, ""), (one, "-craig"))
+            for kind in FAILURES
+        )
+
+    def _with_failure(self, scenario: Scenario, name: str, kind: str) -> Scenario:
+        number, duration = FAILURES[kind]
+        force = SPIKE_FORCE * np.array(WALL_NORMAL)
+        failure = {
+            "sensor.failure": Value(number, "assumed: one of the ways in which a sensor fails"),
+            "sensor.failure_start": Value(PERIOD / 2, "assumed: the midst of the contact"),
+            "sensor.failure_duration": Value(duration, "assumed: a third of the contact, or a short disturbance"),
+            **_vector("sensor.failure_force", tuple(force), "assumed: larger than the peak of the contact force"),
+        }
+        models = {**scenario.models, "sensor": FAILING_SENSOR}
+        caption = f"{scenario.caption}; the force sensor has a {kind} in the midst of the contact"
+        return replace(scenario, name=name, caption=caption, models=models, values={**scenario.values, **failure})
+
+    def with_payload(self) -> tuple[Scenario, ...]:
+        """Runs of Figs. 5 to 7 in which half of m2 sits beyond the force sensor at the wrist."""
+        payload = {"plant.payload": Value(PAYLOAD, "assumed: half of m2")}
+        return tuple(
+            replace(
+                scenario,
+                name=f"{scenario.name}-wrist-payload",
+                caption=f"{scenario.caption}; a payload of {PAYLOAD:g} kg beyond the force sensor",
+                models={**scenario.models, "plant": "PlantWristPayload"},
+                values={**scenario.values, **payload},
+                sources={"sensor.F_ext": "plant.F_wrist"},
+            )
+            for scenario in self.adaptive()
+        )
+
     def _adaptive(self, name: str, caption: str, controller: str, numbers: Mapping[str, float]) -> Scenario:
         noise = settings.sensor(self.calibration.values, self.calibration.noise_bound)
         values = {**self._common(), **_DAMPING, **_known_masses(WRONG_M2), **_SEED, **_calibrated({**noise, **numbers})}
@@ -253,5 +304,28 @@ VARIANTS = _by_name(_CHOSEN_RUNS.fixed_inverse(), _CHOSEN_RUNS.ideal())
 AT_FIRST = _by_name(*_FIRST_RUNS.adaptive(), _FIRST_RUNS.fixed_inverse(), _FIRST_RUNS.ideal())
 """The runs of Figs. 5 to 7 at the earlier calibration: ``fig5-first``, ``fig6-first`` and so on."""
 
-ALL_SCENARIOS: Mapping[str, Scenario] = {**SCENARIOS, **VARIANTS, **AT_FIRST}
+WITHOUT_CORIOLIS = _by_name(
+    replace(
+        SCENARIOS["fig7"],
+        name="fig7-no-coriolis",
+        caption="Algorithm 2 without the term C_x s",
+        models={**SCENARIOS["fig7"].models, "controller": NO_CORIOLIS},
+    )
+)
+"""The run of Fig. 7 without the term C_x s: ``fig7-no-coriolis``."""
+
+WITH_FAILURE = _by_name(*_CHOSEN_RUNS.failing())
+"""Runs of both algorithms with a sensor that fails: ``sensor-dropout``, ``sensor-dropout-craig`` and so on."""
+
+WITH_PAYLOAD = _by_name(*_CHOSEN_RUNS.with_payload())
+"""Runs of Figs. 5 to 7 with a payload beyond the wrist sensor: ``fig5-wrist-payload`` and so on."""
+
+ALL_SCENARIOS: Mapping[str, Scenario] = {
+    **SCENARIOS,
+    **VARIANTS,
+    **AT_FIRST,
+    **WITHOUT_CORIOLIS,
+    **WITH_FAILURE,
+    **WITH_PAYLOAD,
+}
 """Every scenario that has a name."""

@@ -33,3 +33,18 @@ def test_11_as_many_events_as_a_step_may_have(tmp_path: Path, create: Create) ->
     for u in (3.0, -1.0, 3.0):
         assert instance.set({"u": u}) == OK
         assert instance.step(0.5) == OK
+
+
+def test_11_events_at_one_instant_are_all_seen(tmp_path: Path, create: Create) -> None:
+    """Three indicators cross zero at t = 0.25 s: two with the same bits, the third in the other direction."""
+    model = ContinuousModel("Together", "Changes three modes at one instant", dt_max=1.0)
+    x, y = model.state("x", 0.0), model.state("y", 0.0)
+    rising, twice, falling = (model.event(f"e{i}", z) for i, z in enumerate((x - 0.25, 2 * x - 0.5, 0.25 - x)))
+    model.derivative(x, 1.0)
+    model.derivative(y, 1.0 * rising + 10.0 * twice + 100.0 * falling)
+    model.output("y", y, description="Sum of the times in the modes")
+    fmu = Binary(build(model, tmp_path, cache=tmp_path / "cache"), tmp_path / "unpacked")
+    instance = create(fmu).initialize()
+    assert instance.step(1.0) == OK
+    # 11 for 0.75 s and 100 for 0.25 s; the crossing is located to 4 EPS of the sub-step of 1 s.
+    assert abs(instance.get("y")[0] - (0.75 * 11 + 0.25 * 100)) <= 111 * 8 * 2.0**-52

@@ -3,13 +3,14 @@
 The right-hand side is written in closed form. DOP853 integrates it from one contact event to the next.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
 from scipy.integrate import solve_ivp
 
 RTOL, ATOL = 3e-14, 1e-16
+INSTANT = 1e-12  # s; events that are closer together happen at one instant
 MAX_STEP = 2e-4  # s; keeps the dense output, on which events are found, as accurate as the steps
 
 
@@ -96,15 +97,24 @@ class Throw:
         """Return the damping factor 1 + D_f d(gap)/dt of Hunt and Crossley's contact law."""
         return float(1 + self.D_f * self.normal @ self.jacobian(state[:2]) @ state[2:])
 
-    def derivative(self, state: np.ndarray, contact: bool, pushing: bool) -> np.ndarray:
-        """Return the derivative of the state (q, dq), shape (4,), while the wall is in contact and pushes or not."""
+    def force(self, state: np.ndarray) -> np.ndarray:
+        """Return the force of the tip on a wall that is in contact and pushes, N, shape (2,)."""
+        along = np.array([-self.normal[1], self.normal[0]])
+        sliding = np.tanh(along @ self.jacobian(state[:2]) @ state[2:] / self.friction_velocity)
+        return self.K_f * self.gap(state) * self.factor(state) * (self.normal + self.mu * sliding * along)
+
+    @property
+    def indicators(self) -> dict[str, Callable[[np.ndarray], float]]:
+        """Functions of the state whose changes of sign are the events, by the name of the mode that each changes."""
+        return {"contact": self.gap, "pushing": self.factor}
+
+    def derivative(self, state: np.ndarray, modes: Mapping[str, bool]) -> np.ndarray:
+        """Return the derivative of the state (q, dq), shape (4,), in given modes of the force law."""
         q, dq = state[:2], state[2:]
         (_, m2), (l1, l2), J = self.m, self.l, self.jacobian(q)
         F = np.zeros(2)
-        if contact and pushing:
-            along = np.array([-self.normal[1], self.normal[0]])
-            sliding = np.tanh(along @ J @ dq / self.friction_velocity)
-            F = self.K_f * self.gap(state) * self.factor(state) * (self.normal + self.mu * sliding * along)
+        if modes["contact"] and modes["pushing"]:
+            F = self.force(state)
         c = m2 * l1 * l2 * np.sin(q[1])
         coriolis = c * np.array([-dq[1] * dq[0] - (dq[0] + dq[1]) * dq[1], dq[0] ** 2])
         g2 = m2 * self.gravity * l2 * np.cos(q[0] + q[1])
@@ -115,25 +125,29 @@ class Throw:
 
 def solve(throw: Throw, T: float) -> tuple[np.ndarray, list[str]]:
     """Return the state at T, s, shape (4,), and the events on the way, such as ``["+contact", "-pushing"]``."""
-    indicators: dict[str, Callable[[np.ndarray], float]] = {"contact": throw.gap, "pushing": throw.factor}
-    t, state, log = 0.0, throw.start, []
+    indicators, t, state, log = throw.indicators, 0.0, throw.start, []
+    flipped: dict[str, float] = {}  # when a mode changed last, s
     modes = {name: z(state) > 0 for name, z in indicators.items()}
     while True:
-        events = [_crossing(z, rising=not modes[name]) for name, z in indicators.items()]
+        events = [crossing(z, rising=not modes[name]) for name, z in indicators.items()]
 
-        def rhs(_: float, y: np.ndarray, fixed: tuple[bool, bool] = (modes["contact"], modes["pushing"])) -> np.ndarray:
-            return throw.derivative(y, *fixed)
+        def rhs(_: float, y: np.ndarray, fixed: Mapping[str, bool] = dict(modes)) -> np.ndarray:
+            return throw.derivative(y, fixed)
 
         piece = solve_ivp(rhs, (t, T), state, "DOP853", events=events, rtol=RTOL, atol=ATOL, max_step=MAX_STEP)
         t, state = piece.t[-1], piece.y[:, -1]
         if piece.status == 0:
             return state, log
-        name = next(n for n, times in zip(indicators, piece.t_events, strict=True) if times.size)
-        modes[name] = not modes[name]
-        log.append(("+" if modes[name] else "-") + name)
+        crossed = [n for n, times in zip(indicators, piece.t_events, strict=True) if times.size and times[-1] == t]
+        # Rounding may have moved the crossing of another indicator to just before this one, where it is not seen again.
+        settled = [name for name in indicators if t - flipped.get(name, -1.0) > INSTANT and name not in crossed]
+        crossed += [name for name in settled if (indicators[name](state) > 0) != modes[name]]
+        for name in crossed:
+            flipped[name], modes[name] = t, not modes[name]
+            log.append(("+" if modes[name] else "-") + name)
 
 
-def _crossing(indicator: Callable[[np.ndarray], float], *, rising: bool) -> Callable[[float, np.ndarray], float]:
+def crossing(indicator: Callable[[np.ndarray], float], *, rising: bool) -> Callable[[float, np.ndarray], float]:
     """Return a terminal event for `solve_ivp`."""
 
     def event(_: float, y: np.ndarray) -> float:

@@ -39,6 +39,7 @@ def study(fmu_folder: Path) -> Study:
     return study.samples(FACTORS, n=ROWS, method="latin-hypercube", seed=15)
 
 
+@pytest.mark.filterwarnings("ignore::orchestration.DifferentWallsWarning")  # one of the walls is wrong on purpose
 def test_rows_are_those_of_simulate(study: Study, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(running, "engine_for", NativeEngine)
     table = study.run(workers=2)

@@ -9,8 +9,10 @@ from orchestration.fmi.codes import Status
 from tests.driver import Driver
 from tests.property.samples import EPS
 
+Wall = tuple[tuple[float, float], float, float]  # normal, offset and depth
+
 H, SAMPLES = 2e-3, 1000
-WALLS = {
+WALLS: dict[str, Wall] = {
     "paper": ((-1.0, 0.0), 1.45, 0.01),
     "floor": ((0.0, -1.0), 0.7, 0.02),
     "slanted": ((0.6, 0.8), 0.9, 0.015),
@@ -21,9 +23,9 @@ SIGNALS = [f"{name}[{i}]" for name in ("x_v", "dx_v", "ddx_v") for i in (1, 2)]
 ROUNDING = 30 * EPS * 15
 
 
-def shown(driver: Driver, wall: str, shape: tuple[float, float, float] = (1.5, 1.0, 2.0)) -> np.ndarray:
+def shown(driver: Driver, wall: Wall, shape: tuple[float, float, float] = (1.5, 1.0, 2.0)) -> np.ndarray:
     """What the FMU shows at its ticks, shape (SAMPLES, 3, 2): x_v, dx_v, ddx_v."""
-    (n1, n2), offset, depth = WALLS[wall]
+    (n1, n2), offset, depth = wall
     start = {"wall_normal[1]": n1, "wall_normal[2]": n2, "wall_offset": offset, "depth": depth}
     start |= {"semi_axis[1]": shape[0], "semi_axis[2]": shape[1], "period": shape[2], "sample_time": H}
     driver.initialize(start)
@@ -50,7 +52,7 @@ def frame(wall: str) -> tuple[np.ndarray, np.ndarray, float]:
 
 @pytest.mark.parametrize("wall", WALLS)
 def test_straight_segment_holds_the_normal_component_only(open_fmu: Callable[..., Driver], wall: str) -> None:
-    value, free, (n, t, distance) = shown(open_fmu("VirtualTrajectory"), wall), ellipse(), frame(wall)
+    value, free, (n, t, distance) = shown(open_fmu("VirtualTrajectory"), WALLS[wall]), ellipse(), frame(wall)
     straight = free[:, 0] @ n > distance
     assert 50 < straight.sum() < SAMPLES - 50
     np.testing.assert_allclose(value[~straight], free[~straight], rtol=0, atol=ROUNDING)
@@ -62,7 +64,7 @@ def test_straight_segment_holds_the_normal_component_only(open_fmu: Callable[...
 @pytest.mark.parametrize("wall", WALLS)
 def test_rates_are_the_derivatives_of_the_position(open_fmu: Callable[..., Driver], wall: str) -> None:
     """Central differences over H, where the three samples lie on one side of a corner."""
-    value, (n, _, distance) = shown(open_fmu("VirtualTrajectory"), wall), frame(wall)
+    value, (n, _, distance) = shown(open_fmu("VirtualTrajectory"), WALLS[wall]), frame(wall)
     straight = ellipse()[:, 0] @ n > distance
     smooth = (straight[2:] == straight[1:-1]) & (straight[:-2] == straight[1:-1])
     assert smooth.sum() > SAMPLES - 10
@@ -75,7 +77,7 @@ def test_rates_are_the_derivatives_of_the_position(open_fmu: Callable[..., Drive
 
 def test_without_a_wall_in_reach_it_is_the_whole_ellipse(open_fmu: Callable[..., Driver]) -> None:
     shape = (0.8, 0.3, 0.7)  # nearest edge of the wall at 1.46 m
-    value = shown(open_fmu("VirtualTrajectory"), "paper", shape)
+    value = shown(open_fmu("VirtualTrajectory"), WALLS["paper"], shape)
     w = 2 * np.pi / shape[2]
     # Angles up to 18 rad and rates up to w^2 * 0.8.
     np.testing.assert_allclose(value, ellipse(shape), rtol=0, atol=30 * EPS * 0.8 * w**2)

@@ -3,7 +3,7 @@
 A run that makes no error message may still be wrong. The examination asks, in this order:
 
     the wiring        sampling periods, algebraic loops, delays, units, what other tools would lose
-    the FMUs          whether their sub-steps are short enough for their stiffest springs
+    the FMUs          whether their sub-steps are short enough for their stiffest springs, and their walls are the same
     stability         the verdict of `orchestration.analysis.stability`, weighed with the duration of the run
     accuracy          the same run with halved steps
     energy            what the coupling adds to the power bonds that physical units show
@@ -30,6 +30,7 @@ from orchestration.fmi.given import positive, require_type
 from orchestration.fmi.isolation import Isolation
 from orchestration.master.algorithm import Algorithm, find_algorithm
 from orchestration.master.stiffness import SUB_STEP, stiff_components
+from orchestration.master.walls import different_walls
 from orchestration.stages import stage
 from orchestration.system.system import System
 
@@ -118,6 +119,7 @@ def diagnose(
 def _examined(case: Case, spell: Spelling) -> Iterator[Finding]:
     """Findings that need no run."""
     yield from _stiffness(case, spell)
+    yield from _walls(case, spell)
     yield from loop_findings(case, spell)
     yield from delay_findings(case, spell)
     yield from period_findings(case)
@@ -165,4 +167,18 @@ def _stiffness(case: Case, spell: Spelling) -> Iterator[Finding]:
             {"rate": found.rate, "sub_step": found.sub_step, "advised": found.advised},
             f"Set {path} to {found.advised:g} s or less.",
             spell(case.but(values={path: found.advised})),
+        )
+
+
+def _walls(case: Case, spell: Spelling) -> Iterator[Finding]:
+    for found in different_walls(case.system):
+        one, other = found.told
+        yield Finding(
+            "different-walls",
+            Severity.WARNING,
+            f"{found.components[0]}.{found.name}",
+            f"{one}, but {other}: both are told of one wall, so the arm pushes with a wrong force, or not at all.",
+            dict(zip(found.components, (list(values) for values in found.values), strict=True)),
+            f"Set both to the same value, such as that of {found.components[1]}.",
+            spell(case.but(values=found.agreed)),
         )

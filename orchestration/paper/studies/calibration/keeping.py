@@ -15,7 +15,7 @@ from orchestration.paper.studies.calibration.trial import Bench
 from orchestration.paper.studies.native_runs import Runner
 
 PERTURBATIONS = 32
-PERTURBED_SEEDS = tuple(range(1, 6))
+PERTURBED_SEEDS = tuple(range(1, 17))
 FAILED = "a run fails"
 
 
@@ -91,7 +91,7 @@ def prove(laboratory: Runner, setting: Setting, pool: Executor, n: int = PERTURB
 
 def _broken_at(laboratory: Runner, setting: Setting) -> tuple[str, ...]:
     try:
-        return broken(Bench(laboratory, setting).trial(PERTURBED_SEEDS))
+        return broken(Bench(laboratory, setting).sketch(PERTURBED_SEEDS))
     except (SimulationError, NoContactError):
         return (FAILED,)
 

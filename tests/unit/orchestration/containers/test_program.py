@@ -259,6 +259,7 @@ def test_a_conversion_that_overflows_is_refused_as_by_the_fmu(small: dict[str, P
     )
 
 
+@pytest.mark.filterwarnings("ignore::orchestration.DifferentWallsWarning")  # one of the walls is wrong on purpose
 @pytest.mark.parametrize(
     "values",
     [

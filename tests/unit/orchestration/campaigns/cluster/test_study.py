@@ -20,7 +20,8 @@ ROWS = 200
 RANGES = {"plant.K_f": "1e4:1e6 log", "plant.mu": "0:0.3", "controller.K_d": "50:400"}
 MEASURES = ("max(abs(controller.e[1]))", "rms(norm(controller.e), where=norm(plant.F_ext) > 0)")
 SHORT = 0.02  # s, 200 steps
-NEAR = {"plant.wall_offset": -1.4995}  # m, half a millimetre beside the tip, which is in contact from 8 ms on
+# m, half a millimetre beside the tip, which is in contact from 8 ms on
+NEAR = {"plant.wall_offset": -1.4995, "trajectory.wall_offset": -1.4995}
 
 
 def a_study(*measures: Any) -> Study:
