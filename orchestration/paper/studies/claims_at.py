@@ -96,14 +96,18 @@ def _reference(found: Evidence) -> Values:
 
 
 def _deviation(found: Evidence) -> Values:
-    ranges = [float(np.median([s.m2_fluctuation for s in found.noise[name]])) for name in judged.FIGURES]
-    return {**judged.deviation(found.noise), limits.M2_FLUCTUATION: ranges}
+    return {**judged.deviation(found.noise), **judged.fluctuation(found.noise)}
 
 
 def _free_motion(found: Evidence) -> Values:
     largest = judged.spread(found.noise["fig7"], lambda s: s.e_start)[1]
     ratio = largest / found.number(f"{FIXED_MASS}.e_start")
     return {**judged.free_motion(found.noise), limits.FIXED_MASS_RATIO: ratio}
+
+
+def _stable(found: Evidence, run: str) -> Values:
+    runs = found.noise[run]
+    return {limits.BOUNDED_ERROR: [s.e_max for s in runs], limits.END: [s.end for s in runs]}
 
 
 def _accurate(found: Evidence, run: str) -> Values:
@@ -205,8 +209,8 @@ _ASKED: Mapping[str, _Asked] = {
     "C10 clearly": _Asked(PAIR, lambda found: _clearly_larger(found, "fig7"), ("C10",)),
     "C14c true": _Asked((), lambda found: _stiffer(found, "true"), costly=True),
     "C14c proportional": _Asked((), lambda found: _stiffer(found, measured.PROPORTIONAL), costly=True),
-    "stable 1": _Asked(("fig5",), lambda _: {}),
-    "stable 2": _Asked((FREE,), lambda _: {}),
+    "stable 1": _Asked(("fig5",), lambda found: _stable(found, "fig5")),
+    "stable 2": _Asked((FREE,), lambda found: _stable(found, FREE)),
     "accurate 1": _Asked(("fig5",), lambda found: _accurate(found, "fig5")),
     "accurate 2": _Asked((FREE,), lambda found: _accurate(found, FREE)),
 }
