@@ -134,7 +134,10 @@ class Result(Columns, Mapping[str, np.ndarray]):
         >>> bool(abs(error - result.at_ticks("controller.e")).max() < 1e-12)
         True
         """
-        column, rows = self[name], self._tick_rows(name)
+        column, spacing = self[name], self.steps_per_tick.get(name.partition(".")[0])
+        if spacing is not None:
+            return column[1::spacing].copy()
+        rows = self._tick_rows(name)
         return column[:-1] if rows is None else column[rows + 1]
 
     def tick_times(self, name: str) -> np.ndarray:

@@ -158,14 +158,8 @@ NO_CORIOLIS_FORCE = Criterion(
 )
 
 # A sensor that fails, and torques far too small, IV-A.
-FAILURE_GROWTH = Criterion(
-    "share of the runs in which |e| grows beyond that of the run as it was", ">", 0.5, why="likely"
-)
+FAILURE_GROWTH = Criterion("share of runs in which |e| exceeds that of the healthy run", ">", 0.5, why="likely")
 FAILURE_ERROR = Criterion(
-    "|e| from the failure on",
-    "<=",
-    50e-3,
-    "mm",
-    why="a thirtieth of the ellipse's semi-axis; a run that diverges passes it",
+    "|e| from the contact on", "<=", 50e-3, "mm", why="a thirtieth of the semi-axis; what diverges passes it"
 )
 FAILURE_END = Criterion("|e| at the end", "<=", 1e-3, "mm")

@@ -48,9 +48,8 @@ def test_words(asked: Claim, expected: str) -> None:
 def test_every_link_of_the_table_leads_to_a_heading() -> None:
     claims = [claim("C1", HOLDS, first=HOLDS), claim("C2", HOLDS), claim("C4", NOT_REPRODUCED, first=NOT_REPRODUCED)]
     text = as_markdown(claims, {"fig5": "abc"}, STRENGTH)
-    headings = [
-        re.sub(r"[^\w -]", "", line[3:].lower()).replace(" ", "-") for line in text.splitlines() if line[:3] == "## "
-    ]
+    titles = [line[3:].lower() for line in text.splitlines() if line.startswith("## ")]
+    headings = {re.sub(r"[^\w -]", "", title).replace(" ", "-") for title in titles}
     links = re.findall(r"\]\(#([^)]*)\)", text)
     assert len(links) == 3
     assert set(links) <= headings
