@@ -1,4 +1,4 @@
-"""Rows of what was measured: found again by their content, resumed after an interrupt, the same numbers and sentences."""
+"""Rows of what was measured: found again by their content, resumed after an interrupt, with all their sentences."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -76,8 +76,7 @@ def test_an_identity_tells_files_apart(tmp_path: Path) -> None:
     for name, content in (("a", "1"), ("b", "2")):
         (tmp_path / name).write_text(content, encoding="utf-8")
     one, two = tmp_path / "a", tmp_path / "b"
-    found = {
-        identity_of_files(files, more) for files, more in (([one], []), ([two], []), ([one], ["x"]), ([one, two], []))
-    }
+    cases = (([one], []), ([two], []), ([one], ["x"]), ([one, two], []))
+    found = {identity_of_files(files, more) for files, more in cases}
     assert len(found) == 4
     assert identity_of_files([one], []) == identity_of_files([one], [])
