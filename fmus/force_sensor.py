@@ -11,8 +11,8 @@ with log1p(x) = ln(1 + x) and expm1(x) = exp(x) - 1, which keep their digits whe
 noise_bound; the distribution then is the uniform one on the disc of radius noise_bound. The numbers u0, u1 are
 uniform in (0, 1), drawn anew at each tick from (seed, tick). With a `noise_period` longer than a tick the error
 has a bandwidth: draw k serves the ticks from k noise_period on, and is held until the next draw. Such a
-noise_period must be a whole multiple of the sampling period. With `contact_gated` the error is zero while no force acts. A
-bias, a range and a resolution follow, all off by default:
+noise_period must be a whole multiple of the sampling period. With `contact_gated` the error is zero while no
+force acts. A bias, a range and a resolution follow, all off by default:
 
     F_hat = resolution floor(clip(F_ext + bias + error, -range, range) / resolution + 1/2)
 

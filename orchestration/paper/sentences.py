@@ -206,7 +206,11 @@ THEORY = (
     Sentence("IV-A: the matrix dH_x/dt - 2 C_x is skew-symmetric.", (), ["C18"]),
     Sentence("IV-A: V_s decreases where |s| exceeds delta/k_d, so s, e and de are bounded.", (), ["C14b"]),
     Sentence("IV-A: a larger K_d makes s smaller.", (), ["C14c"]),
-    Sentence("IV-A: if the sensor fails, the error may grow and stays bounded.", (), ["C19"]),
+    Sentence(
+        "IV-A: if a large force saturates the actuators or the sensor fails, the error likely grows and stays bounded.",
+        (),
+        ["C19a", "C19b"],
+    ),
     Sentence("IV-B: algorithm 2 needs neither the acceleration nor an inverse of the inertia.", (), ["C12a"]),
     Sentence("IV-B: the estimate may be updated at a lower rate.", (), ["C12b"]),
     Sentence(
