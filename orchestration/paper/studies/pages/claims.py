@@ -26,7 +26,7 @@ SENTENCES: Mapping[str, str] = {
     "C12b": "m2_hat may be updated at a lower rate",
     "C13": "the TIRT need only be integrated during contact",
     "C14a": "V_c decreases during contact",
-    "C14b": "V_s decreases where |s| >= delta/k_d, and s and e keep their bounds",
+    "C14b": "V_s decreases where s is at least delta/k_d, and s and e keep their bounds",
     "C14c": "a larger K_d gives a smaller s, from m2_hat = 2.5 kg on",
     "C16": "the variant with a fixed inverse does the same task",
     "C17": "gamma* of (26) bounds the needed gamma",
@@ -69,7 +69,7 @@ def overview(columns: Answers, chosen: Mapping[str, bool]) -> str:
     return f"""## The claims
 
 {table(heads, rows)}
-The verdict at the chosen values is that of 30 seeds. C7 and C10 compare errors of two figures, and with one seed either
+The verdict at the chosen values is that of all seeds at once, below. C7 and C10 compare errors of two figures, and with one seed either
 may be larger by chance. They are said to hold elsewhere if the errors are clearly larger there, by
 {100 * (CLEARLY - 1):.0f} % or more. The words are those of [claims.md](claims.md): a claim *holds* if it does so at the
 chosen values and in at least 5 % of the settings.

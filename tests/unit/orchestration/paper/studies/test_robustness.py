@@ -29,14 +29,14 @@ DOCS = Path(__file__).parents[5] / "docs"
 
 
 def test_kept_rows_are_made_again() -> None:
-    """Quick rows among the later settings, to the last answer but those that a last bit may turn."""
+    """Quick rows among the later settings, in all that does not need the switching of algorithm 1."""
     kept = read_table(DOCS / TABLE)
     quick = np.flatnonzero(settings(len(kept))["sample_time"] == 1e-4)
     lab, found = laboratory(), first_settings(len(kept))
     numbers = quick[quick >= COSTLY][:5].tolist()
-    rows = [row_at(lab, found[number], number + 1) for number in numbers]
-    again = np.array([answer(row, costly=False) for row in rows])
-    assert (again != kept[numbers]).mean() < 0.02, "of 155 answers at most three"
+    again = np.array([answer(row_at(lab, found[number], number + 1), costly=False) for number in numbers])
+    same = [COLUMNS.index(name) for name in ("C1", "C2", "C3a", "C3b", "C9", "C13", "fig7 failed")]
+    np.testing.assert_array_equal(again[:, same], kept[numbers][:, same])
 
 
 def test_page_and_strength_are_those_of_the_kept_table() -> None:

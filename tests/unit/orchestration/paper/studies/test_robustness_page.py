@@ -18,7 +18,8 @@ from orchestration.paper.studies.together import CHOSEN_ORIGIN, Judged, Search
 
 N, ASKED = 256, 64
 EFFECTS = {"fig6/fig5 e_contact": paired_effect([1.1, 1.2, 1.3, 1.4, 1.5, 0.9], np.ones(6))}
-SEEDS = OverSeeds(1000, {**dict.fromkeys(CLAIMS, 1000), "C8": 960}, dict.fromkeys(CLAIMS, True), EFFECTS)
+TOGETHER = {**dict.fromkeys(CLAIMS, True), "C7": False, "C13": False}
+SEEDS = OverSeeds(1000, {**dict.fromkeys(CLAIMS, 1000), "C8": 960}, TOGETHER, EFFECTS)
 
 
 def table() -> np.ndarray:
