@@ -279,7 +279,11 @@ def export(
 def build(
     files: Annotated[
         list[Path] | None,
-        typer.Argument(metavar="FILE.py", help="Python files that declare models.", show_default="every model"),
+        typer.Argument(
+            metavar="FILE.py",
+            help="Python files that declare models, or names of shipped models and their variants.",
+            show_default="every model",
+        ),
     ] = None,
     out: Annotated[
         Path | None,

@@ -17,7 +17,10 @@ IMAGES = ("png", "svg")
 
 
 def build_fmus(files: Sequence[Path], out: Path, platforms: Sequence[str], *, reals: bool = False) -> None:
-    """Build the models of Python files into a folder, or every model of the catalog if no file is given."""
+    """Build models of the catalog by name and those of Python files into a folder; without any, the whole catalog.
+
+    Variants in the catalog are built by name only.
+    """
     from adaptimp_fmu import PLATFORMS
     from fmus.catalog import MODELS
     from orchestration.cli.models import models_of

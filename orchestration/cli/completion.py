@@ -39,18 +39,20 @@ def ready_studies(incomplete: str) -> list[str]:
 
 
 def controllers(incomplete: str) -> list[str]:
-    """Models of shipped controllers, and FMU files."""
+    """Models of shipped controllers and their variants, and FMU files."""
+    from fmus.catalog import VARIANTS
     from orchestration.paper.scenarios import ALL_SCENARIOS
 
     shipped = dict.fromkeys(s.models["controller"] for s in ALL_SCENARIOS.values())
-    return _beginning(incomplete, [*shipped, *_files(incomplete, FILES[:1])])
+    variants = [name for name in VARIANTS if any(name.startswith(controller) for controller in shipped)]
+    return _beginning(incomplete, [*shipped, *variants, *_files(incomplete, FILES[:1])])
 
 
 def subjects(incomplete: str) -> list[str]:
     """All that ``adaptimp info`` can look at."""
-    from fmus.catalog import MODELS
+    from fmus.catalog import MODELS, VARIANTS
 
-    return [*systems(incomplete), *_beginning(incomplete, [*MODELS, *_files(incomplete, RESULTS)])]
+    return [*systems(incomplete), *_beginning(incomplete, [*MODELS, *VARIANTS, *_files(incomplete, RESULTS)])]
 
 
 def algorithms(incomplete: str) -> list[str]:
@@ -94,10 +96,10 @@ def _components(name: str, asked: str | None, causalities: tuple[str, ...]) -> I
     from orchestration.paper.scenarios import ALL_SCENARIOS
 
     if name in ALL_SCENARIOS:
-        from fmus.catalog import MODELS
+        from fmus.catalog import model as declared
 
         for component, identifier in ALL_SCENARIOS[name].models.items():
-            model = MODELS[identifier]() if component == asked else None
+            model = declared(identifier) if component == asked else None
             causality = {v.name: _causality(v.role) for v in model.variables} if model else {}
             yield component, _named(causality, causalities)
     elif Path(name).suffix.lower() in FILES:

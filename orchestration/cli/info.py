@@ -49,7 +49,7 @@ def print_info(name: str, variant: str | None = None, *, json: bool) -> None:
 
 
 def _facts(name: str, variant: str | None) -> dict[str, Any]:
-    from fmus.catalog import MODELS
+    from fmus.catalog import MODELS, VARIANTS
     from orchestration.paper.scenarios import ALL_SCENARIOS
 
     path, suffix = Path(name), Path(name).suffix.lower()
@@ -59,11 +59,11 @@ def _facts(name: str, variant: str | None) -> dict[str, Any]:
         return system_facts(named_system(name, variant), variants_of(path))
     if suffix in READERS:
         return result_facts(path)
-    if suffix == FMU or name in MODELS:
+    if suffix == FMU or name in MODELS or name in VARIANTS:
         return fmu_facts(named_fmu(name))
     if name in ALL_SCENARIOS:
         return system_facts(named_system(name, variant))
-    known = [*ALL_SCENARIOS, *MODELS]
+    known = [*ALL_SCENARIOS, *MODELS, *VARIANTS]
     msg = f"{name} is neither an .fmu, .ssp, .ssd, .csv or .parquet file nor a scenario or a shipped FMU; "
     raise UnknownNameError(msg + suggestion(name, known))
 

@@ -2,7 +2,7 @@
 
 import json as formats
 
-from fmus.catalog import MODELS
+from fmus.catalog import MODELS, VARIANTS
 from orchestration.campaigns.measuring.registry import ready_measures
 from orchestration.cli.output import output, width
 from orchestration.cli.tables import definitions
@@ -12,17 +12,20 @@ from orchestration.paper.scenarios import ALL_SCENARIOS
 USES = {
     "scenarios": "run NAME",
     "fmus": "info NAME",
+    "variants": "info NAME",
     "algorithms": "run fig2 --algorithm NAME",
     "measures": "sweep fig5 --seeds 1-3 --measure NAME",
 }
 """What is listed, and the command that takes a name."""
+_TITLES = {"fmus": "FMUs", "variants": "Variants of FMUs, built when they are named"}
 
 
 def list_all(*, json: bool) -> None:
-    """Print the names of all scenarios, shipped FMUs and algorithms, each with what it is."""
+    """Print the names of all scenarios, FMUs, their variants and algorithms, each with what it is."""
     found = {
         "scenarios": {name: scenario.caption for name, scenario in ALL_SCENARIOS.items()},
         "fmus": {name: declare().description for name, declare in MODELS.items()},
+        "variants": {name: declare().description for name, declare in VARIANTS.items()},
         "algorithms": dict(SUMMARIES),
         "measures": {name: summary for name, (_, summary) in ready_measures().items()},
     }
@@ -32,7 +35,7 @@ def list_all(*, json: bool) -> None:
     for title, use in USES.items():
         if title != "scenarios":
             output.data("")
-        output.data(f"{'FMUs' if title == 'fmus' else title.capitalize()}  (adaptimp {use})")
+        output.data(f"{_TITLES.get(title, title.capitalize())}  (adaptimp {use})")
         output.data(definitions(list(found[title].items()), width(), "  "))
 
 

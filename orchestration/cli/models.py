@@ -1,4 +1,4 @@
-"""Finds the models that a user's Python file declares, for ``adaptimp build FILE.py``.
+"""Finds the models that a user's Python file declares, for ``adaptimp build FILE.py``, or that are shipped under a name.
 
 The file declares models at its top level, and each of them is built:
 
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 
 def models_of(files: Sequence[Path]) -> "list[Model]":
-    """Return the models that Python files name at their top level, in their order.
+    """Return the models of the catalog by name, and those that Python files name at their top level, in their order.
 
     A model without documentation gets the docstring of its file.
 
@@ -45,9 +45,13 @@ def models_of(files: Sequence[Path]) -> "list[Model]":
 
 def _models(path: Path) -> "list[Model]":
     from adaptimp_fmu import Model
+    from fmus.catalog import MODELS, VARIANTS, model
 
+    if str(path) in MODELS or str(path) in VARIANTS:
+        return [model(str(path))]
     if path.suffix != ".py" or not path.is_file():
-        msg = f"{path}: there is no such Python file; build takes files that declare models, or none for all FMUs."
+        known = "files that declare models, names of shipped models, or none for all FMUs"
+        msg = f"{path}: there is no such Python file; build takes {known}."
         raise SystemDescriptionError(msg)
     names = _run(path)
     models = [value for value in names.values() if isinstance(value, Model)]
@@ -55,9 +59,9 @@ def _models(path: Path) -> "list[Model]":
         msg = f"{path} names no model at its top level; declare one, such as model = SampledModel(...)."
         raise SystemDescriptionError(msg)
     docstring = names.get("__doc__")
-    for model in models:
-        if not model.documentation and isinstance(docstring, str):
-            model.documentation = {path.stem: inspect.cleandoc(docstring)}
+    for one in models:
+        if not one.documentation and isinstance(docstring, str):
+            one.documentation = {path.stem: inspect.cleandoc(docstring)}
     return models
 
 

@@ -36,6 +36,14 @@ WRONG = {
 }
 
 
+def test_a_shipped_model_and_a_variant_are_built_by_name(adaptimp: Command) -> None:
+    outcome = adaptimp("build", "ForceSensor", "FailingForceSensor", "--out", "built")
+    assert (outcome.code, outcome.err) == (0, "")
+    assert re.fullmatch(r"built.ForceSensor\.fmu  \d+ kB\nbuilt.FailingForceSensor\.fmu  \d+ kB\n", outcome.out)
+    by_name = adaptimp("info", "FailingForceSensor")
+    assert by_name.out.startswith("FailingForceSensor: FMI 2.0 FMU for co-simulation\n")
+
+
 def test_a_model_of_a_file_is_built_with_its_docstring(adaptimp: Command, tmp_path: Path) -> None:
     (tmp_path / "gain.py").write_text(GAIN, encoding="utf-8")
     path, before = sys.path[:], set(sys.modules)

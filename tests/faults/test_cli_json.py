@@ -141,7 +141,7 @@ def test_a_result_without_finite_numbers_is_valid_json(adaptimp: Command, tmp_pa
 
 def test_other_commands_print_one_object(adaptimp: Command, fmu_folder: Path) -> None:
     listed = json.loads(adaptimp("list", "--json").out)
-    assert list(listed) == ["scenarios", "fmus", "algorithms", "measures"]
+    assert list(listed) == ["scenarios", "fmus", "variants", "algorithms", "measures"]
     reasons = json.loads(adaptimp("run", "fig2", "--assumptions", "--json").out)
     assert reasons["plant.gravity"].startswith("assumed: ")
     report = json.loads(adaptimp("check", fmu_folder / "Plant.fmu", "--json").out)

@@ -13,11 +13,12 @@ from pathlib import Path
 import pytest
 
 from fmus.catalog import MODELS
+from fmus.catalog import VARIANTS as MODEL_VARIANTS
 from orchestration import Result, System, simulate
 from orchestration.cli.app import app
 from orchestration.cli.codes import MEANINGS
 from orchestration.master.algorithm import ALGORITHMS, SUMMARIES
-from orchestration.paper.scenarios import SCENARIOS, VARIANTS
+from orchestration.paper.scenarios import ALL_SCENARIOS
 from tests.faults.cli import Command
 
 ADAPTIMP = Path(sysconfig.get_path("scripts")) / "adaptimp"
@@ -61,7 +62,7 @@ def test_the_page_names_the_exit_codes_and_commands() -> None:
 
 def test_list_names_everything_with_a_line(adaptimp: Command) -> None:
     text = adaptimp("list").out
-    for name in (*SCENARIOS, *VARIANTS, *MODELS, *ALGORITHMS):
+    for name in (*ALL_SCENARIOS, *MODELS, *MODEL_VARIANTS, *ALGORITHMS):
         assert re.search(rf"^  {re.escape(name)} +\w.{{9}}", text, re.MULTILINE), name
     assert set(SUMMARIES) == set(ALGORITHMS)
 
