@@ -16,11 +16,9 @@ from adaptimp_fmu.errors import DefinitionError
 from adaptimp_fmu.icon import Icon
 from adaptimp_fmu.metadata import Experiment, Ownership
 from adaptimp_fmu.names import suggestion
+from adaptimp_fmu.per_element import PerElement, Start, per_element, start_numbers
 from adaptimp_fmu.references import ParameterSet, ReferenceRun
-from adaptimp_fmu.variables import INTEGER_LIMIT, Role, Type, Variable, element_names
-
-Start = float | Sequence[float]
-PerElement = str | Sequence[str]
+from adaptimp_fmu.variables import INTEGER_LIMIT, Role, Type, Variable, element_names, matrix_names
 
 
 @dataclass(frozen=True)
@@ -47,6 +45,8 @@ class Limits:
             raise DefinitionError(msg)
 
 
+SYMMETRY = 1e-12
+"""Relative difference up to which two elements of a matrix are taken for equal."""
 ANY = Limits()
 POSITIVE = Limits(minimum=1e-12)
 NOT_NEGATIVE = Limits(minimum=0.0)
@@ -76,12 +76,12 @@ class Check:
 
 @dataclass(frozen=True)
 class Declaration:
-    """Name, role, type and range of a variable that is declared."""
+    """Name, role, type and range of a variable that is declared; one range for all elements, or one each."""
 
     name: str
     role: Role
     type: Type
-    limits: Limits = ANY
+    limits: Limits | Sequence[Limits] = ANY
 
 
 @dataclass
@@ -189,6 +189,68 @@ class Model:
         self.parameter_symbols.append(symbol)
         return symbol
 
+    def symmetric_parameter(
+        self,
+        name: str,
+        diagonal: Sequence[float],
+        *,
+        unit: PerElement = "",
+        description: PerElement,
+        limits: Limits = ANY,
+        tunable: bool = False,
+    ) -> ca.SX:
+        """Declare a symmetric matrix of n rows as a parameter.
+
+        All elements are declared, row by row: ``name[1,1]``, ``name[1,2]``, ..., ``name[n,n]``, because FMI 2.0 knows
+        arrays without holes only. An element must be equal to the one across the diagonal to rounding, else it is an
+        error when the parameters begin to act; the upper triangle is what counts.
+
+        Parameters
+        ----------
+        diagonal
+            Start values of the diagonal, shape (n,); the others start at 0.
+        unit, description
+            One for all elements, or one each.
+        limits
+            Range of the elements of the diagonal; the others may have any value.
+        tunable
+            Whether it may change between steps.
+
+        Returns
+        -------
+        SX
+            The matrix of its symbols, shape (n, n).
+
+        Raises
+        ------
+        DefinitionError
+            If a name, a unit, a start value or its range cannot be declared.
+
+        Examples
+        --------
+        >>> from adaptimp_fmu import POSITIVE, SampledModel
+        >>> model = SampledModel("Spring", "A spring in the plane")
+        >>> K = model.symmetric_parameter("K", [4e3, 4e3], unit="N/m", limits=POSITIVE, description="Stiffness")
+        >>> [variable.name for variable in model.variables], K.shape
+        (['sample_time', 'K[1,1]', 'K[1,2]', 'K[2,1]', 'K[2,2]'], (2, 2))
+        """
+        values, _ = start_numbers(diagonal, f"{self.name}.{name}")
+        n = len(values)
+        places = [(i, j) for i in range(n) for j in range(n)]
+        starts = [values[i] if i == j else 0.0 for i, j in places]
+        role = Role.TUNABLE_PARAMETER if tunable else Role.FIXED_PARAMETER
+        ranges = [limits if i == j else ANY for i, j in places]
+        declared = Declaration(name, role, Type.REAL, ranges)
+        self._add_variables(declared, matrix_names(name, n), starts, (unit, "", description))
+        symbol = ca.SX.sym(name, len(places))
+        self.parameter_symbols.append(symbol)
+        matrix = ca.reshape(symbol, n, n).T
+        diagonals = ca.sqrt(ca.fabs(ca.mtimes(ca.diag(matrix), ca.diag(matrix).T)))
+        rounding = SYMMETRY * (ca.fabs(matrix) + ca.fabs(matrix.T) + diagonals)
+        differing = ca.sum1(ca.vec(ca.fabs(matrix - matrix.T) > rounding))
+        self.require(0.5 - differing, f"{name} must be symmetric: {name}[i,j] and {name}[j,i] must be equal; set both")
+        return ca.triu2symm(ca.triu(matrix))
+
     def input(
         self,
         name: str,
@@ -286,7 +348,7 @@ class Model:
 
     def _declare(self, declared: Declaration, start: Start, texts: tuple[PerElement, PerElement, PerElement]) -> ca.SX:
         """Add the scalars of a variable; returns its symbol."""
-        starts, shape = _starts(start, f"{self.name}.{declared.name}")
+        starts, shape = start_numbers(start, f"{self.name}.{declared.name}")
         self._add_variables(declared, element_names(declared.name, shape), starts, texts)
         return ca.SX.sym(declared.name, len(starts))
 
@@ -304,42 +366,11 @@ class Model:
             msg = f"{self.name} already has a variable {name}; give the other one another name."
             raise DefinitionError(msg)
         what = ("units", "display units", "descriptions")
-        each = zip(*(_per_element(text, names, w) for text, w in zip(texts, what, strict=True)), strict=True)
-        least, most = declared.limits.minimum, declared.limits.maximum
-        for element, start, (unit, shown, text) in zip(names, starts, each, strict=True):
+        each = zip(*(per_element(text, names, w) for text, w in zip(texts, what, strict=True)), strict=True)
+        ranges = [declared.limits] * len(names) if isinstance(declared.limits, Limits) else declared.limits
+        for element, start, limits, (unit, shown, text) in zip(names, starts, ranges, each, strict=True):
+            least, most = limits.minimum, limits.maximum
             self.variables.append(Variable(element, role, type, unit, text, start, least, most, shown))
-
-
-def _starts(start: Start, where: str) -> tuple[list[float], int | None]:
-    """Start values as numbers, and their number; None for a scalar."""
-    if isinstance(start, int | float):
-        return [float(start)], None
-    if isinstance(start, str | ca.SX):
-        raise _not_numbers(start, where)
-    try:
-        values = [float(value) for value in start]
-    except (TypeError, ValueError) as error:
-        raise _not_numbers(start, where) from error
-    return values, len(values)
-
-
-def _not_numbers(start: object, where: str) -> DefinitionError:
-    """The error of a start value that is not made of numbers."""
-    shown = f"the symbol {start} of type SX" if isinstance(start, ca.SX) else repr(start)
-    return DefinitionError(f"{where}: start {shown} is not a number; give a number, or a list of numbers for an array.")
-
-
-def _per_element(texts: PerElement, names: Sequence[str], what: str) -> list[str]:
-    """One text per element."""
-    if isinstance(texts, str):
-        return [texts] * len(names)
-    if not isinstance(texts, Sequence) or not all(isinstance(text, str) for text in texts):
-        msg = f"{names[0]}: {what} {texts!r}: a text is needed, or a list of texts."
-        raise DefinitionError(msg)
-    if len(texts) != len(names):
-        msg = f"{names[0]}: {len(names)} elements but {len(texts)} {what}; give one for all, or one for each."
-        raise DefinitionError(msg)
-    return list(texts)
 
 
 def expression(value: ca.SX | Start, where: str) -> ca.SX:

@@ -10,7 +10,7 @@ from adaptimp_fmu.errors import DefinitionError
 from adaptimp_fmu.units import base_exponents
 
 INTEGER_LIMIT = 2**31 - 1
-_NAME = re.compile(r"[A-Za-z_]\w*(\[[1-9]\d*\])?", re.ASCII)
+_NAME = re.compile(r"[A-Za-z_]\w*(\[[1-9]\d*(,[1-9]\d*)*\])?", re.ASCII)
 
 
 class Role(enum.Enum):
@@ -68,7 +68,7 @@ class Variable:
     Attributes
     ----------
     name
-        Structured name, elements 1-based: ``q[1]``.
+        Structured name, elements 1-based: ``q[1]``, ``M[1,2]``.
     start
         Start value in `unit`; ``None`` for outputs, which are calculated.
     minimum, maximum
@@ -107,7 +107,7 @@ class Variable:
         """Refuse what FMI 2.0 or a reader could not use."""
         if not _NAME.fullmatch(self.name):
             advice = "use letters, digits and _, and count elements from 1"
-            msg = f"{self.name!r} is not a structured FMI name such as q or q[1]; {advice}."
+            msg = f"{self.name!r} is not a structured FMI name such as q, q[1] or M[1,2]; {advice}."
             raise DefinitionError(msg)
         if not self.description:
             msg = f"{self.name}: a description is missing; give one, such as description='Joint angle'."
@@ -163,6 +163,11 @@ class Variable:
 def element_names(name: str, shape: int | None) -> list[str]:
     """Return the names of a variable's scalars: the name if `shape` is None, else ``name[1]`` to ``name[n]``."""
     return [name] if shape is None else [f"{name}[{i + 1}]" for i in range(shape)]
+
+
+def matrix_names(name: str, n: int) -> list[str]:
+    """Return the names of the elements of a square matrix of n rows: ``name[1,1]``, ``name[1,2]``, ..., row by row."""
+    return [f"{name}[{i + 1},{j + 1}]" for i in range(n) for j in range(n)]
 
 
 def range_in_words(minimum: float, maximum: float, unit: str) -> str:

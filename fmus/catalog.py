@@ -1,4 +1,4 @@
-"""The catalog of the project's models, by model identifier."""
+"""The catalog of the project's models, by model identifier: `MODELS`, and `VARIANTS` of them that a user names."""
 
 from collections.abc import Callable
 from functools import partial
@@ -7,7 +7,7 @@ from adaptimp_fmu import Model
 from fmus.actuator import actuator
 from fmus.craig_adaptive_impedance import craig_adaptive_impedance
 from fmus.force_sensor import force_sensor
-from fmus.hogan_impedance import hogan_impedance
+from fmus.hogan_impedance import MOBILITY, hogan_impedance
 from fmus.plant import plant
 from fmus.slotine_li_adaptive_impedance import slotine_li_adaptive_impedance
 from fmus.spong_ortega_adaptive_impedance import spong_ortega_adaptive_impedance
@@ -26,3 +26,32 @@ MODELS: dict[str, Callable[[], Model]] = {
     "Actuator3R": partial(actuator, 3, "Actuator3R"),
     "Plant3R": partial(plant, 3, "Plant3R"),
 }
+
+_CRAIG, _SLOTINE_LI, _SPONG_ORTEGA = (
+    "CraigAdaptiveImpedanceFull",
+    "SlotineLiAdaptiveImpedanceFull",
+    "SpongOrtegaAdaptiveImpedanceFull",
+)
+_NO_CORIOLIS = "SlotineLiAdaptiveImpedanceNoCoriolis"
+VARIANTS: dict[str, Callable[[], Model]] = {
+    "FailingForceSensor": partial(force_sensor, "FailingForceSensor", failing=True),
+    "PlantWristPayload": partial(plant, name="PlantWristPayload", wrist=True),
+    "HoganImpedanceMobility": partial(hogan_impedance, name="HoganImpedanceMobility", form=MOBILITY),
+    "HoganImpedanceFull": partial(hogan_impedance, name="HoganImpedanceFull", full=True),
+    _CRAIG: partial(craig_adaptive_impedance, _CRAIG, full=True),
+    _SLOTINE_LI: partial(slotine_li_adaptive_impedance, _SLOTINE_LI, full=True),
+    _SPONG_ORTEGA: partial(spong_ortega_adaptive_impedance, _SPONG_ORTEGA, full=True),
+    _NO_CORIOLIS: partial(slotine_li_adaptive_impedance, _NO_CORIOLIS, coriolis_of_s=False),
+}
+"""Models with other equations than those of the same name in `MODELS`; built when a user names them."""
+
+
+def model(identifier: str) -> Model:
+    """Declare the model of an identifier in `MODELS` or `VARIANTS`.
+
+    Raises
+    ------
+    KeyError
+        If neither has it.
+    """
+    return (MODELS | VARIANTS)[identifier]()

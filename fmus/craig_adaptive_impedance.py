@@ -7,6 +7,10 @@
 With W_c = J^-T Y(q, dq, ddq), the direction of (19) is Y' H_hat^-1 J' e*: no inverse of J. F_c is
 that of `fmus.control.noise_rejection`; since F_c = H_hat_x (-(gamma/2) e*), it enters as an acceleration of
 the tip. The measured acceleration ddq is used in the adaptation only.
+
+A singular H_hat, as of an estimate m2_hat = 0, is an error. While a mass is estimated negative, as too large a Gamma
+can make it for some milliseconds, H_hat has an inverse but is not positive definite: the law goes on, and the paper's
+theory does not say where to. Projection with p_min > 0 excludes both.
 """
 
 import casadi as ca
@@ -20,13 +24,17 @@ from fmus.control.noise_rejection import declare_noise_rejection, declare_output
 from fmus.mechanics.algebra import solve_2x2, solve_spd
 from fmus.project import publish
 
-GAIN_UNITS = ("kg2.s2/m2", "N2.s4/rad2", "N2.s2")  # p^2 s^2/m^2 for m, viscous, coulomb
+# p^2 s^2/m^2 for m, viscous, coulomb
+GAIN_UNITS = (("kg2.s2/m2", "kg.N.s3/m.rad", "kg.N.s2/m"), ("N2.s4/rad2", "N2.s3/rad"), ("N2.s2",))
 GAINS = (0.0, 5.0, 0.0, 0.0, 0.0, 0.0)  # assumed: m2 is the unknown payload's mass
 
 
-def craig_adaptive_impedance() -> SampledModel:
-    """Declare the controller of algorithm 1: impedance control with the adaptation of Craig, Hsu and Sastry."""
-    controller = declare_controller("CraigAdaptiveImpedance", "Adaptive impedance control, algorithm 1 (after Craig)")
+def craig_adaptive_impedance(name: str = "CraigAdaptiveImpedance", *, full: bool = False) -> SampledModel:
+    """Declare the controller of algorithm 1: impedance control with the adaptation of Craig, Hsu and Sastry.
+
+    With `full` the gains M, B, K, Gamma and Psi are symmetric matrices; else they are diagonal.
+    """
+    controller = declare_controller(name, "Adaptive impedance control, algorithm 1 (after Craig)", full=full)
     publish(
         controller.model,
         icons.adaptive_impedance(1),
@@ -41,6 +49,9 @@ def craig_adaptive_impedance() -> SampledModel:
     p_hat = controller.model.state("p_hat", controller.p_start)
     arm_model = controller.arm_model(p_hat)
     J, H = arm.jacobian(q, controller.l), arm_model.inertia(q)
+    controller.require_invertible(
+        "H_hat", H, "p_hat", "start from positive masses, and keep them so by projection with p_min > 0"
+    )
     rejection = declare_noise_rejection(adaptation, ca.mtimes(J, solve_spd(H, J.T)))
 
     demand = target_acceleration(controller.x, controller.dx, controller.virtual, measured.F_hat, controller.impedance)

@@ -4,15 +4,19 @@ The error has the density of two independent normal components of standard devia
 truncated where its Euclidean norm exceeds `noise_bound`, so |F_hat - F_ext| <= noise_bound (the
 delta of eq. (21)):
 
-    r = min(noise_std sqrt(-2 ln(1 - u0 (1 - exp(-noise_bound^2 / (2 noise_std^2))))), noise_bound)
+    r = min(noise_std sqrt(-2 log1p(u0 expm1(-(noise_bound / noise_std)^2 / 2))), noise_bound)
     error = r (cos 2 pi u1, sin 2 pi u1)
 
-with u0, u1 uniform in (0, 1), drawn anew at each tick from (seed, tick). With `noise_period` > 0 the
-error has a bandwidth: draw k serves the ticks from k noise_period on, and is held until the next draw.
-noise_period must be a whole multiple of the sampling period. With `contact_gated` the error is zero while
-no force acts. A bias, a range and a resolution follow, all off by default:
+with log1p(x) = ln(1 + x) and expm1(x) = exp(x) - 1, which keep their digits where noise_std is far above
+noise_bound; the distribution then is the uniform one on the disc of radius noise_bound. The numbers u0, u1 are
+uniform in (0, 1), drawn anew at each tick from (seed, tick). With `noise_period` > 0 the error has a
+bandwidth: draw k serves the ticks from k noise_period on, and is held until the next draw. noise_period must
+be a whole multiple of the sampling period. With `contact_gated` the error is zero while no force acts. A
+bias, a range and a resolution follow, all off by default:
 
     F_hat = resolution floor(clip(F_ext + bias + error, -range, range) / resolution + 1/2)
+
+The variant FailingForceSensor has a failure, too (`fmus.sensor_failure`).
 """
 
 import math
@@ -22,15 +26,16 @@ import casadi as ca
 from adaptimp_fmu import NOT_NEGATIVE, POSITIVE, SampledModel, Type
 from fmus import icons
 from fmus.project import group_signals, publish
+from fmus.sensor_failure import declare_failure
 
 OFF = 1e9  # N, a range that limits nothing
 ROUNDING = 1e-9  # relative, by which a multiple of the sampling period may be off
 
 
-def force_sensor() -> SampledModel:
-    """Declare the model of a wrist force sensor, which is ideal by default."""
-    model = SampledModel("ForceSensor", "Wrist force sensor with bounded noise")
-    publish(model, icons.sensor(), __name__, "fmus")
+def force_sensor(name: str = "ForceSensor", *, failing: bool = False) -> SampledModel:
+    """Declare the model of a wrist force sensor, which is ideal by default and may have a failure."""
+    model = SampledModel(name, f"Wrist force sensor with bounded noise{' and a failure' if failing else ''}")
+    publish(model, icons.sensor(), __name__, *(["fmus.sensor_failure"] if failing else []), "fmus")
     F_ext = model.input("F_ext", [0.0, 0.0], unit="N", description="Force of the tip on the wall")
     std = model.parameter(
         "noise_std",
@@ -84,10 +89,15 @@ def force_sensor() -> SampledModel:
     noise = model.random(lambda u: truncated_normal(u[0], u[1], std, bound), active=std, seed="seed", ticks=ticks)
     free = ca.logic_and(gated, ca.logic_and(F_ext[0] == 0, F_ext[1] == 0))
     force = F_ext + bias + ca.if_else(free, 0, noise)
+    failure = declare_failure(model) if failing else None
+    force = force if failure is None else failure.disturbed(force)
     within = ca.fmin(ca.fmax(force, -span), span)
     steps = ca.floor(within / resolution + 0.5)
     F_hat = ca.if_else(resolution > 0, steps * resolution, within)
+    F_hat = F_hat if failure is None else failure.reading(model, F_hat, F_ext)
     model.output("F_hat", F_hat, unit="N", description="Measured force")
+    if failure is not None:
+        model.output("failed", failure.active, type=Type.BOOLEAN, description="Whether the sensor fails")
     group_signals(model)
     return model
 
@@ -112,7 +122,8 @@ def ticks_per_draw(model: SampledModel) -> ca.SX:
 
 def truncated_normal(u0: ca.SX, u1: ca.SX, std: ca.SX, bound: ca.SX) -> ca.SX:
     """Return a normally distributed vector of the plane, of norm at most `bound`, from two uniform numbers."""
-    inside = 1 - ca.exp(-(bound**2) / (2 * std**2))
+    # 1 - exp(x) and ln(1 - x) would lose all digits of a small x, where the bound is far below std.
+    inside = ca.expm1(-((bound / std) ** 2) / 2)
     # Rounding may carry r beyond the bound (u0 next to 1, or a bound far below std).
-    r = ca.fmin(std * ca.sqrt(-2 * ca.log(1 - u0 * inside)), bound)
+    r = ca.fmin(std * ca.sqrt(-2 * ca.log1p(u0 * inside)), bound)
     return r * ca.vertcat(ca.cos(2 * math.pi * u1), ca.sin(2 * math.pi * u1))

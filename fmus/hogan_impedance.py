@@ -1,7 +1,8 @@
 """HoganImpedance: conventional impedance control, eqs. (4) to (7), with fixed parameters.
 
 For the square Jacobian of two joints the resolved form (6), (7) is evaluated, the cheapest of the
-three; for more joints form (5), which leaves the null space undamped unless `null_damping` is set:
+three. HoganImpedanceMobility evaluates form (5), which the paper names for Figs. 2 and 4. More joints need form (5),
+which leaves the null space undamped unless `null_damping` is set:
 
     tau -= null_damping H (dq - H^-1 J' W^-1 dx)
 
@@ -14,14 +15,33 @@ from fmus.control.controller import EQUATIONS, declare_controller
 from fmus.control.impedance import null_space_damping, torque_mobility, torque_resolved
 from fmus.project import publish
 
+RESOLVED, MOBILITY = "resolved", "mobility"
+"""Forms of the law: (6) and (7), for two joints only, and (5)."""
 
-def hogan_impedance(n: int = 2, name: str = "HoganImpedance") -> SampledModel:
-    """Declare a conventional impedance controller of an arm with n joints; p_hat stays at p_start."""
-    controller = declare_controller(name, "Conventional impedance control with fixed dynamic parameters", n)
+
+def hogan_impedance(
+    n: int = 2, name: str = "HoganImpedance", *, form: str = RESOLVED, full: bool = False
+) -> SampledModel:
+    """Declare a conventional impedance controller of an arm with n joints; p_hat stays at p_start.
+
+    Parameters
+    ----------
+    form
+        `RESOLVED` or `MOBILITY`. More than two joints have form (5), whatever is given.
+    full
+        Whether the gains M, B and K are symmetric matrices; else they are diagonal.
+    """
+    text = "Conventional impedance control with fixed dynamic parameters"
+    by_choice = form == MOBILITY and n == 2
+    controller = declare_controller(name, f"{text}, form (5)" if by_choice else text, n, full=full)
     publish(controller.model, icons.impedance(n), __name__, *EQUATIONS)
     arm_model = controller.arm_model(controller.p_start)
     task_size = controller.arm.task_size
-    law = torque_resolved if n == task_size else torque_mobility
+    if n == task_size and not by_choice:
+        law = torque_resolved
+    else:
+        law = torque_mobility
+        controller.require_invertible("H", arm_model.inertia(controller.measured.q), "p_start", "give positive masses")
     tau_cmd = law(controller.measured, arm_model, controller.virtual, controller.impedance)
     if n > task_size:
         damping = controller.model.parameter(

@@ -7,6 +7,9 @@ across the corner of the contact force. Equations: `fmus.mechanics.planar_arm`, 
 
 F_ext is the sum of the forces on all walls. Each wall has contact events of its own. Where two walls are, the names of
 the second wall's variables are those of the first wall with a 2 at the end.
+
+The variant PlantWristPayload says what a sensor at the wrist measures, F_wrist, if a part of the last mass sits beyond
+the sensor (`fmus.mechanics.payload`).
 """
 
 from functools import reduce
@@ -20,12 +23,16 @@ from fmus.environment.contact import Wall
 from fmus.environment.half_space import declare_half_space, ordinal, suffix
 from fmus.mechanics.algebra import solve_spd
 from fmus.mechanics.arm import Arm
+from fmus.mechanics.payload import declare_payload, force_on_payload
 from fmus.mechanics.planar_arm import PlanarArm
 from fmus.project import group_signals, publish
 
 
-def plant(n: int = 2, name: str = "Plant", walls: int = 1) -> ContinuousModel:
-    """Declare the model of an arm of n joints, by default the paper's, with one wall or with two."""
+def plant(n: int = 2, name: str = "Plant", walls: int = 1, *, wrist: bool = False) -> ContinuousModel:
+    """Declare the model of an arm of n joints, by default the paper's, with one wall or with two.
+
+    With `wrist` a part of the last mass may sit beyond a sensor at the wrist.
+    """
     place = {1: "against a compliant wall", 2: "in a corner of two compliant walls"}[walls]
     model = ContinuousModel(name, f"Planar arm with point masses {place}")
     publish(
@@ -35,6 +42,7 @@ def plant(n: int = 2, name: str = "Plant", walls: int = 1) -> ContinuousModel:
         "fmus.mechanics.planar_arm",
         "fmus.environment.contact",
         "fmus.environment.half_space",
+        *(["fmus.mechanics.payload"] if wrist else []),
         "fmus",
     )
     arm: Arm = PlanarArm(n)
@@ -66,6 +74,7 @@ def plant(n: int = 2, name: str = "Plant", walls: int = 1) -> ContinuousModel:
         description="Joint rate over which Coulomb friction changes sign (tanh)",
     )
     gravity = model.parameter("gravity", 0.0, unit="m/s2", description="Gravitational acceleration along -x2")
+    payload = declare_payload(model, m[n - 1]) if wrist else None
     touched = {number: _wall(model, number) for number in range(1, walls + 1)}
 
     q, dq = model.state("q", q_start), model.state("dq", dq_start)
@@ -89,6 +98,10 @@ def plant(n: int = 2, name: str = "Plant", walls: int = 1) -> ContinuousModel:
     model.output("x", x, unit="m", description="Tip position")
     model.output("dx", dx, unit="m/s", description="Tip velocity")
     model.output("F_ext", F_ext, unit="N", description="Force of the tip on the wall")
+    if payload is not None:
+        ddx = ca.mtimes(J, ddq) + ca.mtimes(arm.jacobian_rate(q, dq, l), dq)
+        F_wrist = force_on_payload(payload, F_ext, ddx, gravity)
+        model.output("F_wrist", F_wrist, unit="N", description="Force of the arm on what is beyond the wrist sensor")
     for number, wall in touched.items():
         _show_depth(model, wall.gap(x), number)
     if walls > 1:

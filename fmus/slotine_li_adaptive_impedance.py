@@ -8,6 +8,14 @@ In joint space, with dq_r = J^-1 dx_r and ddq_r = J^-1 (ddx_r - dJ/dt dq_r), the
 Y_r p_hat + J' (F_hat - K_d s) (36) and the direction of (33) is Y_r' J^-1 s. ddx_t is that of the
 TIRT, eq. (11), so neither acceleration nor an inverse of the inertia is needed. Friction is taken
 at dq, not at dq_r.
+
+With dx_r = dx - s, (32) is H_hat_x ddx_r + C_hat_x dx + g_hat_x + f_hat_x - C_hat_x s + F_hat - K_d s. A Newton-Euler
+recursion at the true rate gives the first four terms. Section IV-B says that C_hat_x s may be ignored when s is small
+and the motion is slow; SlotineLiAdaptiveImpedanceNoCoriolis does so. With ddq_n = J^-1 (ddx_r - dJ/dt dq) its torque is
+
+    H_hat ddq_n + C_hat dq + g_hat + f_hat + J' (F_hat - K_d s)
+
+and its adaptation remains that of (33) and (34), with dx_r.
 """
 
 import casadi as ca
@@ -15,40 +23,50 @@ import casadi as ca
 from adaptimp_fmu import NOT_NEGATIVE, SampledModel
 from fmus import icons
 from fmus.control.adaptation import declare_adaptation
-from fmus.control.controller import EQUATIONS, declare_controller
+from fmus.control.controller import EQUATIONS, Controller, declare_controller
+from fmus.control.gains import declare_gain, require_semidefinite
 from fmus.control.impedance import target_acceleration
-from fmus.mechanics.algebra import solve_2x2
+from fmus.mechanics.algebra import solve_2x2, times
 from fmus.project import publish
 
-GAIN_UNITS = ("kg.s2/m2", "N.m.s2/rad2", "N.m")  # p^2/(N.m) for m, viscous, coulomb
+# p^2/(N.m) for m, viscous, coulomb
+GAIN_UNITS = (("kg.s2/m2", "kg.s/rad", "kg"), ("N.m.s2/rad2", "N.m.s/rad"), ("N.m",))
 GAINS = (0.0, 4.0, 0.0, 0.0, 0.0, 0.0)  # assumed: m2 is the unknown payload's mass
 
 
-def slotine_li_adaptive_impedance() -> SampledModel:
-    """Declare the controller of algorithm 2: impedance control with the adaptation of Slotine and Li."""
-    controller = declare_controller(
-        "SlotineLiAdaptiveImpedance", "Adaptive impedance control, algorithm 2 (after Slotine and Li)"
-    )
+def slotine_li_adaptive_impedance(
+    name: str = "SlotineLiAdaptiveImpedance", *, full: bool = False, coriolis_of_s: bool = True
+) -> SampledModel:
+    """Declare the controller of algorithm 2: impedance control with the adaptation of Slotine and Li.
+
+    Parameters
+    ----------
+    full
+        Whether the gains M, B, K, Gamma, Psi and K_d are symmetric matrices; else they are diagonal.
+    coriolis_of_s
+        Whether the torque has the term C_hat_x s; section IV-B says that it may be ignored.
+    """
+    text = "Adaptive impedance control, algorithm 2 (after Slotine and Li)"
+    controller = declare_controller(name, text if coriolis_of_s else f"{text}, without C_x s", full=full)
     publish(controller.model, icons.adaptive_impedance(2), __name__, "fmus.control.adaptation", *EQUATIONS)
     adaptation = declare_adaptation(controller, GAINS, GAIN_UNITS)
     model, measured, arm = controller.model, controller.measured, controller.arm
-    K_d = model.parameter(
-        "K_d",
-        [100.0, 100.0],
-        unit="N.s/m",
-        limits=NOT_NEGATIVE,
-        tunable=True,
-        description="Damping gain on s, eq. (32)",
-    )
+    K_d = _declare_K_d(controller)
     q, dq, F_hat = measured.q, measured.dq, measured.F_hat
     p_hat = model.state("p_hat", controller.p_start)
     s = adaptation.filtered_error()
     de = controller.dx - controller.dx_t
     ddx_t = target_acceleration(controller.x_t, controller.dx_t, controller.virtual, F_hat, controller.impedance)
+    ddx_r = ddx_t - times(adaptation.Psi, de)
     J, dJ = arm.jacobian(q, controller.l), arm.jacobian_rate(q, dq, controller.l)
     dq_r = solve_2x2(J, controller.dx - s)
-    ddq_r = solve_2x2(J, ddx_t - adaptation.Psi * de - ca.mtimes(dJ, dq_r))
-    tau_cmd = controller.arm_model(p_hat).torque(q, dq, dq_r, ddq_r) + ca.mtimes(J.T, F_hat - K_d * s)
+    ddq_r = solve_2x2(J, ddx_r - ca.mtimes(dJ, dq_r))
+    arm_model = controller.arm_model(p_hat)
+    if coriolis_of_s:
+        inertial = arm_model.torque(q, dq, dq_r, ddq_r)
+    else:
+        inertial = arm_model.torque(q, dq, dq, solve_2x2(J, ddx_r - ca.mtimes(dJ, dq)))
+    tau_cmd = inertial + ca.mtimes(J.T, F_hat - times(K_d, s))
 
     constants = (controller.l, controller.gravity, controller.coulomb_velocity)
     Y_r = arm.regressor(q, dq, dq_r, ddq_r, *constants)
@@ -57,3 +75,21 @@ def slotine_li_adaptive_impedance() -> SampledModel:
     model = controller.finish(tau_cmd, p_hat)
     model.output("s", s, unit="m/s", description="Augmented error de + Psi e, eq. (30)")
     return model
+
+
+def _declare_K_d(controller: Controller) -> ca.SX:
+    """Declare the damping gain on s; a full one must be positive semidefinite."""
+    K_d = declare_gain(
+        controller.model,
+        "K_d",
+        [100.0, 100.0],
+        full=controller.full,
+        unit="N.s/m",
+        limits=NOT_NEGATIVE,
+        description="Damping gain on s, eq. (32)",
+    )
+    if controller.full:
+        require_semidefinite(
+            controller.model, K_d, "K_d must be positive semidefinite, and a zero on its diagonal needs a row of zeros"
+        )
+    return K_d

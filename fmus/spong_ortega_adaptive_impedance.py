@@ -29,11 +29,15 @@ from fmus.mechanics.algebra import solve_2x2, solve_spd
 from fmus.project import publish
 
 
-def spong_ortega_adaptive_impedance() -> SampledModel:
-    """Declare the controller of algorithm 1 with the inverse inertia of fixed parameters."""
+def spong_ortega_adaptive_impedance(name: str = "SpongOrtegaAdaptiveImpedance", *, full: bool = False) -> SampledModel:
+    """Declare the controller of algorithm 1 with the inverse inertia of fixed parameters.
+
+    With `full` the gains M, B, K, Gamma and Psi are symmetric matrices; else they are diagonal.
+    """
     controller = declare_controller(
-        "SpongOrtegaAdaptiveImpedance",
+        name,
         "Adaptive impedance control, algorithm 1 with one fixed inverse (after Spong and Ortega)",
+        full=full,
     )
     publish(
         controller.model,
@@ -59,6 +63,7 @@ def spong_ortega_adaptive_impedance() -> SampledModel:
     a_f = previous + model.period / (filter_time + model.period) * (controller.ddq - previous)
     fixed = controller.arm_model(controller.p_start)
     J, H_0 = arm.jacobian(q, controller.l), fixed.inertia(q)
+    controller.require_invertible("H_0", H_0, "p_start", "give positive masses")
     rejection = declare_noise_rejection(adaptation, ca.mtimes(J, solve_spd(H_0, J.T)))
 
     demand = target_acceleration(controller.x, controller.dx, controller.virtual, measured.F_hat, controller.impedance)

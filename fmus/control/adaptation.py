@@ -6,8 +6,10 @@ by explicit Euler every N = update_divisor ticks of length Ts:
 
     p_hat[k + N] = clip(p_hat[k] - N Ts Gamma g[k])
 
-The gain Gamma is diagonal; 0 means that the parameter is known. Adaptation pauses inside the dead
-zone, |e*| or |s| <= dead_zone, and, if asked for, while an actuator is saturated.
+The gain Gamma is diagonal, or a symmetric positive semidefinite matrix; a row of zeros means that the parameter is
+known. Adaptation pauses inside the dead zone, |e*| or |s| <= dead_zone, and, if asked for, while an actuator is
+saturated. Clipping keeps the Lyapunov functions from growing only if Gamma does not couple parameters, so projection
+needs a diagonal Gamma.
 """
 
 from collections.abc import Sequence
@@ -17,8 +19,12 @@ import casadi as ca
 
 from adaptimp_fmu import NOT_NEGATIVE, POSITIVE, Limits, Type
 from fmus.control.controller import Controller, parameter_descriptions, parameter_units
+from fmus.control.gains import declare_gain, require_definite, require_semidefinite
+from fmus.mechanics.algebra import is_diagonal, times
 
 UNLIMITED = 1e9  # an upper bound of p that is none
+GainUnits = tuple[tuple[str, str, str], tuple[str, str], tuple[str]]
+"""Units of Gamma for m, viscous and coulomb: the rows of the upper triangle of a 3 x 3 matrix."""
 
 
 @dataclass(frozen=True)
@@ -28,9 +34,9 @@ class Adaptation:
     Attributes
     ----------
     Gamma
-        Diagonal of the adaptation gain, shape (3 n,).
+        Adaptation gain: its diagonal, shape (3 n,), or a matrix, shape (3 n, 3 n).
     Psi
-        Diagonal of the filter gain, 1/s, shape (2,).
+        Gain of the error filter, 1/s: its diagonal, shape (2,), or a matrix, shape (2, 2).
     """
 
     controller: Controller
@@ -46,7 +52,7 @@ class Adaptation:
     def filtered_error(self) -> ca.SX:
         """Augmented error de + Psi e, m/s, shape (2,): e* of eq. (14), s of eq. (30)."""
         controller = self.controller
-        return controller.dx - controller.dx_t + self.Psi * controller.e
+        return controller.dx - controller.dx_t + times(self.Psi, controller.e)
 
     def next_estimate(self, p_hat: ca.SX, gradient: ca.SX, error: ca.SX) -> ca.SX:
         """p_hat after an update, shape (3 n,).
@@ -60,12 +66,13 @@ class Adaptation:
         """
         interval = self.update_divisor * self.controller.model.period
         active = ca.logic_and(ca.norm_2(error) > self.dead_zone, ca.logic_not(self.paused))
-        moved = p_hat - ca.if_else(active, interval, 0) * self.Gamma * gradient
+        step = ca.if_else(active, interval, 0)
+        moved = p_hat - times(step * self.Gamma, gradient)
         projected = ca.fmin(ca.fmax(moved, self.p_min), self.p_max)
         return ca.if_else(self.projection, projected, moved)
 
 
-def declare_adaptation(controller: Controller, gains: Sequence[float], gain_units: Sequence[str]) -> Adaptation:
+def declare_adaptation(controller: Controller, gains: Sequence[float], gain_units: GainUnits) -> Adaptation:
     """Declare the parameters and the optional input of the adaptation.
 
     Parameters
@@ -73,7 +80,7 @@ def declare_adaptation(controller: Controller, gains: Sequence[float], gain_unit
     gains
         Start of Gamma, shape (3 n,).
     gain_units
-        Units of its elements, for m, viscous and coulomb.
+        Units of its elements.
     """
     model, n = controller.model, controller.arm.n
     saturated = model.input(
@@ -82,22 +89,18 @@ def declare_adaptation(controller: Controller, gains: Sequence[float], gain_unit
         type=Type.BOOLEAN,
         description="Whether the actuator is saturated (optional)",
     )
-    Gamma = model.parameter(
-        "Gamma",
-        list(gains),
-        unit=[unit for unit in gain_units for _ in range(n)],
-        limits=NOT_NEGATIVE,
-        tunable=True,
-        description=parameter_descriptions(n, "Adaptation gain (0 = known) of the"),
-    )
-    Psi = model.parameter(
+    Gamma = _declare_Gamma(controller, gains, gain_units)
+    Psi = declare_gain(
+        model,
         "Psi",
         [100.0, 100.0],
+        full=controller.full,
         unit="1/s",
         limits=POSITIVE,
-        tunable=True,
         description="Gain of the error filter de + Psi e",
     )
+    if controller.full:
+        require_definite(model, Psi, "Psi must be positive definite")
     units = parameter_units(n)
     p_min = model.parameter(
         "p_min",
@@ -134,6 +137,13 @@ def declare_adaptation(controller: Controller, gains: Sequence[float], gain_unit
         limits=Limits(1),
         description="Number of ticks between updates of p_hat",
     )
+    if controller.full:
+        coupled = ca.sum1(ca.sum2(ca.fabs(Gamma))) - ca.sum1(ca.fabs(ca.diag(Gamma)))
+        model.require(
+            0.5 - ca.logic_and(projection, coupled > 0),
+            "projection needs a diagonal Gamma: clipping coupled estimates may make the error grow; set projection to"
+            " false, or the elements of Gamma off the diagonal to 0",
+        )
     for i in range(3 * n):
         inside = ca.logic_and(p_min[i] <= controller.p_start[i], controller.p_start[i] <= p_max[i])
         model.require(
@@ -142,3 +152,27 @@ def declare_adaptation(controller: Controller, gains: Sequence[float], gain_unit
         )
     paused = ca.logic_and(freeze, ca.sum1(saturated) > 0)
     return Adaptation(controller, Gamma, Psi, p_min, p_max, projection, dead_zone, paused, divisor)
+
+
+def _declare_Gamma(controller: Controller, gains: Sequence[float], gain_units: GainUnits) -> ca.SX:
+    """Declare the adaptation gain; a full one must be positive semidefinite."""
+    model, n = controller.model, controller.arm.n
+    kinds = [kind for kind in range(3) for _ in range(n)]
+    places = [(i, j) for i in range(3 * n) for j in range(3 * n) if controller.full or i == j]
+    diagonal = parameter_descriptions(n, "Adaptation gain (0 = known) of the")
+    Gamma = declare_gain(
+        model,
+        "Gamma",
+        list(gains),
+        full=controller.full,
+        unit=[gain_units[min(kinds[i], kinds[j])][abs(kinds[j] - kinds[i])] for i, j in places],
+        limits=NOT_NEGATIVE,
+        description=[
+            diagonal[i] if i == j else f"Adaptation gain between p[{i + 1}] and p[{j + 1}]" for i, j in places
+        ],
+    )
+    if not is_diagonal(Gamma):
+        require_semidefinite(
+            model, Gamma, "Gamma must be positive semidefinite, and a zero on its diagonal needs a row of zeros"
+        )
+    return Gamma

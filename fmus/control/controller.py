@@ -11,8 +11,11 @@ import casadi as ca
 
 from adaptimp_fmu import NOT_NEGATIVE, POSITIVE, SampledModel
 from fmus import start
+from fmus.control.full_tirt import LARGEST_NORM, FullImpedance, companion, row_norm
+from fmus.control.gains import declare_gain, require_definite
 from fmus.control.impedance import ArmModel, Measured
-from fmus.control.tirt import Impedance, advance
+from fmus.control.tirt import Impedance
+from fmus.mechanics.algebra import factors_spd
 from fmus.mechanics.arm import Arm
 from fmus.mechanics.planar_arm import PlanarArm
 from fmus.project import group_signals
@@ -54,7 +57,7 @@ class Controller:
     measured: Measured
     ddq: ca.SX
     virtual: tuple[ca.SX, ca.SX, ca.SX]
-    impedance: Impedance
+    impedance: Impedance | FullImpedance
     l: ca.SX
     gravity: ca.SX
     coulomb_velocity: ca.SX
@@ -73,6 +76,31 @@ class Controller:
         """The arm with parameters p, shape (3 n,)."""
         return ArmModel(self.arm, p, self.l, self.gravity, self.coulomb_velocity)
 
+    @property
+    def full(self) -> bool:
+        """Whether the gains are full matrices."""
+        return isinstance(self.impedance, FullImpedance)
+
+    def require_invertible(self, name: str, H: ca.SX, masses: str, advice: str) -> None:
+        """Demand that an inertia which the law inverts is not singular.
+
+        Parameters
+        ----------
+        name, H
+            The inertia and its name, kg.m2, shape (n, n).
+        masses
+            Name of the variable whose first n elements are the masses in H.
+        advice
+            What the user is to do, for the message.
+        """
+        sentence = (
+            f"{name} is singular by the masses {masses}[1] to {masses}[{self.arm.n}], and the control law needs its"
+            f" inverse; {advice}. Size of a pivot of {name}, kg.m2"
+        )
+        _, pivots = factors_spd(H)
+        for pivot in pivots:
+            self.model.require(ca.fabs(pivot), sentence)
+
     def finish(self, tau_cmd: ca.SX, p_hat: ca.SX) -> SampledModel:
         """Declare the common outputs and the terminals, let the TIRT advance, and return the model."""
         model = self.model
@@ -86,16 +114,19 @@ class Controller:
             unit=parameter_units(self.arm.n),
             description=parameter_descriptions(self.arm.n, "Estimated"),
         )
-        x_t, dx_t = advance(self.x_t, self.dx_t, self.virtual, self.measured.F_hat, self.impedance, model.period)
+        x_t, dx_t = self.impedance.advance(self.x_t, self.dx_t, self.virtual, self.measured.F_hat, model.period)
         model.update(self.x_t, x_t)
         model.update(self.dx_t, dx_t)
         group_signals(model)
         return model
 
 
-def declare_controller(name: str, description: str, n: int = 2) -> Controller:
-    """Declare a controller of an arm with n joints: the common inputs, parameters and TIRT."""
-    model = SampledModel(name, description)
+def declare_controller(name: str, description: str, n: int = 2, *, full: bool = False) -> Controller:
+    """Declare a controller of an arm with n joints: the common inputs, parameters and TIRT.
+
+    With `full` the gains are symmetric positive definite matrices; else they are diagonal.
+    """
+    model = SampledModel(name, f"{description}, with full matrices" if full else description)
     arm: Arm = PlanarArm(n)
     begin = start.ARMS[n]
     q = model.input("q", begin.q, unit="rad", description="Joint angle")
@@ -105,7 +136,7 @@ def declare_controller(name: str, description: str, n: int = 2) -> Controller:
     x_v = model.input("x_v", start.X_V, unit="m", description="Virtual position of the tip")
     dx_v = model.input("dx_v", start.DX_V, unit="m/s", description="Virtual velocity of the tip")
     ddx_v = model.input("ddx_v", start.DDX_V, unit="m/s2", description="Virtual acceleration of the tip")
-    impedance = _impedance(model)
+    impedance = _impedance(model, full=full)
     l = model.parameter("l", begin.link_lengths, unit="m", limits=POSITIVE, description="Length of a link")
     gravity = model.parameter("gravity", 0.0, unit="m/s2", description="Gravitational acceleration along -x2")
     coulomb_velocity = model.parameter(
@@ -152,18 +183,28 @@ def parameter_descriptions(n: int, attribute: str) -> Sequence[str]:
     return [f"{attribute} {part} {i + 1}" for part in parts for i in range(n)]
 
 
-def _impedance(model: SampledModel) -> Impedance:
+def _impedance(model: SampledModel, *, full: bool) -> Impedance | FullImpedance:
     """Declare the target impedance, eq. (3)."""
     declarations = {
         "M": ((2.0, 2.0), "kg", "Target inertia"),
         "B": ((340.0, 340.0), "N.s/m", "Target damping"),
         "K": ((4000.0, 4000.0), "N/m", "Target stiffness"),
     }
-    symbols = [
-        model.parameter(name, values, unit=unit, limits=POSITIVE, tunable=True, description=description)
+    M, B, K = (
+        declare_gain(model, name, values, full=full, unit=unit, limits=POSITIVE, description=description)
         for name, (values, unit, description) in declarations.items()
-    ]
-    return Impedance(*symbols)
+    )
+    if not full:
+        return Impedance(M, B, K)
+    for name, matrix in zip(declarations, (M, B, K), strict=True):
+        require_definite(model, matrix, f"{name} must be positive definite")
+    impedance = FullImpedance(M, B, K)
+    model.require(
+        LARGEST_NORM - row_norm(companion(impedance.b, impedance.k, model.period)),
+        "sample_time is too long for the target impedance: no row of (sample_time^2 M^-1 K, sample_time M^-1 B) may"
+        f" sum up to {LARGEST_NORM:.0f} or more; shorten sample_time, or reduce B and K",
+    )
+    return impedance
 
 
 def _require_regular(model: SampledModel, arm: Arm, q: ca.SX, l: ca.SX) -> None:

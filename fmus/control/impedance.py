@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import casadi as ca
 
+from fmus.control.full_tirt import FullImpedance
 from fmus.control.tirt import Impedance
 from fmus.mechanics.algebra import solve_2x2, solve_spd
 from fmus.mechanics.arm import Arm
@@ -47,15 +48,15 @@ class ArmModel:
 
 
 def target_acceleration(
-    x: ca.SX, dx: ca.SX, virtual: tuple[ca.SX, ca.SX, ca.SX], F: ca.SX, impedance: Impedance
+    x: ca.SX, dx: ca.SX, virtual: tuple[ca.SX, ca.SX, ca.SX], F: ca.SX, impedance: Impedance | FullImpedance
 ) -> ca.SX:
     """Tip acceleration that eq. (3) demands, m/s2, shape (2,)."""
     x_v, dx_v, ddx_v = virtual
-    return ddx_v - (impedance.B * (dx - dx_v) + impedance.K * (x - x_v) + F) / impedance.M
+    return ddx_v - impedance.acceleration(dx - dx_v, x - x_v, F)
 
 
 def torque_operational(
-    measured: Measured, model: ArmModel, virtual: tuple[ca.SX, ca.SX, ca.SX], impedance: Impedance
+    measured: Measured, model: ArmModel, virtual: tuple[ca.SX, ca.SX, ca.SX], impedance: Impedance | FullImpedance
 ) -> ca.SX:
     """Tau = J' F with F from eq. (4); square Jacobians only. N.m, shape (n,)."""
     q, dq, F_hat = measured.q, measured.dq, measured.F_hat
@@ -72,7 +73,7 @@ def torque_operational(
 
 
 def torque_mobility(
-    measured: Measured, model: ArmModel, virtual: tuple[ca.SX, ca.SX, ca.SX], impedance: Impedance
+    measured: Measured, model: ArmModel, virtual: tuple[ca.SX, ca.SX, ca.SX], impedance: Impedance | FullImpedance
 ) -> ca.SX:
     """Eq. (5), with the mobility tensor W = J H^-1 J'; any Jacobian of full row rank. N.m, shape (n,).
 
@@ -90,7 +91,7 @@ def torque_mobility(
 
 
 def torque_resolved(
-    measured: Measured, model: ArmModel, virtual: tuple[ca.SX, ca.SX, ca.SX], impedance: Impedance
+    measured: Measured, model: ArmModel, virtual: tuple[ca.SX, ca.SX, ca.SX], impedance: Impedance | FullImpedance
 ) -> ca.SX:
     """Eqs. (6) and (7), with M dJ/dt dq in (7); square Jacobians only. N.m, shape (n,).
 

@@ -9,6 +9,16 @@ with Q = diag(2 psi k, 2 (b - psi)) per axis, k = K/M, b = B/M (A2). As printed,
 term that stays as large as delta cond(H_hat_x) while beta goes to zero and chatters at the sampling
 rate; gamma_eps gives it a boundary layer. delta = noise_bound acts while the measured force exceeds
 contact_threshold.
+
+For full matrices k = M^-1 K and b = M^-1 B are no longer symmetric, and P b = c' of (A2) leaves open the first
+block of P alone. With its symmetric part as that block,
+
+    P = [ sym(Psi b + k'), Psi ; Psi, I ],   Q = [ Psi k + k' Psi, S ; S', b + b' - 2 Psi ],   S = skew(Psi b + k')
+
+where sym and skew are the symmetric and the skew part. alpha = X' Q X is then exactly -d(X' P X)/dt along
+e'' + b e' + k e = 0, and eqs. (17) to (26) hold as printed. P and Q must be positive definite, which is sufficient
+for strict positive realness and not necessary; gains for which they are not are refused. If M, B, K and Psi have common
+axes, S = 0 and the condition is the paper's, 0 < psi < b along each axis.
 """
 
 from dataclasses import dataclass
@@ -17,6 +27,9 @@ import casadi as ca
 
 from adaptimp_fmu import NOT_NEGATIVE, POSITIVE, Limits
 from fmus.control.adaptation import Adaptation
+from fmus.control.controller import Controller
+from fmus.control.full_tirt import FullImpedance
+from fmus.control.gains import require_definite
 
 
 @dataclass(frozen=True)
@@ -83,19 +96,11 @@ def declare_noise_rejection(adaptation: Adaptation, mobility: ca.SX) -> NoiseRej
         tunable=True,
         description="Width of the boundary layer of eq. (25); enters as its square",
     )
-    k = controller.impedance.K / controller.impedance.M
-    b = controller.impedance.B / controller.impedance.M
-    for i in range(2):
-        model.require(
-            b[i] - adaptation.Psi[i],
-            f"Psi[{i + 1}] must be below B[{i + 1}]/M[{i + 1}] (strict positive realness, eq. (14))",
-        )
     e, de = controller.e, controller.dx - controller.dx_t
     e_star = adaptation.filtered_error()
     in_contact = ca.norm_2(controller.measured.F_hat) > threshold
     delta = ca.if_else(in_contact, noise_bound, 0)
-    psi = adaptation.Psi
-    alpha = ca.sum1(2 * psi * k * e**2 + 2 * (b - psi) * de**2)
+    alpha = _alpha(adaptation, e, de)
     beta, mu = ca.norm_2(e_star), ca.norm_2(ca.mtimes(mobility, e_star))
     excess = 2 * mu * delta - alpha
     gamma = margin * ca.fmax(0, excess / (beta**2 + eps**2))
@@ -115,6 +120,35 @@ def declare_outputs(rejection: NoiseRejection, adaptation: Adaptation, F_c: ca.S
     ):
         model.output(name, getattr(rejection, name), unit=unit, description=text, scalar=True)
     model.output("F_c", F_c, unit="N", description="Control force against the sensor's noise, eq. (22)")
+
+
+def _alpha(adaptation: Adaptation, e: ca.SX, de: ca.SX) -> ca.SX:
+    """X' Q X of eq. (23), m2/s3, and the demands on the gains that make P and Q positive definite."""
+    controller, psi = adaptation.controller, adaptation.Psi
+    impedance = controller.impedance
+    if isinstance(impedance, FullImpedance):
+        return _full_alpha(controller, impedance, psi, ca.vertcat(e, de))
+    k, b = impedance.K / impedance.M, impedance.B / impedance.M
+    for i in range(2):
+        controller.model.require(
+            b[i] - psi[i],
+            f"Psi[{i + 1}] must be below B[{i + 1}]/M[{i + 1}] (strict positive realness, eq. (14))",
+        )
+    return ca.sum1(2 * psi * k * e**2 + 2 * (b - psi) * de**2)
+
+
+def _full_alpha(controller: Controller, impedance: FullImpedance, psi: ca.SX, X: ca.SX) -> ca.SX:
+    """X' Q X for full matrices; see the module's docstring."""
+    b, k = impedance.b, impedance.k
+    product = ca.mtimes(psi, b) + k.T
+    skew = 0.5 * (product - product.T)
+    P = ca.blockcat([[0.5 * (product + product.T), psi], [psi, ca.SX.eye(2)]])
+    stiffness = ca.mtimes(psi, k)
+    Q = ca.blockcat([[stiffness + stiffness.T, skew], [skew.T, b + b.T - 2 * psi]])
+    advice = "strict positive realness, eq. (14), is not certain; reduce Psi, or give M, B, K and Psi common axes"
+    require_definite(controller.model, Q, f"Q of eq. (A2) must be positive definite: {advice}")
+    require_definite(controller.model, P, f"P of eq. (A2) must be positive definite: {advice}")
+    return ca.bilin(Q, X, X)
 
 
 def _gamma_bound(alpha: ca.SX, beta: ca.SX, excess: ca.SX, delta: ca.SX, norm: ca.SX) -> ca.SX:

@@ -118,6 +118,16 @@ class Impedance:
     B: ca.SX
     K: ca.SX
 
+    def acceleration(self, dd: ca.SX, d: ca.SX, F: ca.SX) -> ca.SX:
+        """M^-1 (B dd + K d + F), m/s2, shape (2,), for a deviation d, its rate dd and a force F."""
+        return (self.B * dd + self.K * d + F) / self.M
+
+    def advance(
+        self, x_t: ca.SX, dx_t: ca.SX, virtual: tuple[ca.SX, ca.SX, ca.SX], F_hat: ca.SX, h: ca.SX
+    ) -> tuple[ca.SX, ca.SX]:
+        """State of the TIRT one sample later; see the function `advance`."""
+        return advance(x_t, dx_t, virtual, F_hat, self, h)
+
 
 def _series(z: ca.SX) -> tuple[ca.SX, ca.SX]:
     """cosh(sqrt(z)) and sinh(sqrt(z))/sqrt(z) by their series, also for negative z."""

@@ -18,13 +18,8 @@ def solve_spd(A: ca.SX, b: ca.SX) -> ca.SX:
     SX
         x, shape (n, k). No square roots and no pivoting: positive definite matrices need neither.
     """
-    n = A.shape[0]
-    L = [[ca.SX(0)] * n for _ in range(n)]
-    D: list[ca.SX] = []
-    for j in range(n):
-        D.append(A[j, j] - sum((L[j][k] ** 2 * D[k] for k in range(j)), ca.SX(0)))
-        for i in range(j + 1, n):
-            L[i][j] = (A[i, j] - sum((L[i][k] * L[j][k] * D[k] for k in range(j)), ca.SX(0))) / D[j]
+    L, D = factors_spd(A)
+    n = len(D)
     y: list[ca.SX] = []
     for i in range(n):
         y.append(b[i, :] - sum((L[i][k] * y[k] for k in range(i)), ca.SX.zeros(1, b.shape[1])))
@@ -33,6 +28,35 @@ def solve_spd(A: ca.SX, b: ca.SX) -> ca.SX:
         for k in range(i + 1, n):
             x[i] = x[i] - L[k][i] * x[k]
     return ca.vertcat(*x)
+
+
+def factors_spd(A: ca.SX) -> tuple[list[list[ca.SX]], list[ca.SX]]:
+    """Factors of A = L diag(D) L': the rows of L, below the diagonal of ones, and the pivots D.
+
+    Parameters
+    ----------
+    A
+        Symmetric, shape (n, n); only the lower triangle is read. All pivots are positive if, and only if, A is
+        positive definite.
+    """
+    n = A.shape[0]
+    L = [[ca.SX(0)] * n for _ in range(n)]
+    D: list[ca.SX] = []
+    for j in range(n):
+        D.append(A[j, j] - sum((L[j][k] ** 2 * D[k] for k in range(j)), ca.SX(0)))
+        for i in range(j + 1, n):
+            L[i][j] = (A[i, j] - sum((L[i][k] * L[j][k] * D[k] for k in range(j)), ca.SX(0))) / D[j]
+    return L, D
+
+
+def times(A: ca.SX, v: ca.SX) -> ca.SX:
+    """Product A v, shape (n,), of a matrix, or of a diagonal matrix that is given as the column of its diagonal."""
+    return A * v if is_diagonal(A) else ca.mtimes(A, v)
+
+
+def is_diagonal(A: ca.SX) -> bool:
+    """Whether A is the column of a diagonal, shape (n,), in the place of a matrix, shape (n, n)."""
+    return len(A.shape) == 1 or A.shape[1] == 1
 
 
 def solve_2x2(A: ca.SX, b: ca.SX) -> ca.SX:

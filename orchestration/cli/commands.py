@@ -51,6 +51,7 @@ def _stamp(path: Path) -> tuple[int, int] | None:
 def reproduce_paper(out: Path, image: str, *, fresh: bool) -> None:
     """Reproduce the figures and claims of the paper, and print the table of claims."""
     let_matplotlib_write()
+    from orchestration.paper.claims.claim import HOLDS
     from orchestration.paper.report import reproduce
 
     if image not in IMAGES:
@@ -65,12 +66,11 @@ def reproduce_paper(out: Path, image: str, *, fresh: bool) -> None:
             line.begin(RUNNING)
 
         report = reproduce(out, tell, image, fresh=fresh)
-    columns = [Column(name, overflow="fold") for name in ("id", "claim", "measured", "verdict")]  # nothing is cut
+    columns = [Column(name, overflow="fold") for name in ("id", "claim", "in words")]  # nothing is cut
     table = Table(*columns, title="Claims of the paper")
-    colours = {"holds": "green", "not reproduced": "red"}
     for claim in report.claims:
-        colour = colours.get(claim.verdict, "dim")
-        table.add_row(claim.id, claim.claim, claim.measured, Text(claim.verdict, colour))
+        colour = "green" if claim.verdict == HOLDS else "red"
+        table.add_row(claim.id, claim.claim, Text(report.words[claim.id], colour))
     output.show(table)
     if report.kept:
         output.say("The claims were measured by an earlier run on the same FMUs, numbers and code; --fresh repeats it.")

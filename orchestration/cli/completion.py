@@ -14,9 +14,9 @@ STUDIES = (".toml",)
 
 def systems(incomplete: str) -> list[str]:
     """Scenarios, and files that can be run."""
-    from orchestration.paper.scenarios import SCENARIOS, VARIANTS
+    from orchestration.paper.scenarios import ALL_SCENARIOS
 
-    return _beginning(incomplete, [*SCENARIOS, *VARIANTS, *_files(incomplete, FILES)])
+    return _beginning(incomplete, [*ALL_SCENARIOS, *_files(incomplete, FILES)])
 
 
 def studies(incomplete: str) -> list[str]:
@@ -40,9 +40,9 @@ def ready_studies(incomplete: str) -> list[str]:
 
 def controllers(incomplete: str) -> list[str]:
     """Models of shipped controllers, and FMU files."""
-    from orchestration.paper.scenarios import SCENARIOS, VARIANTS
+    from orchestration.paper.scenarios import ALL_SCENARIOS
 
-    shipped = dict.fromkeys(s.models["controller"] for s in (*SCENARIOS.values(), *VARIANTS.values()))
+    shipped = dict.fromkeys(s.models["controller"] for s in ALL_SCENARIOS.values())
     return _beginning(incomplete, [*shipped, *_files(incomplete, FILES[:1])])
 
 
@@ -91,12 +91,12 @@ def _paths(ctx: Any, incomplete: str, causalities: tuple[str, ...]) -> list[str]
 def _components(name: str, asked: str | None, causalities: tuple[str, ...]) -> Iterator[tuple[str, list[str]]]:
     """Components of a system with their variables; those of scenarios for one component only, as that takes time."""
     from orchestration.cli.systems import named_system
-    from orchestration.paper.scenarios import SCENARIOS, VARIANTS
+    from orchestration.paper.scenarios import ALL_SCENARIOS
 
-    if name in SCENARIOS or name in VARIANTS:
+    if name in ALL_SCENARIOS:
         from fmus.catalog import MODELS
 
-        for component, identifier in {**SCENARIOS, **VARIANTS}[name].models.items():
+        for component, identifier in ALL_SCENARIOS[name].models.items():
             model = MODELS[identifier]() if component == asked else None
             causality = {v.name: _causality(v.role) for v in model.variables} if model else {}
             yield component, _named(causality, causalities)

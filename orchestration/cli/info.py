@@ -50,7 +50,7 @@ def print_info(name: str, variant: str | None = None, *, json: bool) -> None:
 
 def _facts(name: str, variant: str | None) -> dict[str, Any]:
     from fmus.catalog import MODELS
-    from orchestration.paper.scenarios import SCENARIOS, VARIANTS
+    from orchestration.paper.scenarios import ALL_SCENARIOS
 
     path, suffix = Path(name), Path(name).suffix.lower()
     if is_package(name):
@@ -61,9 +61,9 @@ def _facts(name: str, variant: str | None) -> dict[str, Any]:
         return result_facts(path)
     if suffix == FMU or name in MODELS:
         return fmu_facts(named_fmu(name))
-    if name in SCENARIOS or name in VARIANTS:
+    if name in ALL_SCENARIOS:
         return system_facts(named_system(name, variant))
-    known = [*SCENARIOS, *VARIANTS, *MODELS]
+    known = [*ALL_SCENARIOS, *MODELS]
     msg = f"{name} is neither an .fmu, .ssp, .ssd, .csv or .parquet file nor a scenario or a shipped FMU; "
     raise UnknownNameError(msg + suggestion(name, known))
 

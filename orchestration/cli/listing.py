@@ -7,7 +7,7 @@ from orchestration.campaigns.measuring.registry import ready_measures
 from orchestration.cli.output import output, width
 from orchestration.cli.tables import definitions
 from orchestration.master.algorithm import SUMMARIES
-from orchestration.paper.scenarios import SCENARIOS, VARIANTS
+from orchestration.paper.scenarios import ALL_SCENARIOS
 
 USES = {
     "scenarios": "run NAME",
@@ -21,7 +21,7 @@ USES = {
 def list_all(*, json: bool) -> None:
     """Print the names of all scenarios, shipped FMUs and algorithms, each with what it is."""
     found = {
-        "scenarios": {name: scenario.caption for name, scenario in {**SCENARIOS, **VARIANTS}.items()},
+        "scenarios": {name: scenario.caption for name, scenario in ALL_SCENARIOS.items()},
         "fmus": {name: declare().description for name, declare in MODELS.items()},
         "algorithms": dict(SUMMARIES),
         "measures": {name: summary for name, (_, summary) in ready_measures().items()},

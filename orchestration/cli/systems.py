@@ -63,11 +63,11 @@ class SystemRequest:
 
 def is_package(name: str) -> bool:
     """Whether a name is that of a package, an .ssd file or a folder; a scenario goes before a folder of its name."""
-    from orchestration.paper.scenarios import SCENARIOS, VARIANTS
+    from orchestration.paper.scenarios import ALL_SCENARIOS
 
     if Path(name).suffix.lower() in (PACKAGE, DEFINITION):
         return True
-    return Path(name).is_dir() and name not in SCENARIOS and name not in VARIANTS
+    return Path(name).is_dir() and name not in ALL_SCENARIOS
 
 
 def named_system(name: str, variant: str | None = None, *, reals: bool = False) -> System:
@@ -97,12 +97,12 @@ def named_system(name: str, variant: str | None = None, *, reals: bool = False) 
 
 def named_fmu(name: str, *, reals: bool = False) -> Path:
     """The FMU of a file, or a shipped one by its model identifier."""
-    from fmus.catalog import MODELS
+    from fmus.catalog import MODELS, VARIANTS
     from orchestration.paper.built_fmus import built
 
     if Path(name).exists() or Path(name).name != name or Path(name).suffix:
         return Path(name)
-    if name not in MODELS:
-        msg = f"--controller: there is no model {name}; {suggestion(name, MODELS)}"
+    if name not in MODELS and name not in VARIANTS:
+        msg = f"--controller: there is no model {name}; {suggestion(name, [*MODELS, *VARIANTS])}"
         raise SystemDescriptionError(msg)
     return built(name, reals=reals)

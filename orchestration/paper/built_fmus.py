@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from orchestration.errors import OrchestrationError, UnknownNameError
 from orchestration.fmi.names import suggestion
-from orchestration.paper.scenarios import SCENARIOS, VARIANTS, Scenario
+from orchestration.paper.scenarios import ALL_SCENARIOS, Scenario
 
 if TYPE_CHECKING:
     from adaptimp_fmu import Model, Platform
@@ -20,11 +20,10 @@ def find_scenario(name: str) -> Scenario:
     UnknownNameError
         If there is no such scenario; the message gives near names.
     """
-    known = {**SCENARIOS, **VARIANTS}
-    if name not in known:
-        msg = f"There is no scenario {name}; {suggestion(name, known)}"
+    if name not in ALL_SCENARIOS:
+        msg = f"There is no scenario {name}; {suggestion(name, ALL_SCENARIOS)}"
         raise UnknownNameError(msg)
-    return known[name]
+    return ALL_SCENARIOS[name]
 
 
 def fmus(identifiers: Iterable[str], *, reals: bool = False) -> Mapping[str, Path]:
@@ -34,9 +33,9 @@ def fmus(identifiers: Iterable[str], *, reals: bool = False) -> Mapping[str, Pat
 
 def built(identifier: str, *, reals: bool = False) -> Path:
     """The FMU file for this machine of a model identifier; errors are those of `built_model`."""
-    from fmus.catalog import MODELS
+    from fmus.catalog import model
 
-    return built_model(MODELS[identifier](), reals=reals)
+    return built_model(model(identifier), reals=reals)
 
 
 def built_model(

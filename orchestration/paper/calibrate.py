@@ -1,179 +1,139 @@
-"""Chooses the values that the paper leaves open for Figs. 5 to 7; docs/calibration.md tells how.
+"""Chooses the values that the paper leaves open, and writes docs/calibration.md, which tells how.
 
-    python -m orchestration.paper.calibrate            the committed constants, recomputed
-    python -m orchestration.paper.calibrate --search   the search, a table of every candidate
-    python -m orchestration.paper.calibrate --periods  m2_hat's deviation at other sampling periods
-    python -m orchestration.paper.calibrate --nudges   how far a last bit moves Fig. 6's torque limits
+    python -m orchestration.paper.calibrate             the constants of each calibration, recomputed
+    python -m orchestration.paper.calibrate --search    the search, within ten minutes on two processors
+    python -m orchestration.paper.calibrate --prove     the calibrations put to the proof, and further runs
+    python -m orchestration.paper.calibrate --page      the page alone, from docs/calibration.json
 
-The search varies one value at a time over its range, keeps what improves the score by at least
-`WORTHWHILE`, and ends when nothing does. A candidate's score is the largest ratio of a measured number
-to its limit among the claims C4, C5, C6, C8 and C9 (`ratios`), over `SEARCH_SEEDS` seeds: below 1 all of
-them hold. The other claims take no part in the choice.
+``--search`` and ``--prove`` renew their part of docs/calibration.json, and the page.
 """
 
 import argparse
-from collections.abc import Mapping, Sequence
+import os
+from collections.abc import Callable, Mapping
+from concurrent.futures import Executor, ThreadPoolExecutor
+from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 from rich.console import Console
 
+from adaptimp_fmu.files.whole_file import write_whole
 from orchestration.errors import SimulationError
+from orchestration.paper import settings
 from orchestration.paper.built_fmus import fmus
-from orchestration.paper.claims import criteria as limits
+from orchestration.paper.calibrations import CALIBRATIONS, CHOSEN_CALIBRATION, FIRST, Calibration
 from orchestration.paper.laboratory import Job, Laboratory
-from orchestration.paper.measure import Summary, contact
-from orchestration.paper.numbers import NOISE_SHARE, TORQUE_LIMITS, TORQUE_SHARE
-from orchestration.paper.scenarios import SCENARIOS, UNSATURATED, VARIANTS
+from orchestration.paper.measure import Summary, at_ticks, largest_norm
+from orchestration.paper.scenarios import ALL_SCENARIOS, SCENARIOS
+from orchestration.paper.studies.calibration.keeping import Proof, prove
+from orchestration.paper.studies.calibration.page import page
+from orchestration.paper.studies.calibration.record import Nudges, Period, Record
+from orchestration.paper.studies.calibration.search import Found, search
+from orchestration.paper.studies.calibration.trial import Bench
+from orchestration.paper.studies.native_runs import NativeLaboratory, Runner
+from orchestration.paper.studies.open_values import EARLIER
 
-SEARCH_SEEDS = 6
-PERIODS = (1e-4, 5e-5, 2e-5)  # s
-WORTHWHILE = 0.95  # a new score must be below this times the old: less is noise of six seeds
-RANGES: Mapping[str, Sequence[float]] = {
-    "Psi": (30.0, 50.0, 70.0, 100.0, 140.0),  # 1/s; algorithm 1 needs Psi < B/M = 170
-    "Gamma_craig": (1.0, 2.0, 5.0, 10.0, 20.0),
-    "Gamma_slotine_li": (1.0, 2.0, 4.0, 8.0, 16.0),
-    "K_d": (30.0, 50.0, 100.0, 200.0),
-    "gamma_margin": (1.2, 1.5, 2.0, 3.0),
-    "gamma_eps": (3e-5, 1e-4, 3e-4, 1e-3),
-}
-FIRST_GUESS = {
-    "Psi": 100.0,
-    "Gamma_craig": 5.0,
-    "Gamma_slotine_li": 4.0,
-    "K_d": 100.0,
-    "gamma_margin": 1.5,
-    "gamma_eps": 1e-4,
-}
+RECORD, PAGE = "calibration.json", "calibration.md"
+PERIODS = (1e-4, 5e-5, 2e-5, 1e-5)  # s
+PERIOD_SEEDS = range(1, 7)
 NUDGES = tuple(1e-14 * k for k in range(-20, 21))  # rad, added to the arm's first angle at the start
+PERTURBATIONS = 256
+Tell = Callable[[str], None]
 
 
 def laboratory() -> Laboratory:
     """A laboratory that has the FMUs of all scenarios."""
-    scenarios = (*SCENARIOS.values(), *VARIANTS.values())
-    return Laboratory(fmus(sorted({i for scenario in scenarios for i in scenario.models.values()})))
+    return Laboratory(fmus(sorted({i for scenario in ALL_SCENARIOS.values() for i in scenario.models.values()})))
 
 
-def noise_bound(lab: Laboratory) -> float:
-    """The bound of the sensor's error, N: 15 % of the peak |F_ext| of fig5 without noise."""
-    silent = {"sensor.noise_std": 0.0, "sensor.noise_bound": 0.0, "controller.noise_bound": 0.0}
-    result = lab.run(Job("fig5", silent), ("plant.F_ext[1]", "plant.F_ext[2]", "plant.x[1]", "plant.x[2]"))
-    return NOISE_SHARE * contact(result).peak
+def noise_bound(lab: Runner, calibration: Calibration = CHOSEN_CALIBRATION) -> float:
+    """The bound of the sensor's error, N: a share of the peak |F_ext| of fig5 without noise."""
+    return Bench(lab, calibration.values).noise_bound()
 
 
-def torque_limits(lab: Laboratory, changes: Mapping[str, float] | None = None) -> tuple[float, float]:
-    """The torque limits, N.m: 75 % of each joint's largest |tau_cmd| of fig5 with some start values changed."""
-    result = lab.run(Job("fig5", changes or {}), ("controller.tau_cmd[1]", "controller.tau_cmd[2]"))
-    largest = np.abs(result["controller.tau_cmd"]).max(axis=0)
-    return float(TORQUE_SHARE * largest[0]), float(TORQUE_SHARE * largest[1])
+def torque_limits(
+    lab: Runner, calibration: Calibration = CHOSEN_CALIBRATION, changes: Mapping[str, float] | None = None
+) -> tuple[float, float]:
+    """The torque limits, N.m: 75 % of the largest |tau_cmd| of fig5, with some start values changed."""
+    name = "fig5-first" if calibration is FIRST else "fig5"
+    torque = at_ticks(
+        lab.run(Job(name, changes or {}), ("controller.tau_cmd[1]", "controller.tau_cmd[2]")), "controller.tau_cmd"
+    )
+    largest, norm = np.abs(torque).max(axis=0), largest_norm(torque)
+    one, two = settings.torque_limits(largest, norm, calibration.values["torque_reading"]).tolist()
+    return one, two
 
 
-def torque_sensitivity(lab: Laboratory) -> tuple[float, float]:
-    """Largest relative deviation of each joint's torque limit when the start is nudged by `NUDGES`."""
+def torque_sensitivity(lab: Runner, pool: Executor) -> Nudges:
+    """How far the torque limits move when the start is nudged by `NUDGES`."""
     angle = SCENARIOS["fig5"].values["plant.q_start[1]"].number
-    found = [torque_limits(lab, {"plant.q_start[1]": angle + nudge}) for nudge in NUDGES]
-    one, two = np.abs(np.array(found) / TORQUE_LIMITS - 1).max(axis=0)
-    return float(one), float(two)
+    found = list(pool.map(lambda nudge: torque_limits(lab, changes={"plant.q_start[1]": angle + nudge}), NUDGES))
+    one, two = np.abs(np.array(found) / CHOSEN_CALIBRATION.torque_limits - 1).max(axis=0).tolist()
+    return Nudges(len(NUDGES), max(NUDGES), (one, two))
 
 
-def ratios(one: Sequence[Summary], two: Sequence[Summary]) -> dict[str, float]:
-    """Measured numbers over their limits, the criteria of the claims, for algorithms 1 and 2."""
-    both = (*one, *two)
-    limit = TORQUE_SHARE * np.median([s.torque for s in one], axis=0)
-    return {
-        "C4": max(
-            limits.M2_SETTLED.share([s.m2_settled for s in both]),
-            limits.M2_AT_CONTACT.share([s.m2_at_contact for s in both]),
-        ),
-        "C5": limits.M2_IN_CONTACT.share([s.m2_in_contact for s in both]),
-        "C6": limits.M2_RECOVERY.share([s.m2_recovery for s in both]),
-        "C8": float((np.array([s.torque for s in two]) / limit).max()),
-        "C9": max(
-            limits.START_ERROR.share([s.e_start for s in two]),
-            limits.FREE_ERROR.share([s.e_free for s in two]),
-        ),
-    }
-
-
-def score(lab: Laboratory, values: Mapping[str, float]) -> tuple[float, dict[str, float]]:
-    """The largest ratio of a candidate, and all its ratios; infinite and none if a run fails."""
-    psi = {"controller.Psi[1]": values["Psi"], "controller.Psi[2]": values["Psi"]}
-    damping = {"controller.K_d[1]": values["K_d"], "controller.K_d[2]": values["K_d"]}
-    craig = {
-        "controller.Gamma[2]": values["Gamma_craig"],
-        "controller.gamma_margin": values["gamma_margin"],
-        "controller.gamma_eps": values["gamma_eps"],
-    }
-    slotine_li = {"controller.Gamma[2]": values["Gamma_slotine_li"], **damping, **UNSATURATED}
-    seeds = range(1, SEARCH_SEEDS + 1)
-    jobs = [Job("fig5", {**psi, **craig, "sensor.seed": seed}) for seed in seeds]
-    jobs += [Job("fig7", {**psi, **slotine_li, "sensor.seed": seed}) for seed in seeds]
-    outcomes = lab.summaries(jobs)
-    good = [outcome for outcome in outcomes if isinstance(outcome, Summary)]
-    if len(good) < len(outcomes):
-        return float("inf"), {}
-    found = ratios(good[:SEARCH_SEEDS], good[SEARCH_SEEDS:])
-    return max(found.values()), found
-
-
-def search(lab: Laboratory, console: Console) -> dict[str, float]:
-    """Search for the best values from `FIRST_GUESS` on, one coordinate after the other, and print every candidate."""
-    best, (lowest, found) = dict(FIRST_GUESS), score(lab, FIRST_GUESS)
-    console.print(_row("start", "", lowest, found), highlight=False)
-    improved = True
-    while improved:
-        improved = False
-        for name, values in RANGES.items():
-            for value in values:
-                if value == best[name]:
-                    continue
-                total, found = score(lab, {**best, name: value})
-                console.print(_row(name, f"{value:g}", total, found), highlight=False)
-                if total < WORTHWHILE * lowest:
-                    best, lowest, improved = {**best, name: value}, total, True
-    return best
-
-
-def deviations(lab: Laboratory) -> list[tuple[float, float, float]]:
-    """Sampling period, s, and range of m2_hat's relative deviation in contact over the seeds of a search."""
+def deviations(lab: Laboratory) -> tuple[Period, ...]:
+    """Ranges of m2_hat's deviation in contact over some seeds at other sampling periods; noise for every tick."""
     rows = []
     for period in PERIODS:
-        jobs = [Job("fig5", {"sensor.seed": seed}, period) for seed in range(1, SEARCH_SEEDS + 1)]
+        jobs = [Job("fig5", {"sensor.seed": seed, "sensor.noise_period": 0.0}, period) for seed in PERIOD_SEEDS]
         found = [s.m2_in_contact for s in lab.summaries(jobs) if isinstance(s, Summary)]
-        rows.append((period, min(found), max(found)))
-    return rows
+        rows.append(Period(period, min(found), max(found)))
+    return tuple(rows)
 
 
-def _row(name: str, value: str, total: float, found: Mapping[str, float]) -> str:
-    parts = " ".join(f"{claim} {ratio:.2f}" for claim, ratio in found.items())
-    return f"{name:17} {value:>6}  score {total:.2f}  {parts}"
+def searched(lab: Runner, pool: Executor, tell: Tell) -> Found:
+    """The search, from the settings that are known."""
+    return search(lab, (EARLIER, FIRST.values), pool, tell)
+
+
+def proved(lab: Runner, pool: Executor, tell: Tell) -> Mapping[str, Proof]:
+    """The calibrations, put to the proof."""
+    found = {}
+    for name, calibration in CALIBRATIONS.items():
+        found[name] = prove(lab, calibration.values, pool, PERTURBATIONS)
+        tell(f"{name}: all sentences hold at {found[name].kept:.0%} of the seeds and small changes, or more")
+    return found
 
 
 def main() -> None:
     """Do what the command line asks for."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
     parser.add_argument("--search", action="store_true", help="search for the values of Figs. 5 to 7")
-    parser.add_argument("--periods", action="store_true", help="compare sampling periods")
-    parser.add_argument("--nudges", action="store_true", help="nudge the start and compare the torque limits")
+    parser.add_argument("--prove", action="store_true", help="put the calibrations to the proof")
+    parser.add_argument("--page", action="store_true", help="write the page alone")
+    parser.add_argument("--folder", type=Path, default=Path("docs"), help="where record and page are (docs)")
     request = parser.parse_args()
-    console, lab = Console(), laboratory()
-    if request.periods:
-        for period, low, high in deviations(lab):
-            console.print(f"{period:g} s: m2_hat off by {low:.1%} to {high:.1%} in contact", highlight=False)
+    console = Console()
+    if not (request.search or request.prove or request.page):
+        _print_constants(console)
         return
-    if request.nudges:
-        one, two = torque_sensitivity(lab)
-        console.print(f"torque limits move by up to {one:.1%} and {two:.1%} in {len(NUDGES)} runs", highlight=False)
-        return
-    if request.search:
-        best = search(lab, console)
-        console.print(f"best: {best}", highlight=False)
-        return
-    try:
-        torques = torque_limits(lab)
-    except SimulationError as error:
-        raise SystemExit(str(error)) from error
-    console.print(f"NOISE_BOUND = {noise_bound(lab):.2f}", highlight=False)
-    console.print(f"TORQUE_LIMITS = ({torques[0]:.2f}, {torques[1]:.2f})", highlight=False)
+    path = request.folder / RECORD
+    record = Record.read(path)
+    master = laboratory()
+    native = NativeLaboratory(master.fmus)
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        if request.search:
+            record = replace(record, found=searched(native, pool, console.print))
+        if request.prove:
+            proofs, periods = proved(native, pool, console.print), deviations(master)
+            record = replace(record, proofs=proofs, periods=periods, nudges=torque_sensitivity(native, pool))
+    record.write(path)
+    write_whole(request.folder / PAGE, page(record).encode())
+
+
+def _print_constants(console: Console) -> None:
+    lab = laboratory()
+    for calibration in CALIBRATIONS.values():
+        try:
+            one, two = torque_limits(lab, calibration)
+            bound = noise_bound(lab, calibration)
+        except SimulationError as error:
+            raise SystemExit(str(error)) from error
+        console.print(
+            f"{calibration.name}: noise_bound={bound:.2f}, torque_limits=({one:.2f}, {two:.2f})", highlight=False
+        )
 
 
 if __name__ == "__main__":

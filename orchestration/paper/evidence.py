@@ -6,18 +6,22 @@ from functools import cached_property
 
 import numpy as np
 
+from orchestration.paper.calibrations import FIRST
 from orchestration.paper.laboratory import SEEDS, Job, Laboratory, Outcome
-from orchestration.paper.measure import ESTIMATE, Summary
-from orchestration.paper.numbers import PSI, TRUE_M2
+from orchestration.paper.measure import ESTIMATE, Summary, free_error
+from orchestration.paper.numbers import LARGEST_PSI, TRUE_M2
 from orchestration.paper.scenarios import SCENARIOS, UNSATURATED
 from orchestration.results.result import Result
 
-PSI_GRID = tuple(PSI * 10.0 ** (k / 3) for k in range(-3, 4))  # 1/s, two decades
+PSI_GRID = tuple(LARGEST_PSI * 10.0 ** ((k - 6.1) / 6) for k in range(7))  # 1/s, a decade that suits both algorithms
 GAMMA_GRID_FACTORS = tuple(10.0 ** (k / 3) for k in range(-3, 4))  # of the scenario's gain
 K_D_GRID = (30.0, 100.0, 300.0, 1000.0, 3000.0)  # N.s/m
 DIVISORS = (1, 10, 100)
-PERIODS = (4e-5, 2e-5, 1e-5)  # s
+PERIODS = (4e-5, 2e-5, 1e-5, 5e-6)  # s
 TOUCH = ("plant.F_ext", "plant.x")  # what `contact` needs
+FORCE = ("plant.F_ext[1]", "plant.F_ext[2]")
+ADAPTIVE = ("fig5", "fig6", "fig7", "spong-ortega")
+GAIN, NOISE_PERIOD = "controller.Gamma[2]", "sensor.noise_period"
 
 
 @dataclass(frozen=True)
@@ -36,8 +40,7 @@ class Evidence:
     @cached_property
     def ideal_force(self) -> np.ndarray:
         """Contact force with the true mass and a perfect sensor, N, shape (n_rows, 2)."""
-        record = ("plant.F_ext[1]", "plant.F_ext[2]")
-        return self.laboratory.run(Job("ideal"), record)["plant.F_ext"]
+        return self.laboratory.run(Job("ideal"), FORCE)["plant.F_ext"]
 
     @cached_property
     def noise(self) -> Mapping[str, list[Summary]]:
@@ -48,11 +51,36 @@ class Evidence:
         SimulationError
             If a run fails: then the figures' settings are no good.
         """
-        outcomes = {}
-        for name in ("fig5", "fig6", "fig7", "spong-ortega"):
-            jobs = [Job(name, {"sensor.seed": seed}) for seed in SEEDS]
-            outcomes[name] = [_required(s) for s in self.laboratory.summaries(jobs, self.ideal_force)]
-        return outcomes
+        return self._over_seeds("", self.ideal_force)
+
+    @cached_property
+    def noise_at_first(self) -> Mapping[str, list[Summary]]:
+        """Summaries as in `noise`, at the earlier calibration.
+
+        Raises
+        ------
+        SimulationError
+            If a run fails.
+        """
+        suffix = f"-{FIRST.name}"
+        return self._over_seeds(suffix, self.laboratory.run(Job(f"ideal{suffix}"), FORCE)["plant.F_ext"])
+
+    def _over_seeds(self, suffix: str, ideal_force: np.ndarray) -> Mapping[str, list[Summary]]:
+        """Summaries by the name of a figure, whose scenarios have a suffix."""
+        jobs = [Job(f"{name}{suffix}", {"sensor.seed": seed}) for name in ADAPTIVE for seed in SEEDS]
+        found = [_required(outcome) for outcome in self.laboratory.summaries(jobs, ideal_force)]
+        return {name: found[i * len(SEEDS) :][: len(SEEDS)] for i, name in enumerate(ADAPTIVE)}
+
+    def start_without_adaptation(self, suffix: str = "") -> float:
+        """Largest |e| of fig7 before the first contact if m2_hat stays at its wrong start, m.
+
+        Parameters
+        ----------
+        suffix
+            Of the scenario's name, such as ``-first``.
+        """
+        record = (*FORCE, "controller.e[1]", "controller.e[2]")
+        return free_error(self.laboratory.run(Job(f"fig7{suffix}", {GAIN: 0.0, **UNSATURATED}), record))
 
     @cached_property
     def sensitivity(self) -> Mapping[str, list[tuple[float, float, Summary | None]]]:
@@ -60,15 +88,14 @@ class Evidence:
         grid = [(psi, factor) for psi in PSI_GRID for factor in GAMMA_GRID_FACTORS]
         table = {}
         for name in ("fig5", "fig7"):
-            gain = "controller.Gamma[2]"
-            nominal = self.scenario_value(name, gain)
+            nominal = self.scenario_value(name, GAIN)
             jobs = [
                 Job(
                     name,
                     {
                         "controller.Psi[1]": psi,
                         "controller.Psi[2]": psi,
-                        gain: factor * nominal,
+                        GAIN: factor * nominal,
                         **UNSATURATED,
                     },
                 )
@@ -97,8 +124,11 @@ class Evidence:
     @cached_property
     def sampled(self) -> list[Result]:
         """Runs of fig5 at the sampling periods `PERIODS`."""
-        record = [f"controller.{n}[{i}]" for n in ("e", "e_star", "p_hat") for i in (1, 2)]
-        return self.laboratory.results([Job("fig5", sample_time=period) for period in PERIODS], record)
+        record = [f"{n}[{i}]" for n in ("controller.e", "controller.e_star", *TOUCH) for i in (1, 2)]
+        held = self.scenario_value("fig5", NOISE_PERIOD)
+        common = {NOISE_PERIOD: max(1, round(held / PERIODS[0])) * PERIODS[0]}  # the same noise at every period
+        jobs = [Job("fig5", common, sample_time=period) for period in PERIODS]
+        return self.laboratory.results(jobs, [*record, ESTIMATE])
 
     @cached_property
     def damped_from_wrong(self) -> list[Result]:
@@ -110,12 +140,19 @@ class Evidence:
         """Runs of fig7 as `damped_from_wrong`, with the true mass known from the start."""
         return self._damped({"controller.p_start[2]": TRUE_M2})
 
-    def _damped(self, changes: Mapping[str, float]) -> list[Result]:
+    @cached_property
+    def damped_in_proportion(self) -> list[Result]:
+        """Runs of fig7 as `damped_from_wrong`, with a Gamma that grows in proportion to K_d."""
+        per_damping = self.scenario_value("fig7", GAIN) / self.scenario_value("fig7", "controller.K_d[1]")
+        return self._damped({}, per_damping)
+
+    def _damped(self, changes: Mapping[str, float], per_damping: float | None = None) -> list[Result]:
         record = [f"{n}[{i}]" for n in ("controller.s", "controller.e", "plant.q", *TOUCH) for i in (1, 2)]
-        jobs = [
-            Job("fig7", {"controller.K_d[1]": gain, "controller.K_d[2]": gain, **UNSATURATED, **changes})
-            for gain in K_D_GRID
-        ]
+        jobs = []
+        for damping in K_D_GRID:
+            both = {"controller.K_d[1]": damping, "controller.K_d[2]": damping}
+            gain = {} if per_damping is None else {GAIN: per_damping * damping}
+            jobs.append(Job("fig7", {**both, **gain, **UNSATURATED, **changes}))
         return self.laboratory.results(jobs, [*record, ESTIMATE])
 
     @staticmethod

@@ -3,7 +3,7 @@
 import os
 from collections.abc import Collection, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +11,7 @@ import numpy as np
 from orchestration.errors import SimulationError
 from orchestration.master.simulate import Options, simulate
 from orchestration.paper.measure import ESTIMATE, RECORDED, NoContactError, Summary, summarize
-from orchestration.paper.scenarios import SCENARIOS, VARIANTS
+from orchestration.paper.scenarios import ALL_SCENARIOS
 from orchestration.results.result import Result
 
 SEEDS = tuple(range(1, 31))
@@ -26,11 +26,17 @@ class Job:
     ----------
     sample_time
         Communication step and sampling period, s; the scenario's if None.
+    stop_time
+        End of the run, s; the scenario's if None.
+    start_time
+        Begin of the run, s.
     """
 
     scenario: str
     changes: Mapping[str, float] = field(default_factory=dict)
     sample_time: float | None = None
+    stop_time: float | None = None
+    start_time: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -46,11 +52,12 @@ class Laboratory:
         ------
         SimulationError
         """
-        scenario = {**SCENARIOS, **VARIANTS}[job.scenario]
+        scenario = ALL_SCENARIOS[job.scenario]
         system = scenario.system(self.fmus).set(job.changes)
         if job.sample_time is not None:
             system = system.with_sample_time(job.sample_time)
-        return simulate(system, options=Options(record=record, strict=True))
+        system = replace(system, start_time=job.start_time)
+        return simulate(system, stop_time=job.stop_time, options=Options(record=record, strict=True))
 
     def results(self, jobs: Sequence[Job], record: Collection[str]) -> list[Result]:
         """Run many jobs.

@@ -1,11 +1,13 @@
 """The numbers of the paper, each once: what section V states, and what it leaves open and is assumed here.
 
 Behind each number stands ``V`` for one stated in section V, else that it is assumed. The reasons stand beside
-the values in `orchestration.paper.scenarios`. What the FMUs start with, the arm and its ellipse, they hold
-themselves (`fmus.start`) and is read from there.
+the values in `orchestration.paper.scenarios`. Open values have the numbers of the chosen calibration
+(`orchestration.paper.calibrations`). What the FMUs start with, the arm and its ellipse, they hold themselves
+(`fmus.start`) and is read from there.
 """
 
 from fmus import start
+from orchestration.paper.calibrations import CHOSEN_CALIBRATION
 
 # The arm, its wall and its way.
 ARM = start.ARMS[2]
@@ -16,9 +18,8 @@ SEMI_AXIS = start.SEMI_AXIS  # m, V
 PERIOD = start.PERIOD  # s, V
 TIP_START = start.X_V  # m, V: where the tip begins and ends
 WALL_NORMAL = start.WALL_NORMAL  # assumed
-WALL_OFFSET = start.WALL_OFFSET  # m, assumed
+WALL_OFFSET = CHOSEN_CALIBRATION.values["wall_offset"]  # m
 WALL_STIFFNESS = 1e5  # N/m, V
-DEPTH = 0.01  # m, assumed
 
 # The impedance, V.
 TARGET_INERTIA = 2.0  # kg
@@ -28,19 +29,19 @@ LARGEST_PSI = ADAPTIVE_DAMPING / TARGET_INERTIA  # 1/s, III-C: algorithm 1 needs
 
 # Sampling, assumed.
 CONVENTIONAL_STEP = 1e-4  # s, of Figs. 2 to 4
-ADAPTIVE_STEP = 2e-5  # s, of Figs. 5 to 7
+ADAPTIVE_STEP = CHOSEN_CALIBRATION.values["sample_time"]  # s, of Figs. 5 to 7
 
-# Figs. 5 to 7, assumed: one set of values for all three, chosen as docs/calibration.md says.
-SEED = 1
-PSI = 100.0  # 1/s
-GAMMA_CRAIG = 5.0  # kg2.s2/m2
-GAMMA_SLOTINE_LI = 4.0  # kg.s2/m2
-K_D = 100.0  # N.s/m
-GAMMA_MARGIN, GAMMA_EPS = 1.5, 1e-4  # 1 and m/s
-
-# Computed by `python -m orchestration.paper.calibrate`: 15 % of the peak |F_ext| of fig5 without
-# noise, and 75 % of each joint's largest |tau_cmd| of fig5.
+# Figs. 5 to 7.
+SEED = 1  # assumed
 NOISE_SHARE, TORQUE_SHARE = 0.15, 0.75  # V
-NOISE_BOUND = 91.12  # N
-TORQUE_LIMITS = (533.61, 306.83)  # N.m
+PSI_CRAIG = CHOSEN_CALIBRATION.values["Psi_1"]  # 1/s, of algorithm 1
+PSI_SLOTINE_LI = CHOSEN_CALIBRATION.values["Psi_2"]  # 1/s, of algorithm 2
+NOISE_BOUND = CHOSEN_CALIBRATION.noise_bound  # N
+TORQUE_LIMITS = CHOSEN_CALIBRATION.torque_limits  # N.m
 NO_TORQUE_LIMIT = 1e9  # N.m, which switches an actuator's limit off
+
+# What the theory names and section V does not run, assumed.
+FAILURES = {"dropout": (1, 0.05), "stuck": (2, 0.05), "spike": (3, 5e-3)}
+"""Kind of a failure of the force sensor, as `fmus.sensor_failure` counts them, and its duration, s, by name."""
+SPIKE_FORCE = 1e3  # N, along the wall's normal
+PAYLOAD = TRUE_M2 / 2  # kg, beyond the wrist sensor

@@ -12,7 +12,7 @@ def scenario(name: str, *, controller: str | Path | None = None, reals: bool = F
     Parameters
     ----------
     name
-        ``fig2`` to ``fig7``, ``ideal`` or ``spong-ortega``.
+        ``fig2`` to ``fig7``, ``ideal`` or ``spong-ortega``; ``fig5-first`` and so on at the earlier calibration.
     controller
         Another controller: the path of an FMU, or the model identifier of a shipped one such as
         ``SlotineLiAdaptiveImpedance``. Default: that of the scenario.
@@ -36,11 +36,11 @@ def scenario(name: str, *, controller: str | Path | None = None, reals: bool = F
     >>> scenario("fig2", reals=True)["actuator"].variable("saturated[1]").type
     'Real'
     """
-    from fmus.catalog import MODELS
+    from fmus.catalog import MODELS, VARIANTS
 
     found = find_scenario(name)
     system = found.system(fmus(found.models.values(), reals=reals))
     if controller is None:
         return system
-    own = str(controller) in MODELS
+    own = str(controller) in MODELS or str(controller) in VARIANTS
     return system.replace("controller", built(str(controller), reals=reals) if own else controller)

@@ -10,11 +10,13 @@ from adaptimp_fmu.files.whole_file import write_whole
 from orchestration.paper.built_fmus import fmus
 from orchestration.paper.claims.cache import claims_of
 from orchestration.paper.claims.claim import Claim
-from orchestration.paper.claims.evaluation import as_markdown, as_records, evaluate
+from orchestration.paper.claims.evaluation import evaluate
+from orchestration.paper.claims.page import as_markdown, as_records, word
 from orchestration.paper.evidence import Evidence
 from orchestration.paper.figures import draw
 from orchestration.paper.laboratory import Job, Laboratory
-from orchestration.paper.scenarios import SCENARIOS, VARIANTS, Scenario
+from orchestration.paper.scenarios import AT_FIRST, SCENARIOS, VARIANTS, WITH_FAILURE, Scenario
+from orchestration.paper.strength import read_strength
 from orchestration.results.result import Result
 from orchestration.sandbox.archive import file_hash
 
@@ -23,11 +25,24 @@ Tell = Callable[[str], None]
 
 @dataclass(frozen=True)
 class Report:
-    """What was reproduced: the files written, the claims, and whether the claims were measured by an earlier run."""
+    """What was reproduced.
+
+    Attributes
+    ----------
+    figures, claims_file
+        Files that were written.
+    claims
+        The claims with their verdicts.
+    words
+        How strongly each claim holds, in a phrase, by claim.
+    kept
+        Whether the claims were measured by an earlier run.
+    """
 
     figures: list[Path]
     claims_file: Path
     claims: list[Claim]
+    words: Mapping[str, str]
     kept: bool
 
 
@@ -45,7 +60,7 @@ def reproduce(folder: Path, tell: Tell, image: str = "png", *, fresh: bool = Fal
     fresh
         Whether to measure the claims even if they are in the cache.
     """
-    scenarios = {**SCENARIOS, **VARIANTS}
+    scenarios = {**SCENARIOS, **VARIANTS, **AT_FIRST, **WITH_FAILURE}
     identifiers = {i for scenario in scenarios.values() for i in scenario.models.values()}
     tell(f"Building {len(identifiers)} FMUs, or taking them from the cache")
     laboratory = Laboratory(fmus(sorted(identifiers)))
@@ -58,10 +73,12 @@ def reproduce(folder: Path, tell: Tell, image: str = "png", *, fresh: bool = Fal
     tell("Measuring the claims, over 30 seeds where noise matters, or taking them from the cache")
     digests = _digests(laboratory, scenarios)
     claims, kept = claims_of(digests, lambda: evaluate(Evidence(laboratory, results)), fresh=fresh)
+    strength = read_strength()
     claims_file = folder / "claims.json"
-    write_whole(claims_file, f"{json.dumps(as_records(claims, digests), indent=2)}\n".encode())
-    write_whole(folder / "claims.md", as_markdown(claims, digests).encode())
-    return Report(figures, claims_file, claims, kept)
+    write_whole(claims_file, f"{json.dumps(as_records(claims, digests, strength), indent=2)}\n".encode())
+    write_whole(folder / "claims.md", as_markdown(claims, digests, strength).encode())
+    words = {claim.id: word(claim, strength) for claim in claims}
+    return Report(figures, claims_file, claims, words, kept)
 
 
 def _digests(laboratory: Laboratory, scenarios: Mapping[str, Scenario]) -> dict[str, str]:

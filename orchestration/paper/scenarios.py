@@ -7,34 +7,30 @@ more than one place stand in `orchestration.paper.numbers`.
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
+import numpy as np
+
 from orchestration.fmi.description import SAMPLE_TIME
+from orchestration.paper import settings
+from orchestration.paper.calibrations import CHOSEN_CALIBRATION, FIRST, Calibration
 from orchestration.paper.numbers import (
     ADAPTIVE_DAMPING,
-    ADAPTIVE_STEP,
     ARM,
     CONVENTIONAL_STEP,
-    DEPTH,
-    GAMMA_CRAIG,
-    GAMMA_EPS,
-    GAMMA_MARGIN,
-    GAMMA_SLOTINE_LI,
-    K_D,
+    FAILURES,
     NO_TORQUE_LIMIT,
-    NOISE_BOUND,
+    PAYLOAD,
     PERIOD,
-    PSI,
     SEED,
     SEMI_AXIS,
+    SPIKE_FORCE,
     TARGET_INERTIA,
     TARGET_STIFFNESS,
-    TORQUE_LIMITS,
     TRUE_M2,
     TRUE_MASSES,
     WALL_NORMAL,
-    WALL_OFFSET,
     WALL_STIFFNESS,
     WRONG_M2,
 )
@@ -76,6 +72,8 @@ class Scenario:
         Communication step and sampling period, s.
     sampling
         ``"assumed: "`` and the reason for the sampling period.
+    sources
+        Outputs by the input that they feed, in the place of outputs of the input's name: ``component.variable``.
     """
 
     name: str
@@ -85,16 +83,52 @@ class Scenario:
     step: float
     sampling: str
     stop_time: float = PERIOD  # s, V: one turn of the ellipse
+    sources: Mapping[str, str] = field(default_factory=dict)
 
     def system(self, fmus: Mapping[str, Path]) -> System:
         """The system that is run, with the reasons for its assumed values, from FMU files by model identifier."""
         files = {component: fmus[identifier] for component, identifier in self.models.items()}
         system = System.connected_by_name(self.name, files, step=self.step, stop_time=self.stop_time)
+        for taken, source in self.sources.items():
+            free = set(system.elements(taken))
+            kept = [c for c in system.connections if f"{c.target}.{c.input}" not in free]
+            system = replace(system, connections=tuple(kept)).connect(f"{source} -> {taken}")
         numbers = {path: value.number for path, value in self.values.items()}
         assumptions = {path: value.origin for path, value in self.values.items() if value.assumed}
         sampled = [component.name for component in system.components if component.sample_time is not None]
         assumptions |= {f"{name}.{SAMPLE_TIME}": self.sampling for name in sampled}
         return replace(system.set(numbers).with_sample_time(self.step), assumptions=assumptions)
+
+
+_CHOSEN = "assumed: chosen by the procedure of docs/calibration.md, the same for Figs. 5 to 7"
+_CALIBRATED = "assumed: chosen by the procedure of docs/calibration.md, the same for Figs. 2 to 7"
+_WALL = "assumed: vertical and left of the origin, so that the tip meets it on the far side of the ellipse"
+_SATURATION = 'assumed: one way to read "75 % of the maximum torque" (V) of Fig. 5; docs/calibration.md names it'
+ORIGINS: Mapping[str, str] = {
+    # q2 = arccos(1.5^2/2 - 1) and q1 = -q2/2 put the tip at (1.5, 0); dq gives it (0, pi) m/s.
+    "plant.q_start": "assumed: section V states the tip's start, (1.5, 0); elbow bent by q2 > 0",
+    "plant.dq_start": "assumed: the tip starts with the velocity of the virtual trajectory; section V states its place",
+    "plant.wall_offset": _CALIBRATED,
+    "plant.D_f": "assumed: section V names a stiffness alone",
+    "plant.mu": "assumed: section V names no friction along the wall",
+    "trajectory.wall_offset": _CALIBRATED,
+    "trajectory.depth": "assumed: K depth is the steady force; chosen by the procedure of docs/calibration.md",
+    "sensor.noise_bound": (
+        "assumed: 15 % (V) of the peak contact force of Fig. 5 without noise bounds the norm of both components"
+    ),
+    "sensor.noise_std": "assumed: bound over standard deviation is chosen by the procedure of docs/calibration.md",
+    "sensor.noise_period": "assumed: a draw of the noise is held for this time; 0 is one tick (docs/calibration.md)",
+    "sensor.contact_gated": "assumed: no noise without contact, as in the figures' free motion",
+    "controller.noise_bound": "(21): delta bounds the sensor's error",
+    "controller.Psi": _CHOSEN,
+    "controller.Gamma": _CHOSEN,
+    "controller.K_d": _CHOSEN,
+    "controller.gamma_margin": _CHOSEN,
+    "controller.gamma_eps": _CHOSEN,
+    "controller.acc_filter_time": "assumed: faster than an impact; a much shorter one lets the loop diverge",
+    "actuator.tau_max": _SATURATION,
+}
+"""Origin of each number that depends on a calibration, by variable without its index."""
 
 
 def _vector(path: str, numbers: tuple[float, ...], origin: str) -> dict[str, Value]:
@@ -105,33 +139,20 @@ def _both(path: str, number: float, origin: str) -> dict[str, Value]:
     return _vector(path, (number, number), origin)
 
 
-_WALL_REASON = (
-    "assumed: vertical and left of the origin, so that the tip meets it on the far side of the ellipse;"
-    " -1.4 m works too"
-)
+def _calibrated(numbers: Mapping[str, float]) -> dict[str, Value]:
+    """Start values that a calibration gives, with their origins."""
+    return {path: Value(number, ORIGINS[path.partition("[")[0]]) for path, number in numbers.items()}
+
+
 _ARM_AND_WALL = {
     **_vector("plant.m", TRUE_MASSES, "V"),
     **_vector("plant.l", ARM.link_lengths, "V"),
-    # q2 = arccos(1.5^2/2 - 1) and q1 = -q2/2 put the tip at (1.5, 0); dq gives it (0, pi) m/s.
-    **_vector(
-        "plant.q_start",
-        ARM.q,
-        "assumed: section V states the tip's start, (1.5, 0); elbow bent by q2 > 0",
-    ),
-    **_vector("plant.dq_start", ARM.dq, "V"),
     "plant.gravity": Value(0.0, "assumed: the plane of motion is horizontal"),
-    **_vector("plant.wall_normal", WALL_NORMAL, _WALL_REASON),
-    "plant.wall_offset": Value(WALL_OFFSET, _WALL_REASON),
+    **_vector("plant.wall_normal", WALL_NORMAL, _WALL),
     "plant.K_f": Value(WALL_STIFFNESS, "V"),
-    "plant.D_f": Value(0.0, "V: a stiffness alone"),
-    "plant.mu": Value(0.0, "V: no friction along the wall"),
     **_vector("trajectory.semi_axis", SEMI_AXIS, "V"),
     "trajectory.period": Value(PERIOD, "V"),
-    **_vector("trajectory.wall_normal", WALL_NORMAL, _WALL_REASON),
-    "trajectory.wall_offset": Value(WALL_OFFSET, _WALL_REASON),
-    "trajectory.depth": Value(
-        DEPTH, "assumed: K depth = 40 N of steady force; the paper draws a small straight segment"
-    ),
+    **_vector("trajectory.wall_normal", WALL_NORMAL, _WALL),
 }
 _PERFECT_SENSOR = {"sensor.noise_std": Value(0.0, "V"), "sensor.noise_bound": Value(0.0, "V")}
 _TARGET = {
@@ -141,6 +162,8 @@ _TARGET = {
     "controller.gravity": Value(0.0, "assumed: as in the plant"),
 }
 _CRITICAL_DAMPING = _both("controller.B", 2.0 * math.sqrt(TARGET_INERTIA * TARGET_STIFFNESS), "V: B = 2 sqrt(M K)")
+_DAMPING = _both("controller.B", ADAPTIVE_DAMPING, "V")
+_SEED = {"sensor.seed": Value(SEED, "assumed: any; the claims are measured over 30 seeds")}
 _MODELS = {
     "trajectory": "VirtualTrajectory",
     "sensor": "ForceSensor",
@@ -149,94 +172,142 @@ _MODELS = {
     "plant": "Plant",
 }
 _CONVENTIONAL_SAMPLING = "assumed: 10 kHz; section V does not say how its simulation was sampled"
-
-
-_CONVENTIONAL = {**_ARM_AND_WALL, **_PERFECT_SENSOR, **_TARGET, **_CRITICAL_DAMPING}
-
 ADAPTIVE_SAMPLING = (
-    "assumed: practically continuous; with 1e-4 s the chatter of F_c in contact drags m2_hat off by about 40 %"
-    " (docs/calibration.md)"
+    "assumed: practically continuous; with 1e-4 s the chatter of F_c in contact drags m2_hat off (docs/calibration.md)"
 )
-_CHOSEN = "assumed: chosen by the procedure of docs/calibration.md, the same for Figs. 5 to 7"
-_ADAPTIVE = {
-    **_ARM_AND_WALL,
-    **_TARGET,
-    **_both("controller.B", ADAPTIVE_DAMPING, "V"),
-    **_both("controller.Psi", PSI, _CHOSEN),
-    "sensor.noise_bound": Value(NOISE_BOUND, "V: 15 % of the peak contact force; of Fig. 5 without noise"),
-    "sensor.noise_std": Value(NOISE_BOUND / 3, "assumed: the maximum of a normal noise at three sigma"),
-    "sensor.contact_gated": Value(1, "assumed: no noise without contact, as in the figures' free motion"),
-    "sensor.seed": Value(SEED, "assumed: any; the claims are measured over 30 seeds"),
-}
-_CRAIG = {
-    "controller.Gamma[2]": Value(GAMMA_CRAIG, _CHOSEN),
-    "controller.noise_bound": Value(NOISE_BOUND, "(21): delta bounds the sensor's error"),
-    "controller.gamma_margin": Value(GAMMA_MARGIN, _CHOSEN),
-    "controller.gamma_eps": Value(GAMMA_EPS, _CHOSEN),
-}
-_SATURATION = _vector("actuator.tau_max", TORQUE_LIMITS, "V: 75 % of the largest torque of Fig. 5")
 UNSATURATED = {"actuator.tau_max[1]": NO_TORQUE_LIMIT, "actuator.tau_max[2]": NO_TORQUE_LIMIT}
 """Start values that switch the torque limits of a scenario off, N.m."""
+CRAIG, SLOTINE_LI = "CraigAdaptiveImpedance", "SlotineLiAdaptiveImpedance"
+SPONG_ORTEGA = "SpongOrtegaAdaptiveImpedance"
+FAILING_SENSOR = "FailingForceSensor"
 
 
 def _known_masses(m2: float) -> dict[str, Value]:
     return _vector("controller.p_start", (TRUE_MASSES[0], m2, 0.0, 0.0, 0.0, 0.0), "V")
 
 
-def _conventional(name: str, caption: str, m2: float) -> Scenario:
-    values = {**_CONVENTIONAL, **_known_masses(m2)}
-    return Scenario(name, caption, _MODELS, values, CONVENTIONAL_STEP, _CONVENTIONAL_SAMPLING)
+@dataclass(frozen=True)
+class _Made:
+    """Makes the scenarios at a calibration; their names end in a suffix."""
+
+    calibration: Calibration
+    suffix: str = ""
+
+    def conventional(self, name: str, caption: str, m2: float) -> Scenario:
+        """A run of Figs. 2 to 4."""
+        values = {**self._common(), **_PERFECT_SENSOR, **_CRITICAL_DAMPING, **_known_masses(m2)}
+        return Scenario(name + self.suffix, caption, _MODELS, values, CONVENTIONAL_STEP, _CONVENTIONAL_SAMPLING)
+
+    def ideal(self) -> Scenario:
+        """The run with which forces are compared."""
+        caption = "Conventional control with the true mass, a perfect sensor and the damping of Figs. 5 to 7"
+        values = {**self._common(), **_PERFECT_SENSOR, **_DAMPING, **_known_masses(TRUE_M2)}
+        return self._sampled("ideal", caption, _MODELS, values)
+
+    def algorithm_1(self, name: str, caption: str, *, saturated: bool) -> Scenario:
+        """A run of Figs. 5 and 6."""
+        gains = settings.craig(self.calibration.values, self.calibration.noise_bound)
+        return self._adaptive(name, caption, CRAIG, {**gains, **(self._limits() if saturated else {})})
+
+    def algorithm_2(self) -> Scenario:
+        """The run of Fig. 7."""
+        gains = settings.slotine_li(self.calibration.values)
+        return self._adaptive("fig7", "Algorithm 2", SLOTINE_LI, {**gains, **self._limits()})
+
+    def fixed_inverse(self) -> Scenario:
+        """The variant of algorithm 1."""
+        gains = settings.fixed_inverse(self.calibration.values, self.calibration.noise_bound)
+        return self._adaptive("spong-ortega", "Algorithm 1 with one fixed inverse", SPONG_ORTEGA, gains)
+
+    def adaptive(self) -> tuple[Scenario, ...]:
+        """The runs of Figs. 5 to 7."""
+        return (
+            self.algorithm_1("fig5", "Algorithm 1 without saturation", saturated=False),
+            self.algorithm_1("fig6", "Algorithm 1 with saturation", saturated=True),
+            self.algorithm_2(),
+        )
+
+    def failing(self) -> tuple[Scenario, ...]:
+        """Runs of both algorithms with limited torques in which the force sensor fails in the midst of the contact."""
+        _, one, two = self.adaptive()
+        return tuple(
+            self._with_failure(scenario, f"sensor-{kind}{end}", kind)
+            for scenario, end in ((two, ""), (one, "-craig"))
+            for kind in FAILURES
+        )
+
+    def _with_failure(self, scenario: Scenario, name: str, kind: str) -> Scenario:
+        number, duration = FAILURES[kind]
+        force = SPIKE_FORCE * np.array(WALL_NORMAL)
+        failure = {
+            "sensor.failure": Value(number, "assumed: one of the ways in which a sensor fails"),
+            "sensor.failure_start": Value(PERIOD / 2, "assumed: the midst of the contact"),
+            "sensor.failure_duration": Value(duration, "assumed: a third of the contact, or a short disturbance"),
+            **_vector("sensor.failure_force", tuple(force), "assumed: larger than the peak of the contact force"),
+        }
+        models = {**scenario.models, "sensor": FAILING_SENSOR}
+        caption = f"{scenario.caption}; the force sensor has a {kind} in the midst of the contact"
+        return replace(scenario, name=name, caption=caption, models=models, values={**scenario.values, **failure})
+
+    def with_payload(self) -> tuple[Scenario, ...]:
+        """Runs of Figs. 5 to 7 in which half of m2 sits beyond the force sensor at the wrist."""
+        payload = {"plant.payload": Value(PAYLOAD, "assumed: half of m2")}
+        return tuple(
+            replace(
+                scenario,
+                name=f"{scenario.name}-wrist-payload",
+                caption=f"{scenario.caption}; a payload of {PAYLOAD:g} kg beyond the force sensor",
+                models={**scenario.models, "plant": "PlantWristPayload"},
+                values={**scenario.values, **payload},
+                sources={"sensor.F_ext": "plant.F_wrist"},
+            )
+            for scenario in self.adaptive()
+        )
+
+    def _adaptive(self, name: str, caption: str, controller: str, numbers: Mapping[str, float]) -> Scenario:
+        noise = settings.sensor(self.calibration.values, self.calibration.noise_bound)
+        values = {**self._common(), **_DAMPING, **_known_masses(WRONG_M2), **_SEED, **_calibrated({**noise, **numbers})}
+        return self._sampled(name, caption, {**_MODELS, "controller": controller}, values)
+
+    def _sampled(self, name: str, caption: str, models: Mapping[str, str], values: Mapping[str, Value]) -> Scenario:
+        step = self.calibration.values["sample_time"]
+        return Scenario(name + self.suffix, caption + self._where(), models, values, step, ADAPTIVE_SAMPLING)
+
+    def _common(self) -> dict[str, Value]:
+        return {**_ARM_AND_WALL, **_calibrated(settings.place(self.calibration.values)), **_TARGET}
+
+    def _limits(self) -> dict[str, float]:
+        return settings.limits(self.calibration.torque_limits)
+
+    def _where(self) -> str:
+        return f", at the calibration `{self.calibration.name}`" if self.suffix else ""
 
 
-def _adaptive(name: str, caption: str, controller: str, values: Mapping[str, Value]) -> Scenario:
-    models = {**_MODELS, "controller": controller}
-    numbers = {**_ADAPTIVE, **_known_masses(WRONG_M2), **values}
-    return Scenario(name, caption, models, numbers, ADAPTIVE_STEP, ADAPTIVE_SAMPLING)
+def _by_name(*scenarios: Scenario) -> dict[str, Scenario]:
+    return {scenario.name: scenario for scenario in scenarios}
 
 
-CRAIG, SLOTINE_LI = "CraigAdaptiveImpedance", "SlotineLiAdaptiveImpedance"
-SPONG_ORTEGA = "SpongOrtegaAdaptiveImpedance"
+_CHOSEN_RUNS, _FIRST_RUNS = _Made(CHOSEN_CALIBRATION), _Made(FIRST, f"-{FIRST.name}")
 
-SCENARIOS = {
-    scenario.name: scenario
-    for scenario in (
-        _conventional("fig2", f"Conventional impedance control with the true m2 = {TRUE_M2:g} kg", TRUE_M2),
-        _conventional("fig3", "The TIRT versus the virtual trajectory", TRUE_M2),
-        _conventional("fig4", f"Conventional impedance control with m2 = {WRONG_M2:g} kg", WRONG_M2),
-        _adaptive("fig5", "Algorithm 1 without saturation", CRAIG, _CRAIG),
-        _adaptive("fig6", "Algorithm 1 with saturation", CRAIG, {**_CRAIG, **_SATURATION}),
-        _adaptive(
-            "fig7",
-            "Algorithm 2",
-            SLOTINE_LI,
-            {
-                "controller.Gamma[2]": Value(GAMMA_SLOTINE_LI, _CHOSEN),
-                **_both("controller.K_d", K_D, _CHOSEN),
-                **_SATURATION,
-            },
-        ),
-    )
-}
+SCENARIOS = _by_name(
+    _CHOSEN_RUNS.conventional("fig2", f"Conventional impedance control with the true m2 = {TRUE_M2:g} kg", TRUE_M2),
+    _CHOSEN_RUNS.conventional("fig3", "The TIRT versus the virtual trajectory", TRUE_M2),
+    _CHOSEN_RUNS.conventional("fig4", f"Conventional impedance control with m2 = {WRONG_M2:g} kg", WRONG_M2),
+    *_CHOSEN_RUNS.adaptive(),
+)
 """The paper's figures."""
 
-VARIANTS = {
-    scenario.name: scenario
-    for scenario in (
-        _adaptive("spong-ortega", "Algorithm 1 with one fixed inverse", SPONG_ORTEGA, _CRAIG),
-        Scenario(
-            "ideal",
-            "Conventional control with the true mass, a perfect sensor and the damping of Figs. 5 to 7",
-            _MODELS,
-            {
-                **_ARM_AND_WALL,
-                **_PERFECT_SENSOR,
-                **_TARGET,
-                **_both("controller.B", ADAPTIVE_DAMPING, "V"),
-                **_known_masses(TRUE_M2),
-            },
-            ADAPTIVE_STEP,
-            ADAPTIVE_SAMPLING,
-        ),
-    )
-}
+VARIANTS = _by_name(_CHOSEN_RUNS.fixed_inverse(), _CHOSEN_RUNS.ideal())
 """Runs that the claims need besides the figures."""
+
+AT_FIRST = _by_name(*_FIRST_RUNS.adaptive(), _FIRST_RUNS.fixed_inverse(), _FIRST_RUNS.ideal())
+"""The runs of Figs. 5 to 7 at the earlier calibration: ``fig5-first``, ``fig6-first`` and so on."""
+
+WITH_FAILURE = _by_name(*_CHOSEN_RUNS.failing())
+"""Runs of both algorithms with a sensor that fails: ``sensor-dropout``, ``sensor-dropout-craig`` and so on."""
+
+WITH_PAYLOAD = _by_name(*_CHOSEN_RUNS.with_payload())
+"""Runs of Figs. 5 to 7 with a payload beyond the wrist sensor: ``fig5-wrist-payload`` and so on."""
+
+ALL_SCENARIOS: Mapping[str, Scenario] = {**SCENARIOS, **VARIANTS, **AT_FIRST, **WITH_FAILURE, **WITH_PAYLOAD}
+"""Every scenario that has a name."""

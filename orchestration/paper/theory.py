@@ -23,10 +23,10 @@ N_STATES = 1000
 SEED = 1991
 
 
-def wall_points() -> tuple[np.ndarray, np.ndarray]:
+def wall_points(wall_offset: float = WALL_OFFSET) -> tuple[np.ndarray, np.ndarray]:
     """The points a and b at which the ellipse meets the wall and leaves it, m."""
-    height = SEMI_AXIS[1] * math.sqrt(1 - (WALL_OFFSET / SEMI_AXIS[0]) ** 2)
-    return np.array([-WALL_OFFSET, height]), np.array([-WALL_OFFSET, -height])
+    height = SEMI_AXIS[1] * math.sqrt(1 - (wall_offset / SEMI_AXIS[0]) ** 2)
+    return np.array([-wall_offset, height]), np.array([-wall_offset, -height])
 
 
 def form_difference() -> float:

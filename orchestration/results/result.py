@@ -75,7 +75,7 @@ class Result(PredictedColumns, Mapping[str, np.ndarray]):
         if isinstance(name, str) and (texts := text_column(self.texts, name)) is not None:
             return texts
         places = self._places(name)
-        return self.rows[:, places] if isinstance(places, int) else np.ascontiguousarray(self.rows[:, places])
+        return self.rows[:, places] if isinstance(places, int) else np.take(self.rows, places, axis=1)
 
     def __iter__(self) -> Iterator[str]:
         """The recorded names, in the order of the columns, those of texts last."""

@@ -105,15 +105,19 @@ def _scalars(name: str, known: Sequence[str]) -> list[str]:
 
 def _start(old: Component, new: Component, mapping: Mapping[str, str]) -> tuple[dict[str, float | str], list[str]]:
     """Start values in the units of the new FMU, and notices of dropped and of unconverted values."""
-    start, notices, lost, model = {}, [], [], new.description.model_name
+    start, notices, lost, diagonal, model = {}, [], [], [], new.description.model_name
+    known = new.description.variables
     for name, value in old.start.items():
-        variable = new.description.variables.get(name)
+        place = name if name in known else _on_diagonal(name)
+        variable = known.get(place)
         if variable is None or not variable.can_start:
             lost.append(name)
             continue
+        if place != name:
+            diagonal.append(f"{name} to {place}")
         before = old.variable(name)
         if isinstance(value, str):
-            start[name] = value
+            start[place] = value
             continue
         scale = unit_scale(old, before, new, variable)
         if scale is None:
@@ -123,10 +127,18 @@ def _start(old: Component, new: Component, mapping: Mapping[str, str]) -> tuple[
                 raise SystemDescriptionError(msg)
             # The gains of two adaptation laws have different dimensions; a replacement must not switch a law off.
             notices.append(f"{new.name}: start value of {name} = {value:g} kept, but {units}; set a new value.")
-        start[name] = value if scale is None else scale(value)
+        start[place] = value if scale is None else scale(value)
+    if diagonal:
+        notices.insert(0, f"{new.name}: start values moved to diagonals of {model}: {', '.join(diagonal)}.")
     if lost:
         notices.insert(0, f"{new.name}: start values dropped, {model} has no {', '.join(lost)}.")
     return start, notices
+
+
+def _on_diagonal(name: str) -> str:
+    """Name of the element of a matrix that stands for an element of its diagonal: ``M[2,2]`` for ``M[2]``."""
+    base, bracket, index = name.removesuffix("]").rpartition("[")
+    return f"{base}[{index},{index}]" if bracket and index.isdecimal() else name
 
 
 def _rescaled(connection: Connection, system: "System", old: Component, new: Component) -> Connection:

@@ -8,21 +8,24 @@ from orchestration import System
 from orchestration.paper.scenarios import SCENARIOS
 from tests.faults.cli import Command
 
-# What section V leaves open: the wall and how deep the segment lies in it, the elbow, gravity, the sampling.
+# What section V leaves open: the wall and its law, the depth of the segment, the start, gravity, the sampling.
 OPEN = {
     *(f"{component}.{name}" for component in ("plant", "trajectory") for name in ("wall_normal[1]", "wall_normal[2]")),
     *("plant.wall_offset", "trajectory.wall_offset", "trajectory.depth"),
     *("plant.q_start[1]", "plant.q_start[2]", "plant.gravity", "controller.gravity"),
+    *("plant.dq_start[1]", "plant.dq_start[2]", "plant.D_f", "plant.mu"),
     *(f"{component}.sample_time" for component in ("trajectory", "sensor", "controller", "actuator")),
 }
 # Adaptation, and noise: its shape, when there is any, and which.
 ADAPTIVE = {"controller.Gamma[2]", *(f"controller.Psi[{i}]" for i in (1, 2))}
-NOISE = {"sensor.noise_std", "sensor.contact_gated", "sensor.seed"}
+NOISE = {f"sensor.{name}" for name in ("noise_bound", "noise_std", "noise_period", "contact_gated", "seed")}
+LIMITS = {"actuator.tau_max[1]", "actuator.tau_max[2]"}
 ALGORITHM_1 = ADAPTIVE | NOISE | {"controller.gamma_margin", "controller.gamma_eps"}
 FURTHER = {
     **{name: set[str]() for name in ("fig2", "fig3", "fig4")},
-    **{name: ALGORITHM_1 for name in ("fig5", "fig6")},
-    "fig7": ADAPTIVE | NOISE | {f"controller.K_d[{i}]" for i in (1, 2)},
+    "fig5": ALGORITHM_1,
+    "fig6": ALGORITHM_1 | LIMITS,
+    "fig7": ADAPTIVE | NOISE | LIMITS | {f"controller.K_d[{i}]" for i in (1, 2)},
 }
 
 
@@ -46,7 +49,7 @@ def test_all_that_the_paper_leaves_open_is_annotated(fmu_folder: Path, tmp_path:
 
 def test_export_counts_them_and_run_prints_them(adaptimp: Command, tmp_path: Path) -> None:
     exported = adaptimp("export", "fig7", "--out", "fig7.ssp")
-    assert exported.out == "wrote fig7.ssp: 5 components, 22 connections, 23 assumed values with their reasons\n"
+    assert exported.out == "wrote fig7.ssp: 5 components, 22 connections, 31 assumed values with their reasons\n"
     for name in ("fig7", "fig7.ssp"):
         outcome = adaptimp("run", name, "--assumptions", "--out", "x.csv")
         assert (outcome.code, outcome.err) == (0, "")
@@ -56,7 +59,7 @@ def test_export_counts_them_and_run_prints_them(adaptimp: Command, tmp_path: Pat
         assert "plant.wall_offset = 1.45 m" in words
         assert "sensor.contact_gated = true" in words
         assert "plant.gravity = 0 m/s2 the plane of motion is horizontal" in words
-        assert words.endswith("fig7: 23 assumed values")
+        assert words.endswith("fig7: 31 assumed values")
     assert [file.name for file in tmp_path.iterdir()] == ["fig7.ssp"], "nothing was run"
 
 
@@ -65,7 +68,7 @@ def test_they_follow_what_is_asked_for(adaptimp: Command, fmu_folder: Path) -> N
     outcome = adaptimp("run", "fig5", *conventional, "--set", "trajectory.depth=0.02", "--assumptions")
     assert "Psi" not in outcome.out
     assert "depth" not in outcome.out
-    assert outcome.out.endswith("fig5: 17 assumed values\n")
+    assert outcome.out.endswith("fig5: 23 assumed values\n")
 
 
 def test_a_package_may_mark_nothing(adaptimp: Command, fmu_folder: Path, tmp_path: Path) -> None:

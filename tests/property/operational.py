@@ -14,7 +14,7 @@ from tests.property.pose import Pose
 
 @dataclass(frozen=True)
 class Gains:
-    """Parameters of a controller; per axis of shape (2,), per element of p of shape (6,)."""
+    """Parameters of a controller; per axis of shape (2,), per element of p of shape (6,). Gains may be matrices."""
 
     M: np.ndarray
     B: np.ndarray
@@ -58,7 +58,8 @@ class Tick:
 
     def demand(self, x: np.ndarray, dx: np.ndarray, gains: Gains) -> np.ndarray:
         """Acceleration that (3) asks for at x, dx; at x_t, dx_t that of (11). m/s2."""
-        return self.ddx_v - (gains.B * (dx - self.dx_v) + gains.K * (x - self.x_v) + self.F_hat) / gains.M
+        pull = times(gains.B, dx - self.dx_v) + times(gains.K, x - self.x_v) + self.F_hat
+        return self.ddx_v - times(inverse(gains.M), pull)
 
 
 @dataclass(frozen=True)
@@ -70,9 +71,24 @@ class Answer:
     scales: Mapping[str, float | np.floating]
 
 
+def times(A: np.ndarray, v: np.ndarray) -> np.ndarray:
+    """A v for a matrix, or for the diagonal of one."""
+    return A * v if A.ndim == 1 else A @ v
+
+
+def inverse(A: np.ndarray) -> np.ndarray:
+    """Inverse of a matrix, or of a diagonal one."""
+    return 1 / A if A.ndim == 1 else np.linalg.inv(A)
+
+
+def matrix(A: np.ndarray) -> np.ndarray:
+    """A matrix, also of its diagonal."""
+    return np.diag(A) if A.ndim == 1 else A
+
+
 def augmented(tick: Tick, gains: Gains) -> np.ndarray:
     """e* of (14), s of (30): de + Psi e, m/s."""
-    return tick.de + gains.Psi * tick.e
+    return tick.de + times(gains.Psi, tick.e)
 
 
 def craig(tick: Tick, gains: Gains, *, fixed: bool = False) -> Answer:
@@ -91,11 +107,11 @@ def craig(tick: Tick, gains: Gains, *, fixed: bool = False) -> Answer:
     size = sum(norm(term) for term in terms) + norm(H) * norm(demand)
     return Answer(
         outputs={"tau_cmd": pose.J.T @ F, **watched},
-        rate=-gains.Gamma * (W_c.T @ np.linalg.solve(H, e_star)),
+        rate=-times(gains.Gamma, W_c.T @ np.linalg.solve(H, e_star)),
         scales={
             "tau_cmd": norm(pose.J) * size,
             **scales,
-            "rate": norm(gains.Gamma[:, None] * W_c.T) * scales["mu"],
+            "rate": norm(matrix(gains.Gamma) @ W_c.T) * scales["mu"],
         },
     )
 
@@ -103,19 +119,19 @@ def craig(tick: Tick, gains: Gains, *, fixed: bool = False) -> Answer:
 def slotine_li(tick: Tick, gains: Gains) -> Answer:
     """Algorithm 2, (32) and (33)."""
     pose, norm, s = tick.pose, np.linalg.norm, augmented(tick, gains)
-    dx_r = tick.dx_t - gains.Psi * tick.e
-    ddx_r = tick.demand(tick.x_t, tick.dx_t, gains) - gains.Psi * tick.de
-    F = pose.force(tick.p_hat, dx_r, ddx_r) + tick.F_hat - gains.K_d * s
+    dx_r = tick.dx_t - times(gains.Psi, tick.e)
+    ddx_r = tick.demand(tick.x_t, tick.dx_t, gains) - times(gains.Psi, tick.de)
+    F = pose.force(tick.p_hat, dx_r, ddx_r) + tick.F_hat - times(gains.K_d, s)
     W_s, H, C = pose.W(dx_r, ddx_r), pose.H_x(tick.p_hat), pose.C_x(tick.p_hat)
-    size = norm(tick.F_hat) + norm(pose.bias_x(tick.p_hat)) + norm(gains.K_d * s)
+    size = norm(tick.F_hat) + norm(pose.bias_x(tick.p_hat)) + norm(times(gains.K_d, s))
     size += norm(H) * norm(ddx_r) + norm(C) * norm(dx_r)
     return Answer(
         outputs={"tau_cmd": pose.J.T @ F, "s": s},
-        rate=-gains.Gamma * (W_s.T @ s),
+        rate=-times(gains.Gamma, W_s.T @ s),
         scales={
             "tau_cmd": norm(pose.J) * size,
             "s": norm(s),
-            "rate": norm(gains.Gamma[:, None] * W_s.T) * norm(s),
+            "rate": norm(matrix(gains.Gamma) @ W_s.T) * norm(s),
         },
     )
 
@@ -128,12 +144,13 @@ def rejection(tick: Tick, gains: Gains, H: np.ndarray) -> tuple[dict[str, np.nda
     """
     e_star, mobility = augmented(tick, gains), np.linalg.inv(H)
     delta = gains.noise_bound if np.linalg.norm(tick.F_hat) > gains.contact_threshold else 0.0
-    alpha = 0.0
-    for i in range(2):
-        k, b, psi = gains.K[i] / gains.M[i], gains.B[i] / gains.M[i], gains.Psi[i]
-        P, A = np.array([[k + psi * b, psi], [psi, 1.0]]), np.array([[0.0, 1.0], [-k, -b]])
-        X = np.array([tick.e[i], tick.de[i]])
-        alpha -= X @ (A.T @ P + P @ A) @ X
+    by_M, psi = matrix(inverse(gains.M)), matrix(gains.Psi)
+    k, b = by_M @ matrix(gains.K), by_M @ matrix(gains.B)
+    first = psi @ b + k.T
+    P = np.block([[(first + first.T) / 2, psi], [psi, np.eye(2)]])
+    A = np.block([[np.zeros((2, 2)), np.eye(2)], [-k, -b]])
+    X = np.concatenate([tick.e, tick.de])
+    alpha = -X @ (A.T @ P + P @ A) @ X
     beta, mu = np.linalg.norm(e_star), np.linalg.norm(mobility @ e_star)
     layer, stretch = beta**2 + gains.gamma_eps**2, np.linalg.norm(mobility, 2)
     gamma = gains.gamma_margin * max(0.0, (2 * mu * delta - alpha) / layer)

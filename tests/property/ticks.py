@@ -18,6 +18,7 @@ CRAIG, SLOTINE_LI, SPONG_ORTEGA = (
     "SpongOrtegaAdaptiveImpedance",
 )
 CONTROLLERS = (CRAIG, SLOTINE_LI, SPONG_ORTEGA)
+FULL = "Full"  # ends the names of the variants with full matrices
 INPUTS = ("q", "dq", "ddq", "F_hat", "x_v", "dx_v", "ddx_v")
 SHOWN = {CRAIG: "e_star", SPONG_ORTEGA: "e_star", SLOTINE_LI: "s"}
 _ONLY = {
@@ -28,7 +29,8 @@ _ONLY = {
 
 
 def answer(controller: str, tick: Tick, gains: Gains) -> Answer:
-    """What the paper's formulas give for a controller."""
+    """What the paper's formulas give for a controller, or for its variant with full matrices."""
+    controller = controller.removesuffix(FULL)
     if controller == SLOTINE_LI:
         return slotine_li(tick, gains)
     return craig(tick, gains, fixed=controller == SPONG_ORTEGA)
@@ -47,7 +49,8 @@ class Sample:
         return replace(self, gains=replace(self.gains, **changes))
 
     def start(self, controller: str) -> dict[str, Value]:
-        """Start values of a controller."""
+        """Start values of a controller, or of its variant with full matrices."""
+        controller = controller.removesuffix(FULL)
         values: dict[str, Value] = {
             "gravity": self.arm.gravity,
             "coulomb_velocity": self.arm.coulomb_velocity,
@@ -84,6 +87,26 @@ def samples(size: int, ticks: int, *, seed: int) -> Iterator[Sample]:
         yield Sample(arm, _gains(rng, arms.p[:, i]), inputs)
 
 
+def full_samples(size: int, ticks: int, *, seed: int) -> Iterator[Sample]:
+    """Random samples as above, with full matrices that have different axes each; a row of Gamma stays zero."""
+    rng = np.random.default_rng(seed)
+    for sample in samples(size, ticks, seed=seed):
+        gains = sample.gains
+        M, B, K = (_turned(rng, getattr(gains, name)) for name in ("M", "B", "K"))
+        Psi = _turned(rng, 0.3 * gains.Psi.mean() * np.ones(2) * rng.uniform(0.7, 1.3, 2))
+        factor = np.diag(np.sqrt(gains.Gamma)) @ (np.eye(6) + rng.uniform(-0.3, 0.3, (6, 6)))
+        yield sample.with_gains(
+            M=M, B=B, K=K, Psi=Psi, K_d=_turned(rng, gains.K_d), Gamma=(factor @ factor.T + (factor @ factor.T).T) / 2
+        )
+
+
+def _turned(rng: np.random.Generator, diagonal: np.ndarray) -> np.ndarray:
+    """A symmetric matrix with the eigenvalues `diagonal` and axes that are turned by up to 0.3 rad."""
+    angle = rng.uniform(-0.3, 0.3)
+    R = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+    return R @ np.diag(diagonal) @ R.T
+
+
 def _gains(rng: np.random.Generator, p: np.ndarray) -> Gains:
     """Random gains; p_hat starts at p and moves by some per cent in a tick. One gain is zero."""
     Gamma = rng.uniform(0.2, 2.0, 6)
@@ -107,7 +130,9 @@ def _gains(rng: np.random.Generator, p: np.ndarray) -> Gains:
 
 
 def elements(name: str, values: np.ndarray) -> dict[str, float]:
-    """``name[1]``, ``name[2]``, ... with their values."""
+    """``name[1]``, ``name[2]``, ... with their values; ``name[1,1]``, ``name[1,2]``, ... of a matrix."""
+    if values.ndim == 2:
+        return {f"{name}[{i + 1},{j + 1}]": float(value) for (i, j), value in np.ndenumerate(values)}
     return {f"{name}[{i + 1}]": float(value) for i, value in enumerate(values)}
 
 

@@ -180,8 +180,8 @@ def sensor_noise(setup, ticks):
     key = np.array([setup.seed, 0], dtype=np.uint64)
     words = np.random.Philox(key=key, counter=2**256 - 1).random_raw(4 * ticks).reshape(ticks, 4)
     u = ((words[:, :2] >> np.uint64(11)).astype(np.float64) + 0.5) * 2.0**-53
-    reach = 1.0 - np.exp(-(setup.noise_bound**2) / (2.0 * setup.noise_std**2))
-    radius = setup.noise_std * np.sqrt(-2.0 * np.log(1.0 - u[:, 0] * reach))
+    reach = np.expm1(-((setup.noise_bound / setup.noise_std) ** 2) / 2.0)
+    radius = setup.noise_std * np.sqrt(-2.0 * np.log1p(u[:, 0] * reach))
     angle = 2.0 * np.pi * u[:, 1]
     return np.stack([radius * np.cos(angle), radius * np.sin(angle)], 1)
 

@@ -9,6 +9,7 @@ from orchestration.paper.claims.criteria import Criterion
 from orchestration.paper.evidence import Evidence
 
 HOLDS, NOT_REPRODUCED, NOT_EVALUATED = "holds", "not reproduced", "not evaluated"
+NO_RUNS = "none: equations"
 
 
 @dataclass(frozen=True)
@@ -19,6 +20,8 @@ class Claim:
     ----------
     runs
         Scenarios and seeds that were measured.
+    first
+        The verdict at the earlier calibration, ``first``; empty if it was not asked for.
     """
 
     id: str
@@ -28,6 +31,7 @@ class Claim:
     measured: str
     verdict: str
     runs: str
+    first: str = ""
 
 
 @dataclass(frozen=True)
@@ -63,7 +67,7 @@ class Question:
     where: str
     criteria: tuple[Criterion, ...]
     measurement: Callable[[Evidence], Finding]
-    runs: str = "none: equations"
+    runs: str = NO_RUNS
     scope: str = ""
 
     @property

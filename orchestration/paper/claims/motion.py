@@ -7,7 +7,7 @@ from orchestration.paper.claims import criteria as limits
 from orchestration.paper.claims import judged
 from orchestration.paper.claims.claim import Finding, Question
 from orchestration.paper.evidence import Evidence
-from orchestration.paper.measure import at_ticks, contact, distance_from_start, largest_norm, norms
+from orchestration.paper.measure import at_ticks, contact, distance_from_start, largest_norm, norms, steady_force
 from orchestration.paper.numbers import TIP_START, TRUE_M2, WRONG_M2
 
 LATER = 0.1  # s after contact
@@ -55,6 +55,18 @@ def _wrong_mass_degrades(evidence: Evidence) -> Finding:
     )
 
 
+def _wrong_mass_force(evidence: Evidence) -> Finding:
+    true, wrong = evidence.results["fig2"], evidence.results["fig4"]
+    peaks = contact(true).peak, contact(wrong).peak
+    steady = steady_force(true), steady_force(wrong)
+    return Finding(
+        {limits.WRONG_MASS_FORCE: max(peaks[1] / peaks[0], steady[1] / steady[0])},
+        f"peak force {peaks[1]:.0f} N with m2 = {WRONG_M2:g} kg and {peaks[0]:.0f} N with {TRUE_M2:g} kg, mean force"
+        f" after the impact {steady[1]:.1f} and {steady[0]:.1f} N: a heavier model presses no harder, so what degrades"
+        " is the tracking",
+    )
+
+
 def _tirt_only_in_contact(evidence: Evidence) -> Finding:
     result = evidence.results["fig5"]
     values = judged.reference_in_contact(result)
@@ -87,11 +99,19 @@ QUESTIONS = (
         "fig2",
     ),
     Question(
-        "C3",
-        "With m2 = 2.5 kg conventional control degrades unacceptably",
+        "C3a",
+        "With m2 = 2.5 kg conventional control tracks unacceptably worse",
         "V, Fig. 4",
         (limits.WRONG_MASS_GROWTH, limits.WRONG_MASS_ERROR),
         _wrong_mass_degrades,
+        "fig2, fig4",
+    ),
+    Question(
+        "C3b",
+        "With m2 = 2.5 kg the contact force of conventional control degrades, too",
+        "V, Fig. 4",
+        (limits.WRONG_MASS_FORCE,),
+        _wrong_mass_force,
         "fig2, fig4",
     ),
     Question(

@@ -4,125 +4,83 @@ The true p is known here, so V_c (17) and V_s can be evaluated along runs.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import pairwise
 
-import casadi as ca
 import numpy as np
 
-from fmus.mechanics.planar_arm import PlanarArm
-from orchestration.paper import theory
+from orchestration.paper import lyapunov, theory
 from orchestration.paper.claims import criteria as limits
 from orchestration.paper.claims.claim import Finding, Question
 from orchestration.paper.evidence import K_D_GRID, PERIODS, Evidence
-from orchestration.paper.measure import ESTIMATE, at_ticks, contact, norms
-from orchestration.paper.numbers import ARM, NOISE_BOUND, TRUE_M2, TRUE_MASSES, WRONG_M2
+from orchestration.paper.lyapunov import SlidingBounds, SlidingGains, sliding_bounds
+from orchestration.paper.measure import contact
+from orchestration.paper.numbers import NOISE_BOUND, TRUE_M2, WRONG_M2
 from orchestration.results.result import Result
 
 
-def _craig_rise(evidence: Evidence, result: Result) -> float:
-    """Sum of V_c's rises outside the boundary layer, over V_c(0)."""
-    psi = evidence.scenario_value("fig5", "controller.Psi[1]")
-    M, B, K = (evidence.scenario_value("fig5", f"controller.{name}[1]") for name in ("M", "B", "K"))
-    gain = evidence.scenario_value("fig5", "controller.Gamma[2]")
-    eps = evidence.scenario_value("fig5", "controller.gamma_eps")
-    margin = evidence.scenario_value("fig5", "controller.gamma_margin")
-    e, e_star = at_ticks(result, "controller.e"), at_ticks(result, "controller.e_star")
-    de = e_star - psi * e
-    quadratic = (K / M + psi * B / M) * e**2 + 2 * psi * e * de + de**2
-    V = quadratic.sum(axis=1) + (result.at_ticks(ESTIMATE) - TRUE_M2) ** 2 / gain
-    outside = norms(e_star)[:-1] > eps / np.sqrt(margin - 1)
-    return _rise(V, outside)
-
-
-def _rise(V: np.ndarray, counted: np.ndarray) -> float:
-    change = np.diff(V)
-    return float(change[counted & (change > 0)].sum() / V[0])
-
-
-@dataclass(frozen=True)
-class Bounds:
-    """What a run with the gain K_d says about the sliding variable s, m/s.
-
-    Attributes
-    ----------
-    rise
-        Sum of V_s's rises where |s| >= delta/k_d, over V_s(0).
-    rms, largest
-        Of |s| over the run; largest from contact on.
-    ultimate
-        Largest |s| from contact on over delta/k_d.
-    e_ratio
-        Largest |e| over |e0| + sup|s|/psi.
-    """
-
-    rise: float
-    rms: float
-    rms_bound: float
-    largest: float
-    ultimate: float
-    e_ratio: float
-
-
-def _bounds(evidence: Evidence, result: Result, K_d: float) -> Bounds:
-    gain = evidence.scenario_value("fig7", "controller.Gamma[2]")
-    psi = evidence.scenario_value("fig7", "controller.Psi[1]")
-    s, e = at_ticks(result, "controller.s"), norms(at_ticks(result, "controller.e"))
-    size, phi = norms(s), result.at_ticks(ESTIMATE) - TRUE_M2
-    V = 0.5 * (_kinetic(result, s) + phi**2 / gain)
-    bound = NOISE_BOUND / K_d
-    largest = float(size[result.tick_times("controller.s[1]") >= contact(result).first].max())
-    return Bounds(
-        rise=_rise(V, size[:-1] >= bound) if V[0] > 0 else 0.0,
-        rms=float(np.sqrt((size**2).mean())),
-        rms_bound=float(bound + np.sqrt(V[0] / (K_d * (result.time[-1] - result.time[0])))),
-        largest=largest,
-        ultimate=largest / bound,
-        e_ratio=float(e.max() / (e[0] + size.max() / psi)),
+def _craig_decreases(evidence: Evidence) -> Finding:
+    psi, gain, eps, margin = (
+        evidence.scenario_value("fig5", f"controller.{name}")
+        for name in ("Psi[1]", "Gamma[2]", "gamma_eps", "gamma_margin")
     )
-
-
-def _kinetic(result: Result, s: np.ndarray) -> np.ndarray:
-    """S' H_x s at the ticks, shape (n_ticks,)."""
-    arm = PlanarArm(2)
-    q, v = ca.SX.sym("q", 2), ca.SX.sym("v", 2)
-    dq = ca.solve(arm.jacobian(q, ARM.link_lengths), v)
-    energy = ca.Function("energy", [q, v], [ca.mtimes([dq.T, arm.inertia(q, TRUE_MASSES, ARM.link_lengths), dq])])
-    states = at_ticks(result, "plant.q")
-    return np.array(energy.map(len(s))(states.T, s.T)).ravel()
-
-
-def _stability(evidence: Evidence) -> Finding:
-    rises = [_craig_rise(evidence, result) for result in evidence.sampled]
+    layer = eps / np.sqrt(margin - 1)
+    rises, growths = [], []
+    for result in evidence.sampled:
+        V = lyapunov.craig(result, psi, gain)
+        rises.append(lyapunov.craig_rise(result, V, layer))
+        growths.append(lyapunov.craig_growth(result, V, contact(result)))
+    shown = evidence.results["fig5"]
+    growth = lyapunov.craig_growth(shown, lyapunov.craig(shown, psi, gain), contact(shown))
     orders = [np.log(a / b) / np.log(2) for a, b in pairwise(rises)]
-    unknown, known = (
-        [_bounds(evidence, r, k) for r, k in zip(results, K_D_GRID, strict=True)]
-        for results in (evidence.damped_from_wrong, evidence.damped_from_true)
+    return Finding(
+        {limits.CRAIG_GROWTH: growth, limits.CRAIG_ORDER: orders},
+        f"during contact V_c of fig5 grows {growth:.4g}-fold; at {_PERIODS} us, with the same noise,"
+        f" {_list(growths, '.4g')}-fold; its rises outside of the boundary layer over V_c(0) at these periods:"
+        f" {_list(rises, '.2%')} (orders {_list(orders, '.2f')}). A sampled F_c lets V_c grow, the less the faster it"
+        " is sampled",
     )
-    falls = max(row.rise for row in (*unknown, *known))
-    rms = max(row.rms / row.rms_bound for row in (*unknown, *known))
-    e_ratio = max(row.e_ratio for row in (*unknown, *known))
-    from_true, from_wrong = ([1e3 * row.largest for row in rows] for rows in (known, unknown))
-    parts = (
-        f"rises of V_c over V_c(0) at {_PERIODS} us: {_list(rises, '.2%')} (orders {_list(orders, '.2f')}),"
-        " so it decreases in the limit",
-        f"V_s rises by at most {falls:.1e} of V_s(0) where |s| >= delta/k_d",
-        f"rms(s) at most {rms:.2f} of its bound",
-        f"largest |s| in mm/s from contact on at K_d = {_list(K_D_GRID, 'g')}: {_list(from_true, '.3g')} from"
-        f" the true m2, {_list(from_wrong, '.3g')} from {WRONG_M2:g} kg (a larger K_d slows the adaptation)",
-        f"over delta/k_d {_list([r.ultimate for r in known], '.2g')} and"
-        f" {_list([r.ultimate for r in unknown], '.2g')}: the paper's ultimate bound |s| <= delta/k_d holds"
-        " once m2_hat is right, and not before (V_s contains phi)",
-        f"|e| at most {e_ratio:.2f} of |e0| + sup|s|/psi",
+
+
+def _sliding(evidence: Evidence, results: Sequence[Result], *, in_proportion: bool = False) -> list[SlidingBounds]:
+    """What runs at the gains `K_D_GRID` say about s."""
+    psi, gain, damping = (evidence.scenario_value("fig7", f"controller.{n}") for n in ("Psi[1]", "Gamma[2]", "K_d[1]"))
+    return [
+        sliding_bounds(result, SlidingGains(psi, gain * (K_d / damping if in_proportion else 1), K_d, NOISE_BOUND))
+        for result, K_d in zip(results, K_D_GRID, strict=True)
+    ]
+
+
+def _sliding_is_bounded(evidence: Evidence) -> Finding:
+    known, unknown = (_sliding(evidence, r) for r in (evidence.damped_from_true, evidence.damped_from_wrong))
+    rows = (*unknown, *known)
+    falls, rms = max(row.rise for row in rows), max(row.rms / row.rms_bound for row in rows)
+    e_ratio = max(row.e_ratio for row in rows)
+    return Finding(
+        {limits.RISE: falls, limits.RMS: rms, limits.ERROR_BOUND: e_ratio},
+        f"V_s rises by at most {falls:.1e} of V_s(0) where |s| >= delta/k_d; rms(s) at most {rms:.2f} of its bound; |e|"
+        f" at most {e_ratio:.2f} of |e0| + sup|s|/psi; largest |s| from contact on over delta/k_d, at K_d ="
+        f" {_list(K_D_GRID, 'g')}: {_list([r.ultimate for r in known], '.2g')} from the true m2,"
+        f" {_list([r.ultimate for r in unknown], '.2g')} from {WRONG_M2:g} kg: the paper's ultimate bound |s| <="
+        " delta/k_d need not hold before m2_hat is right (V_s contains phi)",
     )
-    values = {
-        limits.CRAIG_ORDER: orders,
-        limits.RISE: falls,
-        limits.RMS: rms,
-        limits.FALLS_WITH_GAIN: [b.largest / a.largest for a, b in pairwise(known)],
-        limits.ERROR_BOUND: e_ratio,
-    }
-    return Finding(values, "; ".join(parts))
+
+
+def _smaller_with_gain(evidence: Evidence) -> Finding:
+    wrong, true, grown = (
+        [1e3 * row.largest for row in rows]
+        for rows in (
+            _sliding(evidence, evidence.damped_from_wrong),
+            _sliding(evidence, evidence.damped_from_true),
+            _sliding(evidence, evidence.damped_in_proportion, in_proportion=True),
+        )
+    )
+    return Finding(
+        {limits.FALLS_WITH_GAIN: [b / a for a, b in pairwise(wrong)]},
+        f"largest |s| from contact on, in mm/s, at K_d = {_list(K_D_GRID, 'g')}: from {WRONG_M2:g} kg"
+        f" {_list(wrong, '.3g')}; from the true m2 {_list(true, '.3g')}; from {WRONG_M2:g} kg"
+        f" with a Gamma that grows in proportion to K_d {_list(grown, '.3g')}. A larger K_d makes s smaller and so"
+        " slows the adaptation down, unless Gamma grows too",
+    )
 
 
 def _list(values: Sequence[float], form: str) -> str:
@@ -138,7 +96,8 @@ def _gamma_bound(evidence: Evidence) -> Finding:
     ratio = needed / bound[case_c]
     return Finding(
         {limits.CASE_C: case_c.sum(), limits.GAMMA: ratio},
-        f"needed / gamma* <= {ratio.max():.3g} over {case_c.sum()} ticks in case (c), median {np.median(ratio):.2g}",
+        f"needed / gamma* <= {ratio.max():.3g} over {case_c.sum()} ticks in case (c), median {np.median(ratio):.2g}:"
+        " the bound is true, and says next to nothing about the size of gamma",
     )
 
 
@@ -155,19 +114,36 @@ def _skew_symmetric(evidence: Evidence) -> Finding:  # noqa: ARG001 - needs no r
     return Finding({limits.SKEW: residual}, f"symmetric part of dH_x/dt - 2 C_x: {residual:.1e} of its norm")
 
 
+_DAMPINGS = f"K_d from {K_D_GRID[0]:g} to {K_D_GRID[-1]:g} N.s/m"
 _PERIODS = _list([1e6 * period for period in PERIODS], "g")  # us
 
 QUESTIONS = (
     Question(
-        "C14",
-        "With F_c and (25) V_c decreases; V_s decreases where |s| >= delta/k_d, so s is bounded; a larger K_d"
-        " gives a smaller s; |e| <= |e0| + sup|s|/psi",
-        "(20)-(25), (35)",
-        (limits.CRAIG_ORDER, limits.RISE, limits.RMS, limits.FALLS_WITH_GAIN, limits.ERROR_BOUND),
-        _stability,
-        f"fig5 at three sampling periods, fig7 without limits at five K_d from m2 = {WRONG_M2:g} and {TRUE_M2:g} kg"
-        " (seed 1)",
-        f"sampling periods of {_PERIODS} us; K_d from {K_D_GRID[0]:g} to {K_D_GRID[-1]:g} N.s/m",
+        "C14a",
+        "With F_c and (25) V_c decreases in contact",
+        "III-C, (20)-(25)",
+        (limits.CRAIG_GROWTH, limits.CRAIG_ORDER),
+        _craig_decreases,
+        "fig5, and fig5 at four sampling periods (seed 1)",
+        f"sampling periods of {_PERIODS} us",
+    ),
+    Question(
+        "C14b",
+        "V_s decreases where |s| >= delta/k_d, so s is bounded; |e| <= |e0| + sup|s|/psi",
+        "IV-A, (35)",
+        (limits.RISE, limits.RMS, limits.ERROR_BOUND),
+        _sliding_is_bounded,
+        f"fig7 without limits at five K_d from m2 = {WRONG_M2:g} and {TRUE_M2:g} kg (seed 1)",
+        _DAMPINGS,
+    ),
+    Question(
+        "C14c",
+        "A larger K_d gives a smaller s",
+        "IV-A, (35)",
+        (limits.FALLS_WITH_GAIN,),
+        _smaller_with_gain,
+        f"fig7 without limits at five K_d from m2 = {WRONG_M2:g} kg (seed 1)",
+        _DAMPINGS,
     ),
     Question(
         "C15",

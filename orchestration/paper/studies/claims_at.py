@@ -14,14 +14,23 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from orchestration.errors import SimulationError
+from orchestration.paper import settings
+from orchestration.paper.calibrations import Setting
 from orchestration.paper.claims import criteria, judged
 from orchestration.paper.claims.criteria import Criterion
 from orchestration.paper.laboratory import Job
-from orchestration.paper.measure import ESTIMATE, RECORDED, NoContactError, Summary, contact, summarize
-from orchestration.paper.numbers import TORQUE_SHARE
+from orchestration.paper.measure import (
+    ESTIMATE,
+    RECORDED,
+    NoContactError,
+    Summary,
+    at_ticks,
+    contact,
+    largest_norm,
+    summarize,
+)
 from orchestration.paper.scenarios import UNSATURATED
 from orchestration.paper.studies.native_runs import Runner
-from orchestration.paper.studies.open_values import Setting
 from orchestration.results.result import Result
 
 FORCE = ("plant.F_ext[1]", "plant.F_ext[2]")
@@ -77,7 +86,7 @@ def evidence_at(laboratory: Runner, setting: Setting, seeds: Sequence[int]) -> E
             failures[name] = str(error)
             continue
         if name == "fig5":
-            torque_limits = runs.torque_limits(noise[name][0])
+            torque_limits = runs.torque_limits(first)
             reference = judged.reference_in_contact(first)
     return Evidence(noise, torque_limits, reference, failures)
 
@@ -97,7 +106,7 @@ class _Runs:
 
     def ideal_force(self) -> np.ndarray:
         """F_ext of the ideal run, N, shape (n_rows, 2)."""
-        job = Job("ideal", _place(self.setting), self.setting["sample_time"])
+        job = Job("ideal", settings.place(self.setting), self.setting["sample_time"])
         return self.laboratory.run(job, FORCE)["plant.F_ext"]
 
     def run(self, name: str, changes: Changes) -> Result:
@@ -108,58 +117,22 @@ class _Runs:
 
     def changes(self, name: str, bound: float, torque_limits: np.ndarray | None) -> Changes:
         """Start values of a scenario at the setting; without limits of torque, there are none."""
-        controller = _slotine_li(self.setting) if name == "fig7" else _craig(self.setting, bound)
-        if name == "spong-ortega":
-            controller["controller.acc_filter_time"] = self.setting["acc_filter_time"]
-        limited = UNSATURATED
+        if name == "fig7":
+            controller = settings.slotine_li(self.setting)
+        elif name == "spong-ortega":
+            controller = settings.fixed_inverse(self.setting, bound)
+        else:
+            controller = settings.craig(self.setting, bound)
+        limits = UNSATURATED
         if name in ("fig6", "fig7") and torque_limits is not None:
-            limited = {f"actuator.tau_max[{i + 1}]": float(limit) for i, limit in enumerate(torque_limits)}
-        return {**_place(self.setting), **_sensor(self.setting, bound), **controller, **limited}
+            limits = settings.limits(torque_limits)
+        return {**settings.place(self.setting), **settings.sensor(self.setting, bound), **controller, **limits}
 
-    def torque_limits(self, summary: Summary) -> np.ndarray:
+    def torque_limits(self, result: Result) -> np.ndarray:
         """Limits from a run of Fig. 5, N.m, shape (2,), as the setting reads the paper's sentence."""
-        largest = summary.torque
-        return TORQUE_SHARE * (np.full_like(largest, largest.max()) if self.setting["one_limit"] else largest)
-
-
-def _place(setting: Setting) -> dict[str, float]:
-    return {
-        "plant.wall_offset": setting["wall_offset"],
-        "trajectory.wall_offset": setting["wall_offset"],
-        "trajectory.depth": setting["depth"],
-    }
-
-
-def _sensor(setting: Setting, bound: float) -> dict[str, float]:
-    ticks = max(1, round(setting["noise_hold"] / setting["sample_time"]))
-    return {
-        "sensor.noise_bound": bound,
-        "sensor.noise_std": bound / setting["noise_ratio"],
-        "sensor.noise_period": ticks * setting["sample_time"],
-        "sensor.contact_gated": setting["contact_gated"],
-    }
-
-
-def _craig(setting: Setting, bound: float) -> dict[str, float]:
-    return {
-        **_both("controller.Psi", setting["Psi_1"]),
-        "controller.Gamma[2]": setting["Gamma_1"],
-        "controller.noise_bound": bound,
-        "controller.gamma_margin": setting["gamma_margin"],
-        "controller.gamma_eps": setting["gamma_eps"],
-    }
-
-
-def _slotine_li(setting: Setting) -> dict[str, float]:
-    return {
-        **_both("controller.Psi", setting["Psi_2"]),
-        "controller.Gamma[2]": setting["Gamma_2"],
-        **_both("controller.K_d", setting["K_d"]),
-    }
-
-
-def _both(name: str, value: float) -> dict[str, float]:
-    return {f"{name}[1]": value, f"{name}[2]": value}
+        torque = at_ticks(result, "controller.tau_cmd")
+        largest = np.abs(torque).max(axis=0)
+        return settings.torque_limits(largest, largest_norm(torque), self.setting["torque_reading"])
 
 
 def _clearly_larger(noise: judged.Noise, than: str, name: str) -> bool:

@@ -5,7 +5,6 @@ from typing import TYPE_CHECKING, Any
 from orchestration.campaigns.design.factor import Factor
 from orchestration.campaigns.study import Study
 from orchestration.paper.claims.criteria import ACCURATE_CONTACT, ACCURATE_FREE, M2_IN_CONTACT
-from orchestration.paper.numbers import PSI
 from orchestration.paper.ready import scenario
 from orchestration.paper.scenarios import SCENARIOS, UNSATURATED
 from orchestration.paper.studies.summary_measure import summary_measure
@@ -14,18 +13,19 @@ if TYPE_CHECKING:
     import xarray as xr
 
 GAMMA = "controller.Gamma[2]"
+MIDDLE = 100.0  # 1/s, of the values of Psi
 CRITERIA = {"e_free": ACCURATE_FREE, "e_contact": ACCURATE_CONTACT, "m2_in_contact": M2_IN_CONTACT}
 
 
 def gain_map(name: str, n: int = 7) -> Study:
-    """The runs of a map: n x n values of Psi and Gamma around the chosen ones, without limits of torque.
+    """The runs of a map without limits of torque: n values of Psi around `MIDDLE`, n of Gamma around the chosen one.
 
     Parameters
     ----------
     name
         ``fig5`` for algorithm 1, ``fig7`` for algorithm 2.
     n
-        Values of each gain, evenly in the logarithm from a tenth to ten times the chosen value; 7 are those of C11.
+        Values of each gain, evenly in the logarithm from a tenth to ten times the middle one; 7 are those of C11.
 
     Examples
     --------
@@ -38,7 +38,7 @@ def gain_map(name: str, n: int = 7) -> Study:
     chosen = SCENARIOS[name].values[GAMMA].number
     study = Study(scenario(name).set(UNSATURATED), measure=summary_measure())
     return study.grid(
-        Factor("Psi", "controller.Psi", [PSI * factor for factor in factors]),
+        Factor("Psi", "controller.Psi", [MIDDLE * factor for factor in factors]),
         Factor("Gamma", GAMMA, [chosen * factor for factor in factors]),
     )
 

@@ -2,17 +2,21 @@
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
-from pathlib import Path
 from threading import Lock
 from typing import Protocol
 
 import numpy as np
 
 from orchestration.containers.native.program import NativeProgram
+from orchestration.fmi.codes import STRING
 from orchestration.fmi.description import SAMPLE_TIME
-from orchestration.paper.laboratory import Job
-from orchestration.paper.scenarios import SCENARIOS, VARIANTS
+from orchestration.paper.laboratory import Job, Laboratory
+from orchestration.paper.scenarios import ALL_SCENARIOS
 from orchestration.results.result import Result
+from orchestration.system.system import System
+
+Start = Mapping[str, float]
+"""Start values by ``component.variable``."""
 
 
 class Runner(Protocol):
@@ -29,37 +33,64 @@ class Runner(Protocol):
 
 
 @dataclass(frozen=True)
-class NativeLaboratory:
+class NativeLaboratory(Laboratory):
     """Runs jobs in native libraries, with FMU files by model identifier. Threads may share it.
 
-    Jobs of a scenario that change the same start values, and show the same columns, share a library.
+    A library takes every parameter as a value of a run. So all jobs whose systems are of the same FMUs, and show the
+    same columns, share a library, which is compiled once. A job that shows everything is run by the master.
     """
 
-    fmus: Mapping[str, Path]
+    _systems: dict[str, tuple[System, Start]] = field(default_factory=dict, init=False)
     _programs: dict[tuple[object, ...], NativeProgram] = field(default_factory=dict, init=False)
     _lock: Lock = field(default_factory=Lock, init=False)
 
-    def run(self, job: Job, record: Collection[str]) -> Result:
+    def run(self, job: Job, record: Collection[str] | None = None) -> Result:
         """Run one job.
 
         Raises
         ------
         SimulationError
             If the run fails.
+        ContainerError
+            If a native library cannot change a start value of the job, or has no such column.
         """
-        program = self._program(job, tuple(record))
-        scenario = {**SCENARIOS, **VARIANTS}[job.scenario]
-        step = job.sample_time or scenario.step
-        values = np.array([job.changes.get(path, step) for path in program.varied])
-        return program.result(values, step, scenario.stop_time)
+        if record is None:
+            return super().run(job)
+        with self._lock:
+            system, start = self._system(job.scenario)
+            program = self._program(job, tuple(record))
+        step = job.sample_time or system.run_step()
+        given = {**start, **dict.fromkeys(_periods(system), step), **job.changes}
+        values = np.array([given[path] for path in program.varied], float)
+        return program.result(values, step, job.stop_time or system.run_stop_time(), job.start_time)
+
+    def _system(self, scenario: str) -> tuple[System, Start]:
+        """The system of a scenario, and the start values of its parameters."""
+        if scenario not in self._systems:
+            system = ALL_SCENARIOS[scenario].system(self.fmus)
+            self._systems[scenario] = system, _start(system)
+        return self._systems[scenario]
 
     def _program(self, job: Job, record: tuple[str, ...]) -> NativeProgram:
-        """The library of a job, whose periods and changed start values are varied."""
-        key = (job.scenario, tuple(sorted(job.changes)), record)
-        with self._lock:
-            if key not in self._programs:
-                system = {**SCENARIOS, **VARIANTS}[job.scenario].system(self.fmus)
-                sampled = [c.name for c in system.components if c.sample_time is not None]
-                varied = (*sorted(job.changes), *(f"{name}.{SAMPLE_TIME}" for name in sampled))
-                self._programs[key] = NativeProgram.of(system, varied=varied, record=record)
-            return self._programs[key]
+        """The library of a job, whose parameters are varied, and what else the job changes."""
+        system, start = self._system(job.scenario)
+        more = sorted(set(job.changes) - set(start))
+        key = (job.scenario, *more, record)
+        if key not in self._programs:
+            self._programs[key] = NativeProgram.of(system, varied=(*start, *more), record=record)
+        return self._programs[key]
+
+
+def _start(system: System) -> Start:
+    """Start values of all parameters that are numbers, sampling periods among them."""
+    return {
+        f"{component.name}.{name}": float(component.start.get(name, variable.start or 0.0))
+        for component in system.components
+        for name, variable in component.description.variables.items()
+        if variable.causality == "parameter" and variable.type != STRING
+    }
+
+
+def _periods(system: System) -> list[str]:
+    """Sampling periods of the sampled components, as ``component.variable``."""
+    return [f"{name}.{SAMPLE_TIME}" for name in system.sample_times]

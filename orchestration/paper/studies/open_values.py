@@ -1,6 +1,7 @@
 """The values that the paper leaves open for Figs. 5 to 7, each with a plausible range and the reason for it.
 
-A *setting* gives each of them a value. `settings` fills the space of all settings evenly with Sobol points.
+A *setting* gives each of them a value. `settings` fills the space of all settings evenly with Sobol points. What is
+assumed without a range stands in `FIXED`.
 """
 
 from collections.abc import Mapping
@@ -9,20 +10,8 @@ from types import MappingProxyType
 
 import numpy as np
 
-from orchestration.paper.numbers import (
-    ADAPTIVE_STEP,
-    DEPTH,
-    GAMMA_CRAIG,
-    GAMMA_EPS,
-    GAMMA_MARGIN,
-    GAMMA_SLOTINE_LI,
-    K_D,
-    NOISE_SHARE,
-    PSI,
-    WALL_OFFSET,
-)
+from orchestration.paper.calibrations import CHOSEN_CALIBRATION, EACH_JOINT, FIRST, LARGEST, NORM, Setting
 
-Setting = Mapping[str, float]
 SOBOL_SEED = 1991
 
 
@@ -36,8 +25,6 @@ class OpenValue:
         Its name in a setting.
     unit
         Physical unit; empty for a plain number.
-    chosen
-        The value in the scenarios of Figs. 5 to 7.
     low, high
         Ends of the plausible range.
     reason
@@ -53,13 +40,17 @@ class OpenValue:
 
     name: str
     unit: str
-    chosen: float
     low: float
     high: float
     reason: str
     claims: str
     log: bool = False
     choices: tuple[float, ...] = ()
+
+    @property
+    def chosen(self) -> float:
+        """The value in the scenarios."""
+        return CHOSEN_CALIBRATION.values[self.name]
 
     def at(self, share: np.ndarray) -> np.ndarray:
         """The values at shares of the range, each in [0, 1)."""
@@ -76,8 +67,8 @@ class OpenValue:
         return (value - self.low) / (self.high - self.low)
 
 
-def _choice(name: str, unit: str, choices: tuple[float, ...], chosen: float, texts: tuple[str, str]) -> OpenValue:
-    return OpenValue(name, unit, chosen, min(choices), max(choices), *texts, choices=choices)
+def _choice(name: str, unit: str, choices: tuple[float, ...], texts: tuple[str, str]) -> OpenValue:
+    return OpenValue(name, unit, min(choices), max(choices), *texts, choices=choices)
 
 
 OPEN_VALUES = (
@@ -85,7 +76,6 @@ OPEN_VALUES = (
         "sample_time",
         "s",
         (1e-4, 5e-5, 2e-5, 1e-5),
-        ADAPTIVE_STEP,
         (
             "10 kHz is fast for the controller of a robot, and 100 kHz is practically continuous for F_c",
             "all",
@@ -94,48 +84,43 @@ OPEN_VALUES = (
     OpenValue(
         "noise_hold",
         "s",
-        ADAPTIVE_STEP,
         1e-5,
         1e-3,
         "a draw of the noise is held for this time, rounded to a whole number of ticks: from noise that is white at the"
         " control rate to a force sensor of about 1 kHz",
-        "C4 to C8, C10, C16",
+        "C4 to C8, C10, C14, C16, C17, C20",
         log=True,
     ),
     OpenValue(
         "noise_share",
         "",
-        NOISE_SHARE,
         0.12,
         0.18,
         'the bound of the noise over the peak force; the paper says "about 15 %"',
-        "C4 to C8, C10, C16",
+        "C4 to C8, C10, C14, C16, C17, C20",
     ),
     OpenValue(
         "noise_ratio",
         "",
-        3.0,
         2.0,
         5.0,
         "the bound of the noise over its standard deviation; the largest of the draws of one contact lies at two to"
         " five standard deviations",
-        "C4 to C8, C10, C16",
+        "C4 to C8, C10, C14, C16, C17, C20",
     ),
     _choice(
         "contact_gated",
         "",
         (1.0, 1.0, 1.0, 0.0),
-        1.0,
         (
             "1, in three of four settings: no noise without contact, as in the free motion of the figures; 0: a real"
             " sensor is always noisy",
-            "all",
+            "all of Figs. 5 to 7",
         ),
     ),
     OpenValue(
         "wall_offset",
         "m",
-        WALL_OFFSET,
         1.38,
         1.46,
         'the ellipse ends at 1.5 m; the contact then lasts 0.15 to 0.26 s of 2 s ("a small segment")',
@@ -144,97 +129,87 @@ OPEN_VALUES = (
     OpenValue(
         "depth",
         "m",
-        DEPTH,
         5e-3,
         25e-3,
         "the steady force of the segment, K depth, is then 20 to 100 N",
-        "C5 to C10, C16",
+        "all",
     ),
     OpenValue(
         "Psi_1",
         "1/s",
-        PSI,
         20.0,
         165.0,
         "algorithm 1 needs less than B/M = 170 1/s, eq. (14); below 20 1/s an error outlives the contact",
-        "C4 to C8, C10, C16",
+        "C4 to C8, C10, C11, C14, C16, C17, C20",
         log=True,
     ),
     OpenValue(
         "Gamma_1",
         "kg2.s2/m2",
-        GAMMA_CRAIG,
         0.5,
         50.0,
-        "a decade to either side of the chosen value",
-        "C4 to C8, C10, C16",
+        "a decade to either side of the value of the calibration `first`",
+        "C4 to C8, C10, C11, C14, C16, C17, C20",
         log=True,
     ),
     OpenValue(
         "gamma_margin",
         "",
-        GAMMA_MARGIN,
         1.0,
         4.0,
         "eq. (25) asks for more than 1; four times as much needs four times the force",
-        "C4 to C8, C10, C16",
+        "C4 to C8, C10, C11, C14, C16, C17, C20",
         log=True,
     ),
     OpenValue(
         "gamma_eps",
         "m/s",
-        GAMMA_EPS,
         1e-5,
         1e-2,
         "the boundary layer of F_c: from practically none to the size of e* itself",
-        "C4 to C8, C10, C16",
+        "C4 to C8, C10, C11, C14, C16, C17, C20",
         log=True,
     ),
     _choice(
-        "one_limit",
+        "torque_reading",
         "",
-        (0.0, 1.0),
-        0.0,
+        (EACH_JOINT, LARGEST, NORM),
         (
             '"75 % of the maximum torque", read as 0: each joint has 75 % of its own largest torque; 1: both have 75 %'
-            " of the larger one",
-            "C4 to C8",
+            " of the larger one; 2: both have 75 % of the largest norm of the two torques",
+            "C4 to C8, C20",
         ),
     ),
     OpenValue(
         "Psi_2",
         "1/s",
-        PSI,
         20.0,
         300.0,
         "as Psi_1, and algorithm 2 has no upper limit",
-        "C4 to C6, C8 to C10",
+        "C4 to C6, C8 to C11, C14",
         log=True,
     ),
     OpenValue(
         "Gamma_2",
         "kg.s2/m2",
-        GAMMA_SLOTINE_LI,
         0.5,
         50.0,
-        "about a decade to either side of the chosen value",
-        "C4 to C6, C8 to C10",
+        "about a decade to either side of the value of the calibration `first`",
+        "C4 to C6, C8 to C11, C14",
         log=True,
     ),
     OpenValue(
         "K_d",
         "N.s/m",
-        K_D,
         10.0,
         1000.0,
-        "a decade to either side of the chosen value; larger ones multiply with the noise of the velocity",
-        "C4 to C6, C8 to C10",
+        "a decade to either side of the value of the calibration `first`",
+        "C4 to C6, C8 to C11, C14",
         log=True,
     ),
     OpenValue(
         "acc_filter_time",
         "s",
-        1e-4,
         5e-5,
         5e-4,
         "the filter on the acceleration that the variant with a fixed inverse needs; several times longer is slower"
@@ -242,14 +217,51 @@ OPEN_VALUES = (
         "C16",
         log=True,
     ),
+    _choice(
+        "D_f",
+        "s/m",
+        (0.0, 0.0, 0.1, 0.3),
+        (
+            "0, in half of the settings: the paper names a stiffness alone; else the damping of the wall per rate of"
+            " penetration, with which an impact at 1 m/s keeps about 93 % or 80 % of its speed, as on metal",
+            "all",
+        ),
+    ),
+    _choice(
+        "mu",
+        "",
+        (0.0, 0.0, 0.1, 0.3),
+        (
+            "0, in half of the settings: the paper names no friction; else the coefficient of friction along the wall,"
+            " of greased and of dry metal",
+            "all",
+        ),
+    ),
+    _choice(
+        "starts_moving",
+        "",
+        (1.0, 1.0, 1.0, 0.0),
+        (
+            "1, in three of four settings: the tip starts with the velocity of the virtual trajectory, as the errors"
+            " of the figures start at zero; 0: it starts at rest, as the paper states only the place",
+            "all",
+        ),
+    ),
+    _choice(
+        "elbow",
+        "",
+        (1.0, -1.0),
+        ("the sign of the elbow's angle q2; both put the tip at (1.5, 0)", "all"),
+    ),
 )
+"""Values with a plausible range, in the order of the dimensions of the Sobol points."""
 
-CHOSEN: Setting = MappingProxyType({value.name: value.chosen for value in OPEN_VALUES})
-"""The setting of the scenarios of Figs. 5 to 7."""
+CHOSEN: Setting = CHOSEN_CALIBRATION.values
+"""The setting of the scenarios."""
 
 EARLIER: Setting = MappingProxyType(
     {
-        **CHOSEN,
+        **FIRST.values,
         "sample_time": 1e-5,
         "noise_hold": 6e-5,
         "noise_ratio": 4.0,
@@ -259,7 +271,7 @@ EARLIER: Setting = MappingProxyType(
         "Gamma_1": 9.8,
         "gamma_margin": 2.7,
         "gamma_eps": 6e-4,
-        "one_limit": 1.0,
+        "torque_reading": LARGEST,
         "Psi_2": 42.0,
         "Gamma_2": 7.6,
         "K_d": 73.0,

@@ -6,11 +6,12 @@ import numpy as np
 
 from orchestration.paper.claims.adaptive import QUESTIONS as ADAPTIVE
 from orchestration.paper.claims.motion import QUESTIONS as MOTION
+from orchestration.paper.share import Share
 from orchestration.paper.studies.claims_at import CLEARLY
 from orchestration.paper.studies.open_values import OPEN_VALUES, OpenValue, settings
 from orchestration.paper.studies.robustness_table import COLUMNS
 from orchestration.paper.studies.seeds import OverSeeds
-from orchestration.paper.studies.shares import Share, deciding, parts, share
+from orchestration.paper.studies.shares import deciding, parts, share
 from orchestration.paper.studies.together import CANDIDATES, NEIGHBOURS, SECTION_V, STARTS, WIDTH, Search
 
 CLAIMS = ("C4", "C5", "C6", "C7", "C8", "C9", "C10", "C13", "C16")

@@ -12,9 +12,9 @@ from adaptimp_fmu.files.whole_file import write_whole
 from orchestration.campaigns.study import Study
 from orchestration.paper.numbers import TORQUE_LIMITS
 from orchestration.paper.ready import scenario
+from orchestration.paper.share import Share
 from orchestration.paper.studies.claims_at import SCENARIOS, Evidence, verdicts
 from orchestration.paper.studies.native_runs import Runner
-from orchestration.paper.studies.shares import Share
 from orchestration.paper.studies.summary_measure import ideal_force, summary_measure, summary_of
 
 if TYPE_CHECKING:

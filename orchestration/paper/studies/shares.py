@@ -1,60 +1,17 @@
 """Statistics of yes-or-no answers over many settings: shares with their confidence, and the values that decide.
 
-Sources: E. B. Wilson, "Probable inference, the law of succession, and statistical inference", J. Am. Stat. Assoc. 22
-(1927); E. Plischke, E. Borgonovo and C. L. Smith, "Global sensitivity measures from given data", Eur. J. Oper. Res. 226
+Source: E. Plischke, E. Borgonovo and C. L. Smith, "Global sensitivity measures from given data", Eur. J. Oper. Res. 226
 (2013).
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from math import sqrt
 
 import numpy as np
 
+from orchestration.paper.share import Share
 from orchestration.paper.studies.open_values import OpenValue
 
-QUANTILE = 1.959963984540054  # of the normal distribution, for 95 %
 BINS = 16  # of a range, for the first-order index
-
-
-@dataclass(frozen=True)
-class Share:
-    """How many of n settings answer yes.
-
-    Attributes
-    ----------
-    low, high
-        Ends of Wilson's confidence interval of the share, at 95 %.
-    """
-
-    yes: int
-    n: int
-
-    @property
-    def value(self) -> float:
-        """The share, from 0 to 1; NaN of no setting."""
-        return self.yes / self.n if self.n else float("nan")
-
-    @property
-    def low(self) -> float:
-        """Lower end of the interval."""
-        return self._interval()[0]
-
-    @property
-    def high(self) -> float:
-        """Upper end of the interval."""
-        return self._interval()[1]
-
-    def _interval(self) -> tuple[float, float]:
-        if not self.n:
-            return 0.0, 1.0
-        z2 = QUANTILE**2 / self.n
-        middle = (self.value + z2 / 2) / (1 + z2)
-        half = QUANTILE / (1 + z2) * sqrt(self.value * (1 - self.value) / self.n + z2 / (4 * self.n))
-        return (
-            0.0 if self.yes == 0 else middle - half,
-            1.0 if self.yes == self.n else middle + half,
-        )
 
 
 def share(answers: np.ndarray) -> Share:

@@ -17,6 +17,7 @@ UNITS: Mapping[str, str] = {
     "m2_settled": "s",
     "m2_at_contact": "kg",
     "m2_in_contact": "kg",
+    "m2_fluctuation": "kg",
     "m2_recovery": "s",
     "e_start": "m",
     "e_free": "m",

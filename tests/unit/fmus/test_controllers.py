@@ -58,6 +58,49 @@ def test_a_stretched_arm_is_refused(open_fmu: Open, controller: str) -> None:
     require_refused(open_fmu(controller), {"q[2]": 0.0}, "The arm is singular")
 
 
+@pytest.mark.parametrize("controller", [CRAIG, SPONG_ORTEGA, "HoganImpedance3R"])
+@pytest.mark.parametrize("masses", [{"p_start[2]": 0.0}, {"p_start[1]": 0.0, "p_start[2]": 0.0}])
+def test_a_model_without_mass_is_named_by_laws_that_invert_its_inertia(
+    open_fmu: Open, controller: str, masses: dict[str, Value]
+) -> None:
+    inertia, variable = {CRAIG: ("H_hat", "p_hat"), SPONG_ORTEGA: ("H_0", "p_start")}.get(controller, ("H", "p_start"))
+    if controller == "HoganImpedance3R":
+        masses = masses | {"p_start[3]": 0.0}
+    last = 3 if controller == "HoganImpedance3R" else 2
+    sentence = (
+        rf"^{inertia} is singular by the masses {variable}\[1\] to {variable}\[{last}\],.*"
+        rf" Size of a pivot of {inertia}, kg\.m2 \(value 0, must be positive\)\.$"
+    )
+    require_refused(open_fmu(controller), masses, sentence)
+
+
+def test_laws_that_do_not_invert_the_inertia_take_a_model_without_mass(open_fmu: Open) -> None:
+    for controller in ("HoganImpedance", SLOTINE_LI):
+        driver = open_fmu(controller)
+        driver.initialize({"p_start[2]": 0.0})
+        driver.step(0.0, TS)
+        assert np.isfinite(driver.get(*TAU)).all()
+
+
+def test_an_estimate_without_mass_is_named(open_fmu: Open) -> None:
+    """Projected on p_min = 0 the estimate of m2 is 0, and H_hat singular."""
+    driver = open_fmu(CRAIG)
+    driver.initialize({"Gamma[2]": 5e4, "projection": True})
+    with pytest.raises(
+        RefusedError, match=r"H_hat is singular by the masses p_hat\[1\] to .* projection with p_min > 0"
+    ):
+        fall(driver)
+    assert driver.get("p_hat[2]")[0] > 0  # the last tick that was accepted
+
+
+def test_a_negative_estimate_is_no_error(open_fmu: Open) -> None:
+    """Its H_hat has an inverse; runs of the paper's task come back from there."""
+    driver = open_fmu(CRAIG)
+    driver.initialize({"Gamma[2]": 5e4})
+    fall(driver)
+    assert driver.get("p_hat[2]")[0] < 0
+
+
 @pytest.mark.parametrize("controller", ADAPTIVE)
 @pytest.mark.parametrize(("name", "value"), [("update_divisor", 0), ("Gamma[2]", -1.0), ("dead_zone", -0.1)])
 def test_values_without_meaning_are_refused(open_fmu: Open, controller: str, name: str, value: Value) -> None:
@@ -89,6 +132,13 @@ def moving(driver: Driver, k: int) -> float:
     driver.set({"q[1]": -0.7227342478 + 0.003, "ddq[1]": 5.0, "ddq[2]": -9.0, "F_hat[1]": -30.0})
     driver.step(k * TS, TS)
     return float(driver.get("p_hat[2]")[0])
+
+
+def fall(driver: Driver) -> None:
+    """Make 200 steps with an error and an acceleration that make the estimate of m2 fall."""
+    driver.set({"q[1]": -0.7227342478 + 0.003, "ddq[1]": 5.0, "ddq[2]": 9.0})
+    for k in range(200):
+        driver.step(k * TS, TS)
 
 
 @pytest.mark.parametrize("controller", ADAPTIVE)

@@ -33,7 +33,7 @@ def drawn(seed: int, ticks: range, std: float = STD, bound: float = BOUND) -> np
     for n in ticks:
         words = np.random.Philox(key=seed, counter=(n - 1) % 2**256).random_raw(2)
         u0, u1 = ((int(word) >> 11) * 2.0**-53 + 2.0**-54 for word in words)
-        r = std * np.sqrt(-2 * np.log(1 - u0 * (1 - np.exp(-(bound**2) / (2 * std**2)))))
+        r = std * np.sqrt(-2 * np.log1p(u0 * np.expm1(-((bound / std) ** 2) / 2)))
         rows.append([r * np.cos(2 * np.pi * u1), r * np.sin(2 * np.pi * u1)])
     return np.array(rows)
 
@@ -77,8 +77,37 @@ def test_truncated_normal_at_the_ends_of_the_unit_interval() -> None:
     u0, u1 = ca.SX.sym("u0"), ca.SX.sym("u1")
     function = ca.Function("noise", [u0, u1], [truncated_normal(u0, u1, ca.SX(STD), ca.SX(BOUND))])
     values = evaluate(function, np.array([[2.0**-54, 1.0]]), np.array([[0.25, 0.25]]))[..., 0]
+    smallest = STD * np.sqrt(2.0**-53 * -np.expm1(-4.5))
     # Near the bound, 1 - u0 (1 - e) = e = exp(-4.5) loses EPS / e relative, r then EPS / (9 e) of 15 N.
-    np.testing.assert_allclose(np.linalg.norm(values, axis=1), [0, BOUND], rtol=0, atol=BOUND * 100 * EPS)
+    np.testing.assert_allclose(np.linalg.norm(values, axis=1), [smallest, BOUND], rtol=0, atol=BOUND * 100 * EPS)
+
+
+@pytest.mark.parametrize("ratio", [1e4, 1e8, 1e12, 1e100])
+def test_noise_far_wider_than_its_bound_is_uniform_on_the_disc(ratio: float) -> None:
+    u0, u1 = ca.SX.sym("u0"), ca.SX.sym("u1")
+    function = ca.Function("noise", [u0, u1], [truncated_normal(u0, u1, ca.SX(ratio * BOUND), ca.SX(BOUND))])
+    draws = np.random.default_rng(5).random((1000, 2))
+    values = evaluate(function, draws[None, :, 0], draws[None, :, 1])[..., 0]
+    radius, angle = BOUND * np.sqrt(draws[:, 0]), 2 * np.pi * draws[:, 1]
+    # With z = (bound / std)^2 / 2 the radius is that of the uniform disc times 1 + (u0 - 1) z / 4 + O(z^2), and each of
+    # a dozen operations rounds once.
+    error = BOUND * (1 / (8 * ratio**2) + 12 * EPS)
+    np.testing.assert_allclose(values, np.column_stack([radius * np.cos(angle), radius * np.sin(angle)]), atol=error)
+    # The angle of a vector of the largest norm rounds its elements.
+    assert np.linalg.norm(values, axis=1).max() <= BOUND * (1 + 2 * EPS)
+
+
+@pytest.mark.parametrize("std", [1e-3, 0.1, 3.0, 40.0])
+def test_noise_has_the_radius_of_the_textbook(std: float) -> None:
+    u0, u1 = ca.SX.sym("u0"), ca.SX.sym("u1")
+    function = ca.Function("noise", [u0, u1], [truncated_normal(u0, u1, ca.SX(std), ca.SX(BOUND))])
+    draws = np.random.default_rng(6).random((1000, 2))
+    drawn = np.linalg.norm(evaluate(function, draws[None, :, 0], draws[None, :, 1])[..., 0], axis=1)
+    # Longdouble has 11 bits more; the radius loses digits where 1 - u0 (1 - exp(...)) is small, and there
+    # log1p loses as many: EPS / (1 - u0) relative.
+    u, z = np.longdouble(draws[:, 0]), np.longdouble(BOUND / std) ** 2 / 2
+    exact = std * np.sqrt(-2 * np.log1p(u * np.expm1(-z)))
+    np.testing.assert_allclose(drawn, exact.astype(float), rtol=8 * EPS * (1 + 1 / (1 - draws[:, 0]).min()))
 
 
 def test_half_steps_hold_the_noise_of_the_tick(open_fmu: Open) -> None:

@@ -1,12 +1,13 @@
 """A run without contact is told as such, and no other mistake is taken for it."""
 
+import numpy as np
 import pytest
 
 from orchestration import OrchestrationError
 from orchestration.paper import laboratory as module
 from orchestration.paper.built_fmus import fmus
 from orchestration.paper.laboratory import Job, Laboratory
-from orchestration.paper.measure import NoContactError
+from orchestration.paper.measure import NoContactError, norms
 from orchestration.paper.scenarios import SCENARIOS
 
 AWAY = Job("fig2", {"plant.wall_offset": 10.0, "trajectory.wall_offset": 10.0})  # m, out of reach
@@ -37,3 +38,9 @@ def test_another_mistake_is_no_run_without_contact(laboratory: Laboratory, monke
     monkeypatch.setattr(module, "summarize", wrong)
     with pytest.raises(ValueError, match="broadcast"):
         laboratory.summaries([AWAY])
+
+
+def test_norms_have_the_bits_of_numpy_s() -> None:
+    random = np.random.default_rng(7)
+    vectors = random.standard_normal((1000, 2)) * 10.0 ** random.integers(-9, 9, (1000, 2))
+    assert norms(vectors).tobytes() == np.linalg.norm(vectors, axis=1).tobytes()

@@ -9,10 +9,10 @@ import pytest
 import xarray as xr
 
 from orchestration import Study
+from orchestration.paper.calibrations import CHOSEN_CALIBRATION
 from orchestration.paper.claims import criteria
 from orchestration.paper.evidence import GAMMA_GRID_FACTORS, PSI_GRID
 from orchestration.paper.laboratory import Job
-from orchestration.paper.numbers import GAMMA_CRAIG
 from orchestration.paper.studies.claims_at import SCENARIOS
 from orchestration.paper.studies.gain_map import accurate, gain_map
 from orchestration.paper.studies.payload import payload_and_wall
@@ -44,7 +44,9 @@ def test_map_of_seven_is_that_of_c11(name: str, good: int, failed: int) -> None:
     table = grid(gain_map(name))
     assert table["Psi"].to_numpy().tolist() == list(PSI_GRID)
     if name == "fig5":
-        assert table["Gamma"].to_numpy().tolist() == [factor * GAMMA_CRAIG for factor in GAMMA_GRID_FACTORS]
+        assert table["Gamma"].to_numpy().tolist() == [
+            factor * CHOSEN_CALIBRATION.values["Gamma_1"] for factor in GAMMA_GRID_FACTORS
+        ]
     assert int(accurate(table).sum()) == good
     assert int((table["status"] == "failed").sum()) == failed
 

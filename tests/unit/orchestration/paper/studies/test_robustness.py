@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from orchestration.paper.share import Share
 from orchestration.paper.studies.open_values import settings
 from orchestration.paper.studies.robustness import PAGE, TABLE, laboratory, text
 from orchestration.paper.studies.robustness_page import word
@@ -17,7 +18,6 @@ from orchestration.paper.studies.robustness_table import (
     read_table,
     write_table,
 )
-from orchestration.paper.studies.shares import Share
 
 DOCS = Path(__file__).parents[5] / "docs"
 

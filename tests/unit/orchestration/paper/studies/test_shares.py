@@ -3,13 +3,14 @@
 import numpy as np
 import pytest
 
+from orchestration.paper.share import Share
 from orchestration.paper.studies.open_values import OpenValue
-from orchestration.paper.studies.shares import Share, deciding, first_order_index, parts
+from orchestration.paper.studies.shares import deciding, first_order_index, parts
 
 N = 4096
-LINEAR = OpenValue("a", "m", 1.0, 0.0, 3.0, "", "")
-LOG = OpenValue("b", "N", 10.0, 1.0, 1000.0, "", "", log=True)
-CHOICE = OpenValue("c", "", 0.0, 0.0, 1.0, "", "", choices=(1.0, 0.0))
+LINEAR = OpenValue("a", "m", 0.0, 3.0, "", "")
+LOG = OpenValue("b", "N", 1.0, 1000.0, "", "", log=True)
+CHOICE = OpenValue("c", "", 0.0, 1.0, "", "", choices=(1.0, 0.0))
 
 
 def points() -> dict[str, np.ndarray]:

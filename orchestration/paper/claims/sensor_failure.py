@@ -1,0 +1,155 @@
+"""Measures what becomes of a run in which the force sensor fails, or the torques are far too small: C19a and C19b.
+
+Section IV-A ends with a sentence on algorithm 2: when a large external force or a sensor failure saturates the
+controller, the error will likely increase and remain bounded. It rests on the analysis of algorithm 1 in III-D, so the
+same is asked of algorithm 1. A run that ends with an error counts as one whose error is not bounded.
+"""
+
+import os
+from collections.abc import Mapping
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+
+import numpy as np
+
+from orchestration.errors import SimulationError
+from orchestration.paper.claims import criteria as limits
+from orchestration.paper.claims.claim import Finding, Question
+from orchestration.paper.evidence import Evidence
+from orchestration.paper.laboratory import SEEDS, Job, Laboratory
+from orchestration.paper.measure import ESTIMATE, at_ticks, norms
+from orchestration.paper.numbers import FAILURES, PERIOD, TORQUE_LIMITS
+
+FAILURE_SEEDS = SEEDS[:3]
+WEAK = 0.2  # share of the limits of Fig. 6 at which the force of the contact saturates both algorithms
+P_MIN = 0.1  # kg, bound of the projection that the row of algorithm 1 shows beside
+SINCE = 0.4 * PERIOD  # s, after the first adaptation and before the contact
+HEALTHY = "healthy"
+ERROR = ("controller.e[1]", "controller.e[2]")
+_NO_FAILURE = {"sensor.failure": 0.0}
+_WEAK_TORQUES = {f"actuator.tau_max[{i}]": WEAK * limit for i, limit in enumerate(TORQUE_LIMITS, start=1)}
+
+
+@dataclass(frozen=True)
+class Errors:
+    """What is left of a run: errors in m, which are infinite if the run ended with an error.
+
+    Attributes
+    ----------
+    largest
+        Largest |e| from `SINCE` on.
+    end
+        |e| at the end.
+    least
+        Smallest m2_hat, kg.
+    """
+
+    largest: float
+    end: float
+    least: float = np.nan
+
+    @property
+    def finished(self) -> bool:
+        """Whether the run reached its end."""
+        return bool(np.isfinite(self.end))
+
+
+def _errors(laboratory: Laboratory, job: Job) -> Errors:
+    try:
+        result = laboratory.run(job, (*ERROR, ESTIMATE))
+    except SimulationError:
+        return Errors(np.inf, np.inf)
+    e = norms(at_ticks(result, "controller.e"))
+    largest = float(e[result.tick_times(ERROR[0]) >= SINCE].max())
+    return Errors(largest, float(e[-1]), float(result.at_ticks(ESTIMATE).min()))
+
+
+def errors_by_trouble(laboratory: Laboratory, end: str, changes: Mapping[str, float]) -> Mapping[str, list[Errors]]:
+    """Errors of the runs with each trouble, one for each seed, by its name; `HEALTHY` is that of runs without any.
+
+    Parameters
+    ----------
+    end
+        End of the names of the algorithm's scenarios.
+    changes
+        Start values that all runs have besides.
+    """
+    first = f"sensor-dropout{end}"
+    troubles = {HEALTHY: (first, _NO_FAILURE)}
+    troubles |= {kind: (f"sensor-{kind}{end}", {}) for kind in FAILURES}
+    troubles["torques too small"] = (first, {**_NO_FAILURE, **_WEAK_TORQUES})
+    jobs = [
+        Job(scenario, {"sensor.seed": float(seed), **changes, **trouble})
+        for scenario, trouble in troubles.values()
+        for seed in FAILURE_SEEDS
+    ]
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        found = iter(list(pool.map(lambda job: _errors(laboratory, job), jobs)))
+    return {name: [next(found) for _ in FAILURE_SEEDS] for name in troubles}
+
+
+def judge(errors: Mapping[str, list[Errors]]) -> Finding:
+    """What runs with and without troubles say about C19."""
+    healthy = errors[HEALTHY]
+    troubled = [some for name, some in errors.items() if name != HEALTHY]
+    grown = [one.largest > before.largest for some in troubled for one, before in zip(some, healthy, strict=True)]
+    values = {
+        limits.FAILURE_GROWTH: np.mean(grown),
+        limits.FAILURE_ERROR: [one.largest for some in troubled for one in some],
+        limits.FAILURE_END: [one.end for some in troubled for one in some],
+    }
+    return Finding(values, f"largest |e| from the contact on: {_in_words(errors)}")
+
+
+def _in_words(errors: Mapping[str, list[Errors]]) -> str:
+    """The largest error and the smallest estimate with each trouble, in a sentence."""
+    parts = []
+    for name, some in errors.items():
+        whole = [one for one in some if one.finished]
+        told = []
+        if whole:
+            told.append(f"{1e3 * max(one.largest for one in whole):.3g} mm")
+            told.append(f"{1e3 * max(one.end for one in whole):.2g} mm at the end")
+            told.append(f"m2_hat >= {min(one.least for one in whole):.2g} kg")
+        if len(whole) < len(some):
+            told.append(f"{len(some) - len(whole)} of {len(some)} runs end with an error")
+        parts.append(f"{name} {', '.join(told)}")
+    return "; ".join(parts)
+
+
+def _of_algorithm_2(evidence: Evidence) -> Finding:
+    return judge(errors_by_trouble(evidence.laboratory, "", {}))
+
+
+def _of_algorithm_1(evidence: Evidence) -> Finding:
+    found = judge(errors_by_trouble(evidence.laboratory, "-craig", {}))
+    projected = {"controller.projection": 1.0, "controller.p_min[2]": P_MIN}
+    beside = judge(errors_by_trouble(evidence.laboratory, "-craig", projected))
+    text = f"{found.measured}. With m2_hat kept above {P_MIN:g} kg, {beside.measured}"
+    return Finding(found.values, text)
+
+
+_CRITERIA = (limits.FAILURE_GROWTH, limits.FAILURE_ERROR, limits.FAILURE_END)
+_SEEDS_TEXT = f"seeds {FAILURE_SEEDS[0]}-{FAILURE_SEEDS[-1]}"
+_SCOPE = f"dropout, stuck and spike in the midst of the contact, and torques limited to {WEAK:.0%} of Fig. 6's limits"
+
+QUESTIONS = (
+    Question(
+        "C19a",
+        "Algorithm 2 under a large force, or with a sensor that fails: the error likely grows, and stays bounded",
+        "IV-A",
+        _CRITERIA,
+        _of_algorithm_2,
+        f"sensor-dropout, sensor-stuck, sensor-spike, {_SEEDS_TEXT}",
+        _SCOPE,
+    ),
+    Question(
+        "C19b",
+        "The same of algorithm 1, whose analysis IV-A refers to",
+        "III-D, IV-A",
+        _CRITERIA,
+        _of_algorithm_1,
+        f"sensor-dropout-craig, sensor-stuck-craig, sensor-spike-craig, {_SEEDS_TEXT}",
+        _SCOPE,
+    ),
+)

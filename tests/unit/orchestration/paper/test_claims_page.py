@@ -1,0 +1,66 @@
+"""The page of the claims says in words what verdict and shares say together, and its links lead to its headings."""
+
+import re
+
+import pytest
+
+from orchestration.paper.claims.claim import HOLDS, NO_RUNS, NOT_REPRODUCED, Claim
+from orchestration.paper.claims.page import as_markdown, as_records, word
+from orchestration.paper.share import Share
+from orchestration.paper.strength import ClaimStrength, Strength
+
+
+def claim(name: str, verdict: str, runs: str = "fig5, seeds 1-30", first: str = "") -> Claim:
+    """A claim with a verdict."""
+    return Claim(name, "It does", "V", "x <= 1", "x = 1", verdict, runs, first)
+
+
+STRENGTH = Strength(
+    settings=10000,
+    seeds={"section-v": 1000, "first": 30},
+    claims={
+        "C1": ClaimStrength(Share(5000, 10000), {"section-v": Share(990, 1000)}, (("Psi_1", 0.2),)),
+        "C2": ClaimStrength(Share(499, 10000)),
+        "C3a": ClaimStrength(Share(1, 10000)),
+        "C4": ClaimStrength(Share(0, 10000), {"first": Share(15, 30)}),
+        "C5": ClaimStrength(None),
+    },
+    effects={},
+)
+
+
+@pytest.mark.parametrize(
+    ("asked", "expected"),
+    [
+        (claim("C1", HOLDS), "holds"),
+        (claim("C2", HOLDS), "holds at the calibration only"),
+        (claim("C3a", NOT_REPRODUCED), "fails here, holds elsewhere"),
+        (claim("C4", NOT_REPRODUCED), "holds nowhere in the space searched"),
+        (claim("C5", HOLDS), "holds here"),
+        (claim("C6", NOT_REPRODUCED), "fails here"),
+        (claim("C15", HOLDS, NO_RUNS), "holds"),
+    ],
+)
+def test_words(asked: Claim, expected: str) -> None:
+    assert word(asked, STRENGTH) == expected
+
+
+def test_every_link_of_the_table_leads_to_a_heading() -> None:
+    claims = [claim("C1", HOLDS, first=HOLDS), claim("C2", HOLDS), claim("C4", NOT_REPRODUCED, first=NOT_REPRODUCED)]
+    text = as_markdown(claims, {"fig5": "abc"}, STRENGTH)
+    headings = [
+        re.sub(r"[^\w -]", "", line[3:].lower()).replace(" ", "-") for line in text.splitlines() if line[:3] == "## "
+    ]
+    links = re.findall(r"\]\(#([^)]*)\)", text)
+    assert len(links) == 3
+    assert set(links) <= headings
+    assert "2 of 3 claims hold at the calibration." in text
+    assert "99.0 % (98.2 to 99.5) | 50.0 % (49.0 to 51.0) | Psi_1 20% |" in text
+    assert "| C4 | not reproduced | not reproduced | 50.0 % (33.2 to 66.8) |" in text
+
+
+def test_records_carry_the_strength() -> None:
+    (record,) = as_records([claim("C4", NOT_REPRODUCED)], {"fig5": "abc", "fig6": "def"}, STRENGTH)
+    assert record["strength"] == "holds nowhere in the space searched"
+    assert record["space"] == {"yes": 0, "n": 10000}
+    assert record["scenarios"] == {"fig5": "abc"}
