@@ -33,6 +33,7 @@ from orchestration.fmi.names import suggestion
 from orchestration.master.algorithm import ALGORITHMS, Algorithm, find_algorithm
 from orchestration.master.changes import Changes
 from orchestration.master.form import report_descriptions
+from orchestration.master.judge import report_prediction
 from orchestration.master.options import Options, Progress
 from orchestration.master.outside import outside
 from orchestration.master.pacing import Pace
@@ -82,6 +83,7 @@ def simulate(
     pace: float | Pace | None = None,
     isolate: bool | str | Collection[str] | Isolation | None = None,
     progress: bool | Progress = False,
+    verdict: bool = False,
     options: Options | None = None,
 ) -> Result:
     """Run a system of coupled FMUs, and return the rows it recorded.
@@ -121,6 +123,9 @@ def simulate(
         of the run: True for all, names of components, or an `Isolation` with limits. Default: none.
     progress
         True for a bar on standard error, or a function that is called with the steps made and the steps in all.
+    verdict
+        Whether to predict the stability of the run before it, which takes some tenths of a second, and to warn of a
+        run that is unstable. `Result.verdict` gives the same when it is asked for.
     options
         Rare choices for the run. Default: those of `Options`.
 
@@ -164,6 +169,8 @@ def simulate(
             "isolate": isolate,
         }
         run = prepare(system, stop_time, step, algorithm, order=order, times=times, options=_chosen(options, given))
+        if verdict:
+            report_prediction(run.predict())
         simulation = stack.enter_context(run)
         simulation.run()
         return simulation.result()
