@@ -69,7 +69,9 @@ def overview(columns: Answers, chosen: Mapping[str, bool]) -> str:
     return f"""## The claims
 
 {table(heads, rows)}
-The verdict at the chosen values is that of all seeds at once, below. C7 and C10 compare errors of two figures, and with one seed either
+The verdict at the chosen values is that of all seeds at once, below.
+
+C7 and C10 compare errors of two figures, and with one seed either
 may be larger by chance. They are said to hold elsewhere if the errors are clearly larger there, by
 {100 * (CLEARLY - 1):.0f} % or more. The words are those of [claims.md](claims.md): a claim *holds* if it does so at the
 chosen values and in at least 5 % of the settings.

@@ -94,8 +94,8 @@ tries {NEIGHBOURS} neighbours of each, in a box of {100 * WIDTH:.0f} % of each r
 With one seed all seven hold at {search.all_hold} settings, counting the table and the neighbours. The best {CANDIDATES}
 are judged over 30 seeds. So are the chosen values, those of the calibration `first`, and a setting that independent
 code has found by an optimization of its own. Over 30 seeds {first.held} of the seven claims hold at the best setting,
-{outcome}. The search takes the bound of the noise and the limits as they come, not rounded as the calibrations have them,
-so a claim at its limit, such as C7 at the chosen values, may turn.
+{outcome}. The search takes the bound of the noise and the limits as they come, not rounded as the calibrations have
+them, so a claim at its limit, such as C7 at the chosen values, may turn.
 
 {table(("origin", "hold over 30 seeds", "fail", "errors clearly larger"), others)}
 The best setting ({first.origin}):
