@@ -9,10 +9,10 @@ delta of eq. (21)):
 
 with log1p(x) = ln(1 + x) and expm1(x) = exp(x) - 1, which keep their digits where noise_std is far above
 noise_bound; the distribution then is the uniform one on the disc of radius noise_bound. The numbers u0, u1 are
-uniform in (0, 1), drawn anew at each tick from (seed, tick). With `noise_period` > 0 the error has a
-bandwidth: draw k serves the ticks from k noise_period on, and is held until the next draw. noise_period must
-be a whole multiple of the sampling period. With `contact_gated` the error is zero while no force acts. A
-bias, a range and a resolution follow, all off by default:
+uniform in (0, 1), drawn anew at each tick from (seed, tick). With a `noise_period` longer than a tick the error
+has a bandwidth: draw k serves the ticks from k noise_period on, and is held until the next draw. Such a
+noise_period must be a whole multiple of the sampling period. With `contact_gated` the error is zero while no
+force acts. A bias, a range and a resolution follow, all off by default:
 
     F_hat = resolution floor(clip(F_ext + bias + error, -range, range) / resolution + 1/2)
 
@@ -109,13 +109,13 @@ def ticks_per_draw(model: SampledModel) -> ca.SX:
         0.0,
         unit="s",
         limits=NOT_NEGATIVE,
-        description="Time for which a draw of the noise is held, a whole multiple of sample_time; 0 = one tick",
+        description="Time for which a draw of the noise is held: a whole multiple of sample_time, or less for one tick",
     )
     ratio = period / model.period
     ticks = ca.fmax(ca.floor(ratio + 0.5), 1)
     model.require(
-        ca.if_else(period > 0, ROUNDING * ticks - ca.fabs(ratio - ticks), 1),
-        "noise_period must be 0 or a whole multiple of sample_time",
+        ca.if_else(period > model.period, ROUNDING * ticks - ca.fabs(ratio - ticks), 1),
+        "noise_period must be a whole multiple of sample_time, or shorter than one",
     )
     return ticks
 

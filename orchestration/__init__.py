@@ -46,6 +46,7 @@ if TYPE_CHECKING:
     from orchestration.master.algorithm import Algorithm, Correction, StepControl, Tolerance
     from orchestration.master.fmu_messages import FmuWarning
     from orchestration.master.form import FormalityWarning
+    from orchestration.master.judge import StabilityWarning
     from orchestration.master.options import Crossings, Options
     from orchestration.master.pacing import Pace
     from orchestration.master.simulate import UnconnectedInputWarning, prepare, simulate, stream
@@ -56,6 +57,7 @@ if TYPE_CHECKING:
     from orchestration.master.walls import DifferentWallsWarning
     from orchestration.paper.ready import scenario
     from orchestration.results.comparison import ColumnDifference, Comparison, compare
+    from orchestration.results.prediction import Prediction
     from orchestration.results.result import Result
     from orchestration.sandbox.guard import ProcessChangedWarning
     from orchestration.system.system import Component, Connection, System
@@ -86,6 +88,7 @@ _HOME = {
     "OrchestrationError": "errors",
     "Pace": "master.pacing",
     "PowerBond": "analysis.energy",
+    "Prediction": "results.prediction",
     "ProcessChangedWarning": "sandbox.guard",
     "Result": "results.result",
     "RunInterrupted": "errors",
@@ -93,6 +96,7 @@ _HOME = {
     "Simulation": "master.simulation",
     "SimulationError": "errors",
     "Snapshot": "master.snapshot",
+    "StabilityWarning": "master.judge",
     "StepControl": "master.algorithm",
     "StiffnessWarning": "master.stiffness",
     "Study": "campaigns.study",
@@ -142,6 +146,7 @@ __all__ = [
     "OrchestrationError",
     "Pace",
     "PowerBond",
+    "Prediction",
     "ProcessChangedWarning",
     "Result",
     "RunInterrupted",
@@ -149,6 +154,7 @@ __all__ = [
     "Simulation",
     "SimulationError",
     "Snapshot",
+    "StabilityWarning",
     "StepControl",
     "StiffnessWarning",
     "Study",

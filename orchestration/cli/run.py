@@ -37,8 +37,6 @@ from orchestration.system.system import System
 
 LONG_COMPILATION = 1.0  # s, from which on it is said
 MOST_NAMED = 20  # components whose order is told whole
-MOST_JUDGED = 100  # connections: the verdict takes up to 5 s there, and grows with the cube of their number
-MOST_EXPLAINED = 60  # connections: the search for a stable step and for the culprit takes up to 15 s there
 
 
 @dataclass(frozen=True)
@@ -203,34 +201,13 @@ def _stepped(simulation: Simulation, report: RunReport, line: ProgressLine) -> R
 
 def _judge(simulation: Simulation, report: RunReport) -> None:
     """Warn if the algorithm is unstable at the start; a system that cannot be judged in short time is run anyway."""
-    from orchestration.analysis.stability.verdict import is_stable, stability
-
-    system, n = simulation.system, len(simulation.system.connections)
-    judged = system.set(simulation.first_inputs), report.step, simulation.algorithm
-    try:
-        _require_few(n)
-        isolation = simulation.options.isolation
-        if not is_stable(*judged, isolation=isolation):
-            told = (
-                str(stability(*judged, isolation=isolation)) if n <= MOST_EXPLAINED else _unstable(simulation, report)
-            )
-            report.warnings.append(told)
-            output.remark(f"Warning: {report.warnings[-1]}")
-    except OrchestrationError as error:
-        report.notices.append(f"no verdict on stability: {error}")
-        output.remark(f"Notice: {report.notices[-1]}")
-
-
-def _require_few(n_connections: int) -> None:
-    if n_connections > MOST_JUDGED:
-        msg = f"it would take long with {n_connections} connections; System.stability gives one."
-        raise SystemDescriptionError(msg)
-
-
-def _unstable(simulation: Simulation, report: RunReport) -> str:
-    """Sentence on an unstable run of so many connections that a search for the culprit would take long."""
-    run = f"{simulation.system.name}: {simulation.algorithm.name} with a step of {report.step:g} s"
-    return f"{run} is UNSTABLE at the start; System.stability searches for a stable step, which takes long."
+    prediction = simulation.predict()
+    if prediction.stable is None:
+        report.notices.append(prediction.text)
+        output.remark(f"Notice: {prediction.text}")
+    elif not prediction.stable:
+        report.warnings.append(prediction.text)
+        output.remark(f"Warning: {prediction.text}")
 
 
 @contextmanager

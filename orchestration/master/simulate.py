@@ -33,6 +33,7 @@ from orchestration.fmi.names import suggestion
 from orchestration.master.algorithm import ALGORITHMS, Algorithm, find_algorithm
 from orchestration.master.changes import Changes
 from orchestration.master.form import report_descriptions
+from orchestration.master.judge import report_prediction
 from orchestration.master.options import Options, Progress
 from orchestration.master.outside import outside
 from orchestration.master.pacing import Pace
@@ -82,6 +83,7 @@ def simulate(
     pace: float | Pace | None = None,
     isolate: bool | str | Collection[str] | Isolation | None = None,
     progress: bool | Progress = False,
+    verdict: bool = False,
     options: Options | None = None,
 ) -> Result:
     """Run a system of coupled FMUs, and return the rows it recorded.
@@ -121,6 +123,9 @@ def simulate(
         of the run: True for all, names of components, or an `Isolation` with limits. Default: none.
     progress
         True for a bar on standard error, or a function that is called with the steps made and the steps in all.
+    verdict
+        Whether to predict the stability of the run before it, which takes some tenths of a second, and to warn of a
+        run that is unstable. `Result.verdict` gives the same when it is asked for.
     options
         Rare choices for the run. Default: those of `Options`.
 
@@ -146,8 +151,8 @@ def simulate(
     >>> result = simulate(scenario("fig2"), stop_time=1.2, record=["plant.x", "controller.e"])
     >>> result
     <Result: 12001 rows, t = 0 to 1.2 s, 4 columns (plant.x[1], plant.x[2], controller.e[1], controller.e[2])>
-    >>> float(result["plant.x[1]"].min().round(3))  # m; the wall is at -1.45
-    -1.456
+    >>> float(result["plant.x[1]"].min().round(3))  # m; the wall is at -1.436
+    -1.454
     """
     system = _system(system)
     if not (isinstance(progress, bool) or callable(progress)):
@@ -164,6 +169,8 @@ def simulate(
             "isolate": isolate,
         }
         run = prepare(system, stop_time, step, algorithm, order=order, times=times, options=_chosen(options, given))
+        if verdict:
+            report_prediction(run.predict())
         simulation = stack.enter_context(run)
         simulation.run()
         return simulation.result()

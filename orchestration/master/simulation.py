@@ -14,11 +14,7 @@ from typing import Self
 
 import numpy as np
 
-from orchestration.errors import (
-    InitializationError,
-    RunInterrupted,
-    SimulationError,
-)
+from orchestration.errors import InitializationError, RunInterrupted, SimulationError
 from orchestration.fmi.codes import known_status
 from orchestration.fmi.deferred import raise_kept
 from orchestration.fmi.given import a_number, require_type
@@ -34,6 +30,7 @@ from orchestration.master.flat_run import flat_run
 from orchestration.master.fmu_messages import kept_messages, report_warnings
 from orchestration.master.form import report_libraries
 from orchestration.master.initialization import opened
+from orchestration.master.judge import Judge
 from orchestration.master.kernel import fixed_step
 from orchestration.master.kernel.codes import Failure
 from orchestration.master.memory import require_memory
@@ -48,6 +45,7 @@ from orchestration.master.snapshot import Snapshot, identity
 from orchestration.master.streaming import Streaming
 from orchestration.master.time_grid import Grid
 from orchestration.results.columns import ENDED, FAILED, INTERRUPTED
+from orchestration.results.prediction import VERDICT, Prediction
 from orchestration.results.result import Result
 from orchestration.sandbox.guard import Guard
 from orchestration.system.system import System
@@ -117,8 +115,9 @@ class Simulation:
         check_steps(system, algorithm, options.crossings, unequal=grid.unequal)
         self.system, self.grid, self.algorithm, self.options = system, grid, algorithm, options
         self._outside, self._opening = outside or Outside(), opening
+        first = self._outside.inputs.first_values(float(grid.times[0]), float(grid.lengths[0]))
+        self.judge = Judge(system, first, grid.step, algorithm, options.isolation)
         self._metadata = dict(metadata or {})
-        self._streaming = Streaming()
         self._varies = algorithm.control is not None or bool(options.crossings.outputs)  # the number of rows
         self._plain = algorithm.plain and not options.crossings.outputs and not options.slow
         self._fault = any_value if options.allow_nan else not_finite
@@ -126,7 +125,7 @@ class Simulation:
         self._ended = ""  # a sentence, once a component has ended the simulation
         self._changed_at = -1  # point at which scheduled changes were made last
         self._stack, self._guard = ExitStack(), Guard()
-        self._chunks, self._block = Chunks(), Block(system.name)
+        self._chunks, self._block, self._streaming = Chunks(), Block(system.name), Streaming()
 
     def __repr__(self) -> str:
         """System, algorithm and how far the run is."""
@@ -191,10 +190,10 @@ class Simulation:
         """Write rows to a .parquet file instead of keeping them; call this before the ``with`` block begins."""
         self._streaming.to(path)
 
-    @property
-    def first_inputs(self) -> dict[str, float]:
-        """Values that time series give to inputs at the start time, by ``component.variable``."""
-        return self._outside.inputs.first_values(float(self.grid.times[0]), float(self.grid.lengths[0]))
+    def predict(self) -> Prediction:
+        """Predict the stability of the run near its start, and keep the prediction in the metadata of the result."""
+        self._metadata[VERDICT] = (prediction := self.judge()).as_json()
+        return prediction
 
     @property
     def count(self) -> int:
@@ -261,7 +260,7 @@ class Simulation:
         times, rows = self._recorder.rows()
         numbers, texts = self._texts.split(rows)
         about = (self._units, self.steps_per_tick, self._described(), self.system.sample_times)
-        found = Result(times, self._columns, numbers, *about, texts=texts)
+        found = Result(times, self._columns, numbers, *about, texts=texts, judge=self.judge)
         return replace(found, status=ENDED, message=self._ended) if self._ended else found
 
     def _broken_off(self, status: str, message: str) -> Result:

@@ -6,11 +6,13 @@ from functools import cached_property
 
 import numpy as np
 
-from orchestration.paper.calibrations import FIRST
+from orchestration.paper.calibrations import CHOSEN_CALIBRATION, FIRST
 from orchestration.paper.laboratory import SEEDS, Job, Laboratory, Outcome
-from orchestration.paper.measure import ESTIMATE, Summary, free_error
+from orchestration.paper.measure import ESTIMATE, Summary, at_ticks, free_error, norms
 from orchestration.paper.numbers import LARGEST_PSI, TRUE_M2
+from orchestration.paper.saturation import SATURATION_COLUMNS
 from orchestration.paper.scenarios import SCENARIOS, UNSATURATED
+from orchestration.paper.settings import limits, torque_limits
 from orchestration.results.result import Result
 
 PSI_GRID = tuple(LARGEST_PSI * 10.0 ** ((k - 6.1) / 6) for k in range(7))  # 1/s, a decade that suits both algorithms
@@ -64,6 +66,23 @@ class Evidence:
         """
         suffix = f"-{FIRST.name}"
         return self._over_seeds(suffix, self.laboratory.run(Job(f"ideal{suffix}"), FORCE)["plant.F_ext"])
+
+    @cached_property
+    def no_coriolis(self) -> list[Summary]:
+        """Summaries of algorithm 2 without the term C_x s over the noise seeds `SEEDS`.
+
+        Raises
+        ------
+        SimulationError
+            If a run fails.
+        """
+        jobs = [Job("fig7-no-coriolis", {"sensor.seed": seed}) for seed in SEEDS]
+        return [_required(outcome) for outcome in self.laboratory.summaries(jobs, self.ideal_force)]
+
+    @cached_property
+    def saturated_at_first(self) -> Result:
+        """The run of fig6 at the earlier calibration."""
+        return self.laboratory.run(Job(f"fig6-{FIRST.name}"), SATURATION_COLUMNS)
 
     def _over_seeds(self, suffix: str, ideal_force: np.ndarray) -> Mapping[str, list[Summary]]:
         """Summaries by the name of a figure, whose scenarios have a suffix."""
@@ -124,11 +143,24 @@ class Evidence:
     @cached_property
     def sampled(self) -> list[Result]:
         """Runs of fig5 at the sampling periods `PERIODS`."""
-        record = [f"{n}[{i}]" for n in ("controller.e", "controller.e_star", *TOUCH) for i in (1, 2)]
-        held = self.scenario_value("fig5", NOISE_PERIOD)
-        common = {NOISE_PERIOD: max(1, round(held / PERIODS[0])) * PERIODS[0]}  # the same noise at every period
-        jobs = [Job("fig5", common, sample_time=period) for period in PERIODS]
+        names = ("controller.e", "controller.e_star", "controller.tau_cmd", *TOUCH)
+        record = [f"{n}[{i}]" for n in names for i in (1, 2)]
+        jobs = [Job("fig5", self._same_noise(), sample_time=period) for period in PERIODS]
         return self.laboratory.results(jobs, [*record, ESTIMATE])
+
+    @cached_property
+    def saturated_finely(self) -> Result:
+        """A run of fig6 at the shortest of `PERIODS`, whose limits come from the run of fig5 at this period."""
+        torques = at_ticks(self.sampled[-1], "controller.tau_cmd")
+        reading = CHOSEN_CALIBRATION.values["torque_reading"]
+        allowed = torque_limits(np.abs(torques).max(axis=0), float(norms(torques).max()), reading)
+        job = Job("fig6", {**self._same_noise(), **limits(allowed)}, sample_time=PERIODS[-1])
+        return self.laboratory.run(job, SATURATION_COLUMNS)
+
+    def _same_noise(self) -> Mapping[str, float]:
+        """Start values that give the same noise at every period of `PERIODS`."""
+        held = self.scenario_value("fig5", NOISE_PERIOD)
+        return {NOISE_PERIOD: max(1, round(held / PERIODS[0])) * PERIODS[0]}
 
     @cached_property
     def damped_from_wrong(self) -> list[Result]:

@@ -132,7 +132,7 @@ def sliding_bounds(result: Result, gains: SlidingGains) -> SlidingBounds:
 
 
 def _kinetic(result: Result, s: np.ndarray) -> np.ndarray:
-    """S' H_x s at the ticks, shape (n_ticks,): twice the kinetic energy when the tip moves with s, m/s, shape (n_ticks, 2).
+    """Twice the kinetic energy S' H_x s of an arm whose tip moves with s, m/s, shape (n_ticks,).
 
     The masses are points at the ends of the links. So the second one moves with s, and the first one with l_1 dq_1.
     """

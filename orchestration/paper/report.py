@@ -13,10 +13,11 @@ from orchestration.paper.claims.claim import Claim
 from orchestration.paper.claims.evaluation import evaluate
 from orchestration.paper.claims.page import as_markdown, as_records, word
 from orchestration.paper.evidence import Evidence
-from orchestration.paper.figures import draw
-from orchestration.paper.laboratory import Job, Laboratory
-from orchestration.paper.scenarios import AT_FIRST, SCENARIOS, VARIANTS, WITH_FAILURE, Scenario
+from orchestration.paper.figures.draw import draw
+from orchestration.paper.laboratory import Job
+from orchestration.paper.scenarios import ALL_SCENARIOS, SCENARIOS, Scenario
 from orchestration.paper.strength import read_strength
+from orchestration.paper.studies.native_runs import NativeLaboratory
 from orchestration.results.result import Result
 from orchestration.sandbox.archive import file_hash
 
@@ -60,10 +61,10 @@ def reproduce(folder: Path, tell: Tell, image: str = "png", *, fresh: bool = Fal
     fresh
         Whether to measure the claims even if they are in the cache.
     """
-    scenarios = {**SCENARIOS, **VARIANTS, **AT_FIRST, **WITH_FAILURE}
+    scenarios = ALL_SCENARIOS
     identifiers = {i for scenario in scenarios.values() for i in scenario.models.values()}
     tell(f"Building {len(identifiers)} FMUs, or taking them from the cache")
-    laboratory = Laboratory(fmus(sorted(identifiers)))
+    laboratory = NativeLaboratory(fmus(sorted(identifiers)))
     results: dict[str, Result] = {}
     for scenario in SCENARIOS.values():
         tell(f"Running {scenario.name}: {scenario.caption}")
@@ -81,7 +82,7 @@ def reproduce(folder: Path, tell: Tell, image: str = "png", *, fresh: bool = Fal
     return Report(figures, claims_file, claims, words, kept)
 
 
-def _digests(laboratory: Laboratory, scenarios: Mapping[str, Scenario]) -> dict[str, str]:
+def _digests(laboratory: NativeLaboratory, scenarios: Mapping[str, Scenario]) -> dict[str, str]:
     """SHA-256 of each scenario's SSP package."""
     with temporary_folder() as folder:
         return {

@@ -80,8 +80,8 @@ class Along:
         |Delta F_s|, N; it is 0 where no actuator saturates.
     h_star
         Largest |H_hat_x^-1| of the run, 1/kg.
-    beta
-        |e*|, m/s.
+    beta, gamma
+        |e*|, m/s, and the gain of F_c, 1/s.
     sharp, bound
         Right side of the line before (28), and of (28), m2/s3.
     V
@@ -98,6 +98,7 @@ class Along:
     missing: np.ndarray
     h_star: float
     beta: np.ndarray
+    gamma: np.ndarray
     sharp: np.ndarray
     bound: np.ndarray
     V: np.ndarray
@@ -139,6 +140,7 @@ def along(result: Result, gains: Gains) -> Along:
         missing=missing,
         h_star=h_star,
         beta=beta,
+        gamma=gamma,
         sharp=-push + 2 * mu * disturbance,
         bound=-push + 2 * h_star * disturbance * beta,
         V=V,

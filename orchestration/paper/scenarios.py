@@ -179,6 +179,7 @@ UNSATURATED = {"actuator.tau_max[1]": NO_TORQUE_LIMIT, "actuator.tau_max[2]": NO
 """Start values that switch the torque limits of a scenario off, N.m."""
 CRAIG, SLOTINE_LI = "CraigAdaptiveImpedance", "SlotineLiAdaptiveImpedance"
 SPONG_ORTEGA = "SpongOrtegaAdaptiveImpedance"
+NO_CORIOLIS = "SlotineLiAdaptiveImpedanceNoCoriolis"
 FAILING_SENSOR = "FailingForceSensor"
 
 
@@ -303,11 +304,28 @@ VARIANTS = _by_name(_CHOSEN_RUNS.fixed_inverse(), _CHOSEN_RUNS.ideal())
 AT_FIRST = _by_name(*_FIRST_RUNS.adaptive(), _FIRST_RUNS.fixed_inverse(), _FIRST_RUNS.ideal())
 """The runs of Figs. 5 to 7 at the earlier calibration: ``fig5-first``, ``fig6-first`` and so on."""
 
+WITHOUT_CORIOLIS = _by_name(
+    replace(
+        SCENARIOS["fig7"],
+        name="fig7-no-coriolis",
+        caption="Algorithm 2 without the term C_x s",
+        models={**SCENARIOS["fig7"].models, "controller": NO_CORIOLIS},
+    )
+)
+"""The run of Fig. 7 without the term C_x s: ``fig7-no-coriolis``."""
+
 WITH_FAILURE = _by_name(*_CHOSEN_RUNS.failing())
 """Runs of both algorithms with a sensor that fails: ``sensor-dropout``, ``sensor-dropout-craig`` and so on."""
 
 WITH_PAYLOAD = _by_name(*_CHOSEN_RUNS.with_payload())
 """Runs of Figs. 5 to 7 with a payload beyond the wrist sensor: ``fig5-wrist-payload`` and so on."""
 
-ALL_SCENARIOS: Mapping[str, Scenario] = {**SCENARIOS, **VARIANTS, **AT_FIRST, **WITH_FAILURE, **WITH_PAYLOAD}
+ALL_SCENARIOS: Mapping[str, Scenario] = {
+    **SCENARIOS,
+    **VARIANTS,
+    **AT_FIRST,
+    **WITHOUT_CORIOLIS,
+    **WITH_FAILURE,
+    **WITH_PAYLOAD,
+}
 """Every scenario that has a name."""

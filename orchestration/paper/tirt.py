@@ -1,14 +1,14 @@
 """Evaluates the distance of the TIRT from the virtual trajectory without the controller's prediction error.
 
 With d = x_t - x_v, eq. (11) is M d'' + B d' + K d = -F_hat: without a force d is zero. A controller that is told x_v,
-dx_v and ddx_v at its ticks alone predicts x_v at the next tick by these three terms of a Taylor series. What it
-misses of dx_v, h^2/2 times the third derivative, is a push of h/2 |d3x_v/dt3| over a sample of length h, which the target
-impedance holds at a distance of
+dx_v and ddx_v at its ticks alone predicts x_v at the next tick by these three terms of a Taylor series. The prediction
+of dx_v misses h^2/2 times the third derivative. Over a sample of length h this is an acceleration of
+h/2 |d3x_v/dt3|, which the target impedance holds at a distance of
 
     M h |d3x_v/dt3| / (2 K).
 
-For the ellipse of section V this is 1.16e-3 mm at h = 1e-4 s, and it is proportional to h. Here the trajectory's own law
-takes the place of the prediction, so that d is that of eq. (11) with the measured force held over each sample.
+For the ellipse of section V this is 1.16e-3 mm at h = 1e-4 s, and it is proportional to h. Here the trajectory's own
+law takes the place of the prediction, so that d is that of eq. (11) with the measured force held over each sample.
 """
 
 import math

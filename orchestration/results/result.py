@@ -14,6 +14,7 @@ from orchestration.fmi.given import shown
 from orchestration.fmi.names import arrays, suggestion
 from orchestration.results import csv_file, formats, parquet_file
 from orchestration.results.columns import LATENESS, MESSAGES, TIME, Columns
+from orchestration.results.prediction import PredictedColumns
 from orchestration.results.texts import same_texts, text_column
 
 if TYPE_CHECKING:
@@ -26,14 +27,14 @@ TICK_TOLERANCE = 1e-9
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Result(Columns, Mapping[str, np.ndarray]):
+class Result(PredictedColumns, Mapping[str, np.ndarray]):
     """Recorded columns by name; a mapping from ``component.variable`` to an array over time.
 
     Row 0 shows the components after initialization. A column of a continuous component in row k is its state at
     ``time[k]``. A column of a sampled component in row k + 1 is the value that is held over [time[k], time[k + 1]).
 
     Besides the recorded names, ``"time"`` and the names of whole arrays can be looked up. The attributes are those
-    of `orchestration.results.columns.Columns`.
+    of `Columns` and `PredictedColumns` in `orchestration.results`.
 
     Examples
     --------
@@ -94,7 +95,7 @@ class Result(Columns, Mapping[str, np.ndarray]):
         """Whether all attributes agree, numbers bit by bit; so NaN equals itself."""
         if not isinstance(other, Result):
             return NotImplemented
-        plain = all(_same(getattr(self, f.name), getattr(other, f.name)) for f in fields(self) if f.name != "texts")
+        plain = all(_same(getattr(self, f.name), getattr(other, f.name)) for f in fields(Columns) if f.name != "texts")
         return plain and same_texts(self.texts, other.texts)
 
     __hash__ = None  # type: ignore[assignment] - arrays can change
@@ -103,8 +104,7 @@ class Result(Columns, Mapping[str, np.ndarray]):
         """Number of rows, time span and columns in one line."""
         span = f", t = {self.time[0]:g} to {self.time[-1]:g} s" if len(self.time) else ""
         names = ", ".join(list(self)[:4]) + (f", and {len(self) - 4} more" if len(self) > 4 else "")
-        state = "" if self.status == "complete" else f", {self.status}"
-        return f"<Result: {len(self.time)} rows{span}, {len(self)} columns ({names or 'none'}){state}>"
+        return f"<Result: {len(self.time)} rows{span}, {len(self)} columns ({names or 'none'}){self._state}>"
 
     def _repr_html_(self) -> str:
         from orchestration.results.display import result_html
@@ -134,7 +134,10 @@ class Result(Columns, Mapping[str, np.ndarray]):
         >>> bool(abs(error - result.at_ticks("controller.e")).max() < 1e-12)
         True
         """
-        column, rows = self[name], self._tick_rows(name)
+        column, spacing = self[name], self.steps_per_tick.get(name.partition(".")[0])
+        if spacing is not None:
+            return column[1::spacing].copy()
+        rows = self._tick_rows(name)
         return column[:-1] if rows is None else column[rows + 1]
 
     def tick_times(self, name: str) -> np.ndarray:

@@ -36,8 +36,11 @@ SSP = Format("orchestration.ssp.read:read_ssp", "orchestration.ssp.write:write_s
 FORMATS: dict[str, Format] = {".ssp": SSP}
 """File formats by suffix. A folder, and a file with another suffix, is read as an SSP package, and is not written."""
 
-ANALYSES: dict[str, str] = {"stability": "orchestration.analysis.stability.verdict:stability"}
-"""Entries of analyses by the name of the calling method. The first argument of an analysis is a `System`."""
+ANALYSES: dict[str, str] = {
+    "stability": "orchestration.analysis.stability.verdict:stability",
+    "prediction": "orchestration.analysis.stability.prediction:predict",
+}
+"""Entries of analyses by name. The first argument of an analysis is a `System`."""
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,7 @@
 """Tests that the benchmarks run, and compare programs that compute the same; no time is asserted."""
 
 import json
+import sys
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any
@@ -10,7 +11,7 @@ import pytest
 
 from adaptimp_fmu import host_platform
 from orchestration.paper.built_fmus import find_scenario, fmus
-from tests.benchmarks import campaign, containers, isolation, master, overhead, reruns, scale, scaling, start
+from tests.benchmarks import campaign, containers, isolation, master, overhead, paper, reruns, scale, scaling, start
 from tests.benchmarks.forms import CProgram
 from tests.benchmarks.rig import BenchmarkError, Rig
 from tests.benchmarks.sizes import BINARY_LIMIT, MODULE_LIMIT
@@ -230,3 +231,14 @@ def test_scale_measures_three_sizes_of_each_wiring(tmp_path: Path) -> None:
     star = [("star", n, 10 * n, 3 * (n - 1)) for n in (2, 4, 8)]
     assert counts == [*star, *(("scattered", n, 10 * n, 3 * n) for n in (2, 4, 8))]
     assert set(result["growth"]["star"]) == set(scale.PHASES)
+
+
+KEEPS = "import os, sys; os.makedirs(os.environ['ADAPTIMP_CACHE'] + '/kept'); sys.exit(len(sys.argv) != 2)"
+
+
+def test_paper_is_measured_with_an_empty_and_then_the_same_cache(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(paper, "STATES", ("cold",))
+    assert set(paper.run([sys.executable, "-c", KEEPS])["cold"]) == {"elapsed", "processor"}
+    monkeypatch.setattr(paper, "STATES", ("cold", "cached"))
+    with pytest.raises(RuntimeError, match="kept"):
+        paper.run([sys.executable, "-c", KEEPS])

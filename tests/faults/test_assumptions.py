@@ -56,7 +56,7 @@ def test_export_counts_them_and_run_prints_them(adaptimp: Command, tmp_path: Pat
         words = " ".join(outcome.out.replace("│", " ").split())
         for path in OPEN | FURTHER["fig7"]:
             assert f"{path} = " in words
-        assert "plant.wall_offset = 1.45 m" in words
+        assert "plant.wall_offset = 1.436 m" in words
         assert "sensor.contact_gated = true" in words
         assert "plant.gravity = 0 m/s2 the plane of motion is horizontal" in words
         assert words.endswith("fig7: 31 assumed values")

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
+from fmus import start as start_of_arm
 from fmus.control.full_tirt import LARGEST_NORM, FullImpedance, exponential_minus_identity
 from fmus.control.tirt import Impedance
 from orchestration import Result, System, TimeSeries, simulate
@@ -133,7 +134,7 @@ def run(controller: str, start: Mapping[str, np.ndarray | float], turn: np.ndarr
     for name, value in start.items():
         values |= elements(name, value) if isinstance(value, np.ndarray) else {name: value}
     system = system.set({f"controller.{name}": value for name, value in values.items()})
-    q1 = float(system["plant"].variable("q_start[1]").start) + np.arctan2(turn[1, 0], turn[0, 0])
+    q1 = start_of_arm.ARMS[2].q[0] + np.arctan2(turn[1, 0], turn[0, 0])
     system = system.set({"plant.q_start[1]": q1, "plant.wall_normal": list(turn @ [-1.0, 0.0])})
     t = STEP * np.arange(round(STOP / STEP) + 1)
     series = {

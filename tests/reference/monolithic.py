@@ -47,10 +47,11 @@ class Setup:
     """All numbers of one run, in SI units (rad, m, s, N, kg); the defaults are the start values of the FMUs.
 
     Pairs are per joint (`m`, `l`, `viscous`, `coulomb`, `q_start`, `dq_start`, `tau_max`) or per axis (the others).
-    Sextuples follow p = (m1, m2, viscous1, viscous2, coulomb1, coulomb2). `noise_std` and `noise_bound` (N) belong to
-    the sensor; `controller_noise_bound` is delta of (25). The controller shares `l`, `gravity` and `coulomb_velocity`
-    with the plant. The trajectory shares the wall with the plant. `p_min` and `p_max` clamp p_hat when `projection` is
-    set. With `update_divisor` = N the controller adapts at ticks 0, N, 2N, ... with the step N Ts.
+    Sextuples follow p = (m1, m2, viscous1, viscous2, coulomb1, coulomb2). `noise_std`, `noise_bound` (N) and
+    `noise_period` belong to the sensor; `controller_noise_bound` is delta of (25). The controller shares `l`, `gravity`
+    and `coulomb_velocity` with the plant. The trajectory shares the wall with the plant. `p_min` and `p_max` clamp
+    p_hat when `projection` is set. With `update_divisor` = N the controller adapts at ticks 0, N, 2N, ... with the step
+    N Ts.
     """
 
     controller: str = "HoganImpedance"
@@ -76,6 +77,7 @@ class Setup:
     depth: float = 0.01
     noise_std: float = 0.0
     noise_bound: float = 0.0
+    noise_period: float = 0.0
     contact_gated: bool = True
     seed: int = 0
     tau_max: tuple[float, float] = (1e9, 1e9)
@@ -173,17 +175,22 @@ def virtual_trajectory(setup, time):
 
 
 def sensor_noise(setup, ticks):
-    """Return the errors of the sensor (N), shape (ticks, 2): tick n uses block n of Philox4x64-10, key (seed, 0)."""
+    """Return the errors of the sensor (N), shape (ticks, 2): draw n is block n of Philox4x64-10, key (seed, 0).
+
+    A draw serves all ticks of a `noise_period`, or one tick if that is 0.
+    """
     if setup.noise_std == 0.0:
         return np.zeros((ticks, 2))
+    held = max(round(setup.noise_period / setup.sample_time), 1)
+    draws = -(-ticks // held)
     # NumPy increments the counter before use, so the stream from counter -1 is block 0, 1, 2, ... of four words each.
     key = np.array([setup.seed, 0], dtype=np.uint64)
-    words = np.random.Philox(key=key, counter=2**256 - 1).random_raw(4 * ticks).reshape(ticks, 4)
+    words = np.random.Philox(key=key, counter=2**256 - 1).random_raw(4 * draws).reshape(draws, 4)
     u = ((words[:, :2] >> np.uint64(11)).astype(np.float64) + 0.5) * 2.0**-53
     reach = np.expm1(-((setup.noise_bound / setup.noise_std) ** 2) / 2.0)
     radius = setup.noise_std * np.sqrt(-2.0 * np.log1p(u[:, 0] * reach))
     angle = 2.0 * np.pi * u[:, 1]
-    return np.stack([radius * np.cos(angle), radius * np.sin(angle)], 1)
+    return np.repeat(np.stack([radius * np.cos(angle), radius * np.sin(angle)], 1), held, axis=0)[:ticks]
 
 
 def plant_of(setup):

@@ -11,7 +11,9 @@ from tests.scenarios.conftest import Paper
 
 KEYS = {"id", "claim", "where", "criterion", "measured", "verdict", "strength", "space", "seeds", "deciding", "first"}
 VERDICTS = {"holds", "not reproduced", "not evaluated"}
-IDS = ("C1 C2 C3a C3b C4 C5 C6 C7 C8 C9 C10 C11a C11b C12a C12b C13 C14a C14b C14c C15 C16 C17 C18 C20").split()
+IDS = (
+    "C1 C2 C3a C3b C4 C5 C6 C7 C8 C9 C10 C11a C11b C12a C12b C12c C13 C14a C14b C14c C15 C16 C17 C18 C19a C19b C20"
+).split()
 MUST_HOLD = ("C1", "C2", "C3a", "C15", "C18")  # what conventional control and the equations decide
 FIGURES = ("fig2.png", "fig3.png", "fig4.png")
 PNG = b"\x89PNG\r\n\x1a\n"

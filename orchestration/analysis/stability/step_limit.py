@@ -34,6 +34,7 @@ FLOOR = 1e-11  # smallest threshold: rounding errors of the eigenvalues
 SAMPLES, SEED = 6, 1991  # number of random models within the noise that give the threshold
 GRID = math.sqrt(10.0)  # ratio of neighbouring examined steps
 BELOW, ABOVE, NEAR = 6, 4, 3  # examined steps below an unstable given step, above it, and below a stable one
+DOUBLING = 1.0  # excess over 1 of a deviation that doubles in each step: growth, however rough the models are
 PRECISION = 0.01  # relative precision of the largest stable step
 SMALL, MOST_POWER = 0.1, 6.0  # largest excess over 1 that can follow a power of h, and largest exponent
 MOST_STEPS = 20000  # most steps of a run to the operating point during the search
@@ -59,8 +60,8 @@ class Point:
 
     @property
     def stable(self) -> bool:
-        """Whether no deviation visibly grows: the radius exceeds 1 by at most the threshold."""
-        return self.radius <= 1 + self.threshold
+        """Whether no deviation visibly grows: the radius exceeds 1 by at most the threshold, and by at most 1."""
+        return self.radius <= 1 + min(self.threshold, DOUBLING)
 
     @property
     def decays(self) -> bool:

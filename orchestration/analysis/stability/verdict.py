@@ -22,7 +22,17 @@ from dataclasses import dataclass
 import numpy as np
 
 from orchestration.analysis.stability.operating_point import operating_point
-from orchestration.analysis.stability.step_limit import ABOVE, BELOW, FLOOR, GRID, Examined, Point, Search, radius_of
+from orchestration.analysis.stability.step_limit import (
+    ABOVE,
+    BELOW,
+    DOUBLING,
+    FLOOR,
+    GRID,
+    Examined,
+    Point,
+    Search,
+    radius_of,
+)
 from orchestration.analysis.stability.step_map import Coupled
 from orchestration.errors import SystemDescriptionError
 from orchestration.fmi.codes import REAL
@@ -121,8 +131,8 @@ class Verdict:
 
     @property
     def stable(self) -> bool:
-        """Whether no deviation visibly grows: the radius exceeds 1 by at most the threshold."""
-        return self.radius <= 1 + self.threshold
+        """Whether no deviation visibly grows: the radius exceeds 1 by at most the threshold, and by at most 1."""
+        return self.radius <= 1 + min(self.threshold, DOUBLING)
 
     @property
     def growth_rate(self) -> float:
@@ -320,7 +330,7 @@ def _alternatives(examined: Examined, coupled: Coupled, here: Point) -> Iterator
     if not smooth:
         others = others[:1]
     tried = [(radius_of(full, other, h), other) for other in others]
-    good = [(radius, other) for radius, other in tried if radius <= 1 + max(here.threshold, FLOOR)]
+    good = [(radius, other) for radius, other in tried if radius <= 1 + min(max(here.threshold, FLOOR), DOUBLING)]
     for radius, other in good[:3]:
         sentence = f"{_named(other, full, h)} is stable at this step (radius 1 {radius - 1:+.3g})."
         yield sentence, Alternative(other, None, radius)

@@ -1,11 +1,16 @@
 """Measures the claims about computational cost: C12."""
 
+from collections.abc import Sequence
+
 from fmus.catalog import MODELS
 from orchestration.paper import joint_space_laws as laws
 from orchestration.paper.claims import criteria as limits
+from orchestration.paper.claims.adaptive import SEEDS_TEXT
 from orchestration.paper.claims.claim import Finding, Question
+from orchestration.paper.claims.judged import spread
 from orchestration.paper.claims.operations import counted, operations, without_update
 from orchestration.paper.evidence import DIVISORS, Evidence
+from orchestration.paper.measure import Summary
 from orchestration.paper.scenarios import CRAIG, SLOTINE_LI
 
 JOINTS = (2, 6)
@@ -28,7 +33,7 @@ def _fewer_operations(evidence: Evidence) -> Finding:  # noqa: ARG001 - needs no
             limits.INVERSE_DYNAMICS: miss,
         },
         f"operations of algorithms 1 and 2 per tick with update (of which costly): {'; '.join(parts)}."
-        f" For algorithm 2 {_forms()}. The recursion serves (32), too, with products of two rates, w_i v_i, in the"
+        f" {_forms()}. The recursion serves (32), too, with products of two rates, w_i v_i, in the"
         f" place of w_i^2, and agrees with the Lagrangian equations to {miss:.0e}",
     )
 
@@ -41,7 +46,8 @@ def _forms() -> str:
     whole = ", ".join(f"{form} {counted(tick)}" for form, tick in ticks.items())
     one, two = (without_update(tick) for tick in (laws.algorithm_1(n, dynamics), ticks["(32)"]))
     return (
-        f"at n = {n}, by recursion: {whole}; without update algorithm 1 takes {one}, algorithm 2 by (32) {two},"
+        f"Forms of algorithm 2 at n = {n}, by recursion: {whole}; without update algorithm 1 takes {one}, algorithm 2"
+        f" by (32) {two},"
         f" without C_x s {without_update(ticks['no C_x s'])}"
     )
 
@@ -59,6 +65,37 @@ def _lower_rate(evidence: Evidence) -> Finding:
         },
         "; ".join(parts),
     )
+
+
+def _without_coriolis(evidence: Evidence) -> Finding:
+    return judge_without_coriolis(evidence.noise["fig7"], evidence.no_coriolis)
+
+
+def judge_without_coriolis(whole: Sequence[Summary], without: Sequence[Summary]) -> Finding:
+    """What runs of algorithm 2 with and without C_x s, each pair with one seed, say about C12c."""
+    excess = [two.e_contact - 2 * one.e_contact for one, two in zip(whole, without, strict=True)]
+    e, force, m2, free, start = (
+        [spread(runs, value) for runs in (whole, without)]
+        for value in (
+            lambda s: s.e_contact,
+            lambda s: s.force_error,
+            lambda s: s.m2_in_contact,
+            lambda s: s.e_free,
+            lambda s: s.e_start,
+        )
+    )
+    values = {
+        limits.NO_CORIOLIS_ERROR: excess,
+        limits.NO_CORIOLIS_FORCE: force[1][0] - force[0][0],
+        limits.M2_IN_CONTACT: m2[1][1],
+    }
+    text = (
+        f"medians with and without C_x s: |e| in contact {e[0][0] * 1e3:.3g} and {e[1][0] * 1e3:.3g} mm, force error"
+        f" {force[0][0]:.4g} and {force[1][0]:.4g} N, m2_hat off by {m2[0][0]:.2%} and {m2[1][0]:.2%} in contact;"
+        f" |e| <= {start[0][1] * 1e3:.3g} and {start[1][1] * 1e3:.3g} mm while m2_hat adapts,"
+        f" <= {free[0][1] * 1e3:.2g} and {free[1][1] * 1e3:.2g} mm in the second half of the free motion"
+    )
+    return Finding(values, text)
 
 
 _SLOWER = " and ".join(str(n) for n in DIVISORS[1:])
@@ -82,5 +119,14 @@ QUESTIONS = (
         _lower_rate,
         f"fig5, fig7 at update_divisor {', '.join(map(str, DIVISORS))} (seed 1)",
         f"a lower rate is an update every {_SLOWER} ticks",
+    ),
+    Question(
+        "C12c",
+        "The term C_x s of algorithm 2 may be ignored",
+        "IV-B",
+        (limits.NO_CORIOLIS_ERROR, limits.NO_CORIOLIS_FORCE, limits.M2_IN_CONTACT),
+        _without_coriolis,
+        f"fig7, fig7-no-coriolis, {SEEDS_TEXT}",
+        "all seeds but for the median; the torque has C_x dx in the place of C_x dx_r, the adaptation is unchanged",
     ),
 )

@@ -152,6 +152,10 @@ ENERGY_AT_END = Criterion("V_c at the end, relative to V_c(0)", "<=", 0.01, "%")
 INVERSE_DYNAMICS = Criterion(
     "relative difference of the recursion and the Lagrangian equations at random states", "<=", 1e-10
 )
+NO_CORIOLIS_ERROR = Criterion("|e| in contact without C_x s", "<=", 1e-4, "mm", "twice that with it")
+NO_CORIOLIS_FORCE = Criterion(
+    "median force error without C_x s", "<=", 30.0, "N", "that with it", why="5 % of the peak"
+)
 
 # A sensor that fails, and torques far too small, IV-A.
 FAILURE_GROWTH = Criterion("share of runs in which |e| exceeds that of the healthy run", ">", 0.5, why="likely")

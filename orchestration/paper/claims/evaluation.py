@@ -15,6 +15,7 @@ from orchestration.paper.claims import adaptive, cost, judged, motion, saturatio
 from orchestration.paper.claims import criteria as limits
 from orchestration.paper.claims.claim import HOLDS, NOT_REPRODUCED, Claim
 from orchestration.paper.evidence import Evidence
+from orchestration.paper.saturation import along
 
 QUESTIONS = sorted(
     (
@@ -51,5 +52,6 @@ def at_first(evidence: Evidence) -> Mapping[str, str]:
         "C9": lambda: {**judged.free_motion(noise), limits.FIXED_MASS_RATIO: started / fixed},
         "C10": lambda: judged.contact_errors(noise),
         "C16": lambda: judged.fixed_inverse(noise),
+        "C20": lambda: saturation.judge(along(evidence.saturated_at_first, saturation.gains_of(FIRST))),
     }
     return {claim: HOLDS if judged.met(values()) else NOT_REPRODUCED for claim, values in asked.items()}

@@ -1,185 +1,238 @@
-"""Runs Figs. 5 to 7 at one setting of the open values, and tells which claims hold there.
-
-Some numbers follow from runs, as the paper says, so the runs form a chain:
-
-1. Fig. 5 without noise gives the peak force, and a share of the peak is the bound of the noise.
-2. Conventional control with the true mass and a perfect sensor gives the ideal force.
-3. Fig. 5 with noise gives the largest torques, and 75 % of them are the limits.
-4. Figs. 6 and 7 have these limits. The variant with a fixed inverse has none.
-"""
+"""Tells which claims hold at one setting of the open values, from what was measured there."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 
-from orchestration.errors import SimulationError
-from orchestration.paper import settings
 from orchestration.paper.calibrations import Setting
-from orchestration.paper.claims import criteria, judged
+from orchestration.paper.claims import criteria as limits
+from orchestration.paper.claims import judged
 from orchestration.paper.claims.criteria import Criterion
-from orchestration.paper.laboratory import Job
-from orchestration.paper.measure import (
-    ESTIMATE,
-    RECORDED,
-    NoContactError,
-    Summary,
-    at_ticks,
-    contact,
-    largest_norm,
-    summarize,
-)
-from orchestration.paper.scenarios import UNSATURATED
+from orchestration.paper.measure import Summary
+from orchestration.paper.studies import measured
 from orchestration.paper.studies.native_runs import Runner
-from orchestration.results.result import Result
+from orchestration.paper.studies.raw_rows import Row
+from orchestration.paper.studies.runs_at import FIXED_MASS, FREE, TORQUE_LIMITS, row_at
+from orchestration.paper.studies.summary_measure import summary_of
 
-FORCE = ("plant.F_ext[1]", "plant.F_ext[2]")
-TOUCH = (*FORCE, "plant.x[1]", "plant.x[2]")
-REFERENCE = ("controller.x_t[1]", "controller.x_t[2]", "trajectory.x_v[1]", "trajectory.x_v[2]")
-SILENT = {"sensor.noise_std": 0.0, "sensor.noise_bound": 0.0, "controller.noise_bound": 0.0}
 SCENARIOS = ("fig5", "fig6", "fig7", "spong-ortega")
+RUNS = (*SCENARIOS, FREE)
 CLEARLY = 1.1  # ratio from which an error is called clearly larger
-Changes = Mapping[str, float]
+Values = Mapping[Criterion, float | Sequence[float] | np.ndarray]
 
 
 @dataclass(frozen=True)
 class Evidence:
-    """What the runs at a setting gave.
+    """What was measured at a setting over some seeds of the noise.
 
     Attributes
     ----------
-    noise
-        Summaries over the seeds by scenario; a scenario of which a run failed is missing.
-    torque_limits
-        Limits of Fig. 6, N.m, shape (2,); None if Fig. 5 failed.
-    reference
-        What C13 asks of Fig. 5 with the first seed; empty if the run failed.
-    failures
-        The sentence of the run that failed, by scenario.
+    rows
+        The row of each seed.
     """
 
-    noise: Mapping[str, Sequence[Summary]] = field(default_factory=dict)
-    torque_limits: np.ndarray | None = None
-    reference: Mapping[Criterion, float] = field(default_factory=dict)
-    failures: Mapping[str, str] = field(default_factory=dict)
+    rows: Sequence[Row]
+
+    @cached_property
+    def noise(self) -> Mapping[str, Sequence[Summary]]:
+        """Summaries over the seeds by run; a run that failed with any seed is missing."""
+        return {
+            name: [summary_of(row.numbers, f"{name}.") for row in self.rows]
+            for name in RUNS
+            if not any(np.isnan(row.numbers.get(f"{name}.e_max", np.nan)) for row in self.rows)
+        }
+
+    @property
+    def torque_limits(self) -> np.ndarray:
+        """Limits of Fig. 6, N.m, shape (2,)."""
+        return np.array([self.number(name) for name in TORQUE_LIMITS])
+
+    def number(self, name: str) -> float:
+        """A number with the first seed; NaN if its run failed or was not made."""
+        return self.rows[0].numbers.get(name, np.nan)
 
 
 def evidence_at(laboratory: Runner, setting: Setting, seeds: Sequence[int]) -> Evidence:
     """Make the runs of a setting for some seeds of the noise; the limits of torque come from the first seed."""
-    runs = _Runs(laboratory, setting)
-    noise: dict[str, Sequence[Summary]] = {}
-    failures: dict[str, str] = {}
-    torque_limits, reference = None, {}
-    try:
-        bound, ideal = runs.noise_bound(), runs.ideal_force()
-    except (SimulationError, NoContactError) as error:
-        return Evidence(failures={"fig5": str(error)})
-    for name in SCENARIOS:
-        if name == "fig6" and torque_limits is None:
-            continue
-        changes = runs.changes(name, bound, torque_limits)
-        try:
-            results = (runs.run(name, {**changes, "sensor.seed": seed}) for seed in seeds)
-            first = next(results)
-            noise[name] = [summarize(first, ideal), *(summarize(result, ideal) for result in results)]
-        except (SimulationError, NoContactError) as error:
-            failures[name] = str(error)
-            continue
-        if name == "fig5":
-            torque_limits = runs.torque_limits(first)
-            reference = judged.reference_in_contact(first)
-    return Evidence(noise, torque_limits, reference, failures)
+    first = row_at(laboratory, setting, seeds[0])
+    given = [first.numbers.get(name, np.nan) for name in TORQUE_LIMITS]
+    allowed = None if np.isnan(given).any() else {f"actuator.tau_max[{i}]": given[i - 1] for i in (1, 2)}
+    return Evidence([first, *(row_at(laboratory, setting, seed, allowed) for seed in seeds[1:])])
+
+
+def _tirt(found: Evidence) -> Values:
+    before, later = (found.number(f"fig2.x_t_{when}") for when in ("before", "later"))
+    return {limits.TIRT_BEFORE_CONTACT: before, limits.TIRT_GROWTH: later / before}
+
+
+def _true_mass(found: Evidence) -> Values:
+    return {
+        limits.TRUE_MASS_ERROR: found.number("fig2.e_max"),
+        limits.SLIDE_ENDS: [found.number("fig2.at_a"), found.number("fig2.at_b")],
+        limits.BOUNCES: found.number("fig2.phases") - 1,
+        limits.SLIDE_SHARE: found.number("fig2.touching"),
+        limits.END: found.number("fig2.end"),
+    }
+
+
+def _wrong_mass(found: Evidence) -> Values:
+    true, wrong = found.number("fig2.e_max"), found.number("fig4.e_max")
+    return {limits.WRONG_MASS_ERROR: wrong, limits.WRONG_MASS_GROWTH: wrong / true}
+
+
+def _wrong_mass_force(found: Evidence) -> Values:
+    ratios = [found.number(f"fig4.force_{name}") / found.number(f"fig2.force_{name}") for name in ("peak", "steady")]
+    return {limits.WRONG_MASS_FORCE: np.max(ratios)}
+
+
+def _reference(found: Evidence) -> Values:
+    return {
+        limits.TIRT_BEFORE_CONTACT: found.number("fig5.x_t_before"),
+        limits.TIRT_AT_END: found.number("fig5.x_t_end"),
+    }
+
+
+def _deviation(found: Evidence) -> Values:
+    return {**judged.deviation(found.noise), **judged.fluctuation(found.noise)}
+
+
+def _free_motion(found: Evidence) -> Values:
+    largest = judged.spread(found.noise["fig7"], lambda s: s.e_start)[1]
+    ratio = largest / found.number(f"{FIXED_MASS}.e_start")
+    return {**judged.free_motion(found.noise), limits.FIXED_MASS_RATIO: ratio}
+
+
+def _stable(found: Evidence, run: str) -> Values:
+    runs = found.noise[run]
+    return {limits.BOUNDED_ERROR: [s.e_max for s in runs], limits.END: [s.end for s in runs]}
+
+
+def _accurate(found: Evidence, run: str) -> Values:
+    runs = found.noise[run]
+    return {
+        limits.ACCURATE_FREE: [s.e_free for s in runs],
+        limits.ACCURATE_CONTACT: [s.e_contact for s in runs],
+        limits.M2_IN_CONTACT: [s.m2_in_contact for s in runs],
+    }
+
+
+def _slower(found: Evidence) -> Values:
+    """Errors at lower rates beyond twice those at the full rate."""
+    more = [
+        found.number(f"{measured.at_divisor(name, divisor)}.e_contact") - 2 * found.number(f"{name}.e_contact")
+        for name in ("fig5", "fig7")
+        for divisor in measured.DIVISORS
+    ]
+    return {limits.SLOW_UPDATE_ERROR: more}
+
+
+def _sliding(found: Evidence) -> Values:
+    def numbers(name: str) -> list[float]:
+        return [
+            found.number(f"{measured.at_gain(start, gain)}.{name}")
+            for start in ("wrong", "true")
+            for gain in measured.K_D_GRID
+        ]
+
+    return {
+        limits.RISE: numbers("rise"),
+        limits.RMS: numbers("rms_ratio"),
+        limits.ERROR_BOUND: numbers("e_ratio"),
+    }
+
+
+def _stiffer(found: Evidence, start: str) -> Values:
+    """The largest |s| over that at the next smaller K_d."""
+    sizes = [found.number(f"{measured.at_gain(start, gain)}.largest") for gain in measured.K_D_GRID]
+    return {limits.FALLS_WITH_GAIN: [larger / smaller for smaller, larger in pairwise(sizes)]}
+
+
+def _switching(found: Evidence) -> Values:
+    return {limits.CASE_C: found.number("fig5.case_c"), limits.GAMMA: found.number("fig5.gamma_ratio")}
+
+
+def _clearly_larger(found: Evidence, name: str) -> Values:
+    """Medians of both errors in contact over those of Fig. 5."""
+    ratios = [
+        judged.spread(found.noise[name], error)[0] / judged.spread(found.noise["fig5"], error)[0]
+        for error in (lambda s: s.e_contact, lambda s: s.force_error)
+    ]
+    return {limits.CLEARLY_LARGER: ratios}
 
 
 @dataclass(frozen=True)
-class _Runs:
-    """The runs at a setting."""
+class _Asked:
+    """A question at a setting.
 
-    laboratory: Runner
-    setting: Setting
+    Attributes
+    ----------
+    runs
+        Runs with noise that it needs.
+    values
+        What its criteria are asked of; NaN does not meet a criterion.
+    also
+        Questions that have to be answered with yes as well.
+    costly
+        Whether it needs runs that are made at few settings only.
+    """
 
-    def noise_bound(self) -> float:
-        """The bound of the sensor's error, N."""
-        silent = {**self.changes("fig5", 0.0, None), **SILENT}
-        result = self.laboratory.run(Job("fig5", silent, self.setting["sample_time"]), TOUCH)
-        return self.setting["noise_share"] * contact(result).peak
-
-    def ideal_force(self) -> np.ndarray:
-        """F_ext of the ideal run, N, shape (n_rows, 2)."""
-        job = Job("ideal", settings.place(self.setting), self.setting["sample_time"])
-        return self.laboratory.run(job, FORCE)["plant.F_ext"]
-
-    def run(self, name: str, changes: Changes) -> Result:
-        """A run of a scenario that shows what summaries and C13 need."""
-        more = REFERENCE if name == "fig5" else ()
-        job = Job(name, changes, self.setting["sample_time"])
-        return self.laboratory.run(job, (*RECORDED, ESTIMATE, *more))
-
-    def changes(self, name: str, bound: float, torque_limits: np.ndarray | None) -> Changes:
-        """Start values of a scenario at the setting; without limits of torque, there are none."""
-        if name == "fig7":
-            controller = settings.slotine_li(self.setting)
-        elif name == "spong-ortega":
-            controller = settings.fixed_inverse(self.setting, bound)
-        else:
-            controller = settings.craig(self.setting, bound)
-        limits = UNSATURATED
-        if name in ("fig6", "fig7") and torque_limits is not None:
-            limits = settings.limits(torque_limits)
-        return {**settings.place(self.setting), **settings.sensor(self.setting, bound), **controller, **limits}
-
-    def torque_limits(self, result: Result) -> np.ndarray:
-        """Limits from a run of Fig. 5, N.m, shape (2,), as the setting reads the paper's sentence."""
-        torque = at_ticks(result, "controller.tau_cmd")
-        largest = np.abs(torque).max(axis=0)
-        return settings.torque_limits(largest, largest_norm(torque), self.setting["torque_reading"])
-
-
-def _clearly_larger(noise: judged.Noise, than: str, name: str) -> bool:
-    """Whether medians of both errors in contact are clearly larger in one scenario than in another."""
-    return all(
-        judged.spread(noise[name], error)[0] >= CLEARLY * judged.spread(noise[than], error)[0]
-        for error in (lambda s: s.e_contact, lambda s: s.force_error)
-    )
-
-
-def _accurate(summaries: Sequence[Summary]) -> bool:
-    """Whether runs are stable and accurate, as C11 asks."""
-    values = (
-        (criteria.ACCURATE_FREE, [s.e_free for s in summaries]),
-        (criteria.ACCURATE_CONTACT, [s.e_contact for s in summaries]),
-        (criteria.M2_IN_CONTACT, [s.m2_in_contact for s in summaries]),
-    )
-    return judged.met(dict(values))
+    runs: tuple[str, ...]
+    values: Callable[[Evidence], Values]
+    also: tuple[str, ...] = ()
+    costly: bool = False
 
 
 FIGS, PAIR = judged.FIGURES, ("fig5", "fig7")
-_QUESTIONS: Mapping[str, tuple[Sequence[str], Callable[[Evidence], bool]]] = {
-    "C4": (FIGS, lambda found: judged.met(judged.approach(found.noise))),
-    "C5": (FIGS, lambda found: judged.met(judged.deviation(found.noise))),
-    "C6": (FIGS, lambda found: judged.met(judged.recovery(found.noise))),
-    "C7": (("fig5", "fig6"), lambda found: judged.met(judged.saturation(found.noise))),
-    "C8": (PAIR, lambda found: judged.met(judged.torque(found.noise, np.array(found.torque_limits)))),
-    "C9": (("fig7",), lambda found: judged.met(judged.free_motion(found.noise))),
-    "C10": (PAIR, lambda found: judged.met(judged.contact_errors(found.noise))),
-    "C13": (("fig5",), lambda found: judged.met(found.reference)),
-    "C16": (("spong-ortega",), lambda found: judged.met(judged.fixed_inverse(found.noise))),
-    "C7 clearly": (("fig5", "fig6"), lambda found: _clearly_larger(found.noise, "fig5", "fig6")),
-    "C10 clearly": (PAIR, lambda found: _clearly_larger(found.noise, "fig5", "fig7")),
-    "accurate 1": (("fig5",), lambda found: _accurate(found.noise["fig5"])),
-    "accurate 2": (("fig7",), lambda found: _accurate(found.noise["fig7"])),
+_ASKED: Mapping[str, _Asked] = {
+    "C1": _Asked((), _tirt),
+    "C2": _Asked((), _true_mass),
+    "C3a": _Asked((), _wrong_mass),
+    "C3b": _Asked((), _wrong_mass_force),
+    "C4": _Asked(FIGS, lambda found: judged.approach(found.noise)),
+    "C5": _Asked(FIGS, _deviation),
+    "C6": _Asked(FIGS, lambda found: judged.recovery(found.noise)),
+    "C7": _Asked(("fig5", "fig6"), lambda found: judged.saturation(found.noise)),
+    "C8": _Asked(PAIR, lambda found: judged.torque(found.noise, found.torque_limits)),
+    "C9": _Asked(("fig7",), _free_motion),
+    "C10": _Asked(PAIR, lambda found: judged.contact_errors(found.noise)),
+    "C12b": _Asked(PAIR, _slower, costly=True),
+    "C13": _Asked(("fig5",), _reference),
+    "C14a": _Asked(("fig5",), lambda found: {limits.CRAIG_GROWTH: found.number("fig5.V_growth")}),
+    "C14b": _Asked((), _sliding, costly=True),
+    "C14c": _Asked((), lambda found: _stiffer(found, "wrong"), costly=True),
+    "C16": _Asked(("spong-ortega",), lambda found: judged.fixed_inverse(found.noise)),
+    "C17": _Asked(("fig5",), _switching),
+    "C7 clearly": _Asked(("fig5", "fig6"), lambda found: _clearly_larger(found, "fig6"), ("C7",)),
+    "C10 clearly": _Asked(PAIR, lambda found: _clearly_larger(found, "fig7"), ("C10",)),
+    "C14c true": _Asked((), lambda found: _stiffer(found, "true"), costly=True),
+    "C14c proportional": _Asked((), lambda found: _stiffer(found, measured.PROPORTIONAL), costly=True),
+    "stable 1": _Asked(("fig5",), lambda found: _stable(found, "fig5")),
+    "stable 2": _Asked((FREE,), lambda found: _stable(found, FREE)),
+    "accurate 1": _Asked(("fig5",), lambda found: _accurate(found, "fig5")),
+    "accurate 2": _Asked((FREE,), lambda found: _accurate(found, FREE)),
 }
-QUESTIONS = tuple(_QUESTIONS)
-"""What is asked at each setting: claims, whether errors are clearly larger (C7, C10), and whether an algorithm is
-stable and accurate (C11)."""
+QUESTIONS = tuple(_ASKED)
+"""What is asked at each setting: claims, whether errors are clearly larger (C7, C10), whether a larger K_d gives a
+smaller s from the true mass and with a Gamma that grows in proportion (C14c), and whether an algorithm without limits
+is stable, and stable and accurate (C11)."""
+COSTLY = tuple(name for name, asked in _ASKED.items() if asked.costly)
+"""Questions that need runs that are made at few settings only."""
 
 
-def verdicts(found: Evidence) -> dict[str, bool]:
-    """Answer each of `QUESTIONS` at a setting; what needs a run that failed is answered with no."""
-    answers = {
-        name: all(scenario in found.noise for scenario in needed) and holds(found)
-        for name, (needed, holds) in _QUESTIONS.items()
-    }
-    for claim in ("C7", "C10"):
-        answers[f"{claim} clearly"] &= answers[claim]
+def verdicts(found: Evidence, *, costly: bool = False) -> dict[str, bool]:
+    """Answer `QUESTIONS` at a setting, those of `COSTLY` if asked for.
+
+    What needs a run that failed is answered with no.
+    """
+    with np.errstate(all="ignore"):
+        answers = {
+            name: all(run in found.noise for run in asked.runs) and judged.met(asked.values(found))
+            for name, asked in _ASKED.items()
+            if costly or not asked.costly
+        }
+    for name in answers:
+        answers[name] &= all(answers[other] for other in _ASKED[name].also)
     return answers

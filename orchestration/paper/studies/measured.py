@@ -32,19 +32,18 @@ PROPORTIONAL = "proportional"
 STARTS: Mapping[str, Mapping[str, float]] = MappingProxyType(
     {"wrong": {}, "true": {"controller.p_start[2]": TRUE_M2}, PROPORTIONAL: {}}
 )
-"""How the runs at other gains K_d begin: from the wrong or the true m2, or from the wrong one with a Gamma that grows in
-proportion to K_d."""
+"""How the runs at other gains K_d begin: from the wrong or the true m2, or from the wrong one with a Gamma that grows
+in proportion to K_d."""
 SLIDING = (*SLIDING_COLUMNS, ESTIMATE)
 
 _SATURATION: Units = dict.fromkeys(SATURATION, "")
-_ESTIMATE: Units = {"m2_fluctuation": "kg", "force_peak": "N"}
 _CONVENTIONAL: Units = {"e_max": "m", "force_peak": "N", "force_steady": "N", "force_rms": "N", "end": "m"}
 _SLIDE: Units = {"at_a": "m", "at_b": "m", "phases": "", "touching": ""}
 _REFERENCE: Units = {"x_t_before": "m", "x_t_later": "m", "x_t_end": "m"}
 _LYAPUNOV: Units = {"V_growth": "", "V_rise": ""}
 _SWITCHING: Units = {"case_c": "", "gamma_ratio": "", "gamma_ratio_median": ""}
 _SLIDING: Units = {"rise": "", "rms_ratio": "", "largest": "m/s", "ultimate": "", "e_ratio": ""}
-OF_NOISY: Units = {**SUMMARY, **_ESTIMATE}
+OF_NOISY: Units = {**SUMMARY, "force_peak": "N"}
 """Numbers of each run with noise."""
 
 
@@ -82,13 +81,6 @@ def summary(found: Summary) -> Numbers:
     """The numbers of a summary."""
     torques = dict(zip(TORQUES, found.torque.tolist(), strict=True))
     return {name: torques[name] if name in torques else float(getattr(found, name)) for name in SUMMARY}
-
-
-def estimate(result: Result, touch: Contact) -> Numbers:
-    """The peak-to-peak fluctuation of m2_hat from first to last contact, and the largest force."""
-    ticks = result.tick_times(ESTIMATE)
-    during = result.at_ticks(ESTIMATE)[(ticks >= touch.first) & (ticks <= touch.last)]
-    return {"m2_fluctuation": float(np.ptp(during)), "force_peak": touch.peak}
 
 
 def saturation(result: Result, touch: Contact) -> Numbers:

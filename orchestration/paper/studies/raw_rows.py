@@ -17,9 +17,10 @@ import numpy as np
 from adaptimp_fmu.files.cache_folder import writable_cache
 from orchestration.campaigns.engines.engine import Outcomes
 from orchestration.campaigns.store.keys import KEY_LENGTH
-from orchestration.campaigns.store.row_table import RowColumns
+from orchestration.campaigns.store.row_table import KEY, MESSAGE, NUMBER, RowColumns
 from orchestration.campaigns.store.store import Store
 
+AT = "at "  # begins the columns of a setting's numbers
 CHUNK = 64  # settings after which rows are written
 Tell = Callable[[str], None]
 Numbers = Mapping[str, float]
@@ -59,6 +60,11 @@ class Survey:
     units: Mapping[str, str]
     measure: Callable[[Numbers, int], Row]
 
+    @property
+    def study(self) -> str:
+        """Name of the rows of this survey in a store."""
+        return hashlib.sha256(self.identity.encode()).hexdigest()[:KEY_LENGTH]
+
     def key(self, setting: Numbers, seed: int) -> bytes:
         """The key of a row."""
         content = [self.identity, sorted((name, float(value).hex()) for name, value in setting.items()), seed]
@@ -71,9 +77,7 @@ def kept_store() -> Store:
     return Store.open(writable_cache() / "robustness")
 
 
-def make_rows(
-    survey: Survey, settings: Sequence[Numbers], store: Store, workers: int, tell: Tell
-) -> tuple[list[Row], int]:
+def make_rows(survey: Survey, settings: Sequence[Numbers], store: Store, workers: int, tell: Tell) -> list[Row]:
     """Measure settings, and keep the rows; the seed of the noise of a setting is its number plus 1.
 
     Parameters
@@ -87,14 +91,14 @@ def make_rows(
 
     Returns
     -------
-    tuple
-        The rows in the order of the settings, and how many of them the store had before.
+    list
+        The rows, in the order of the settings.
     """
-    names, study = tuple(survey.units), hashlib.sha256(survey.identity.encode()).hexdigest()[:KEY_LENGTH]
+    names, study = tuple(survey.units), survey.study
     keys = np.array([survey.key(setting, i + 1) for i, setting in enumerate(settings)], f"S{KEY_LENGTH}")
     found = store.find(keys, names, study)
     missing = np.flatnonzero(~found.present)
-    columns = RowColumns({f"at {name}": "" for name in settings[0]}, survey.units)
+    columns = RowColumns({f"{AT}{name}": "" for name in settings[0]}, survey.units)
     measured, messages = found.measured, found.messages
     with store.writer(study, columns) as writer, ThreadPoolExecutor(workers) as pool:
         for numbers in _parts(missing):
@@ -102,12 +106,28 @@ def make_rows(
             for i, row in zip(numbers, rows, strict=True):
                 measured[i] = [row.numbers.get(name, np.nan) for name in names]
                 messages[i] = json.dumps(dict(row.failures)) if row.failures else ""
-            factors = {f"at {name}": np.array([settings[i][name] for i in numbers]) for name in settings[0]}
+            factors = {f"{AT}{name}": np.array([settings[i][name] for i in numbers]) for name in settings[0]}
             writer.append(keys[numbers], factors, Outcomes(numbers, measured[numbers], tuple(messages[numbers])))
             done = len(settings) - len(missing) + int(np.searchsorted(missing, numbers[-1])) + 1
             tell(f"{done} of {len(settings)} settings")
-    rows = [_row(names, *pair) for pair in zip(measured, messages, strict=True)]
-    return rows, len(settings) - len(missing)
+    return [_row(names, *pair) for pair in zip(measured, messages, strict=True)]
+
+
+def kept_rows(store: Store, study: str) -> list[Row]:
+    """The rows that a store has of a study, from number 0 up to the first one that is missing.
+
+    Raises
+    ------
+    StoreError
+        If the store has no rows of the study.
+    """
+    table = store.table(study)
+    others = (NUMBER, KEY, MESSAGE)
+    names = [name for name in table.column_names if name not in others and not name.startswith(AT)]
+    numbers = table[NUMBER].to_numpy()
+    n = int((numbers == np.arange(len(numbers))).cumprod().sum())
+    measured = np.array([table[name].to_numpy()[:n] for name in names]).T
+    return [_row(names, *pair) for pair in zip(measured, table[MESSAGE].to_pylist()[:n], strict=True)]
 
 
 def identity_of_files(files: Iterable[Path], more: Sequence[str]) -> str:

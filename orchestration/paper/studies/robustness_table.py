@@ -1,72 +1,53 @@
-"""Makes the table of the robustness study: a row for each setting, with the answer to each question as 0 or 1.
+"""The table of the robustness study: a row for each setting, with the answer to each question as 0 or 1.
 
-The table is a CSV file. Rows that the file has already are kept, so an interrupted study goes on where it ended.
+The table is a CSV file. A question that was not asked at a setting has an empty field.
 """
 
-from collections.abc import Callable, Iterator, Mapping
-from concurrent.futures import ThreadPoolExecutor
-from functools import partial
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
 
 from adaptimp_fmu.files.whole_file import write_whole
 from orchestration.errors import OrchestrationError
-from orchestration.paper.studies.claims_at import QUESTIONS, SCENARIOS, evidence_at, verdicts
-from orchestration.paper.studies.native_runs import Runner
-from orchestration.paper.studies.open_values import setting_at, settings
+from orchestration.paper.studies.claims_at import COSTLY as COSTLY_QUESTIONS
+from orchestration.paper.studies.claims_at import QUESTIONS, RUNS, Evidence, verdicts
+from orchestration.paper.studies.raw_rows import Row
+from orchestration.paper.studies.survey import COSTLY
 
-COLUMNS = (*QUESTIONS, *(f"{name} failed" for name in SCENARIOS))
-CHUNK = 32  # settings after which the file is written
-Tell = Callable[[str], None]
+COLUMNS = (*QUESTIONS, *(f"{name} failed" for name in RUNS))
+NOT_ASKED = -1
+_FIELDS = {"0": 0, "1": 1, "": NOT_ASKED}
+_TEXTS = {value: text for text, value in _FIELDS.items()}
 
 
 class TableError(OrchestrationError):
     """The file of a table is not one of this study."""
 
 
-def make_table(path: Path, n: int, laboratory: Runner, workers: int, tell: Tell) -> np.ndarray:
-    """Answer the questions at the first n settings, and write the table.
-
-    Parameters
-    ----------
-    path
-        The CSV file; its rows are kept if it exists.
-    tell
-        Called with a sentence after every `CHUNK` settings.
+def answers_of(rows: Sequence[Row]) -> np.ndarray:
+    """Answer the questions at each setting.
 
     Returns
     -------
     ndarray
-        0 or 1, shape (n, n_columns); the columns are `COLUMNS`.
-
-    Raises
-    ------
-    TableError
-        If the file exists and is not a table of this study.
+        0, 1 or `NOT_ASKED`, shape (n, n_columns); the columns are `COLUMNS`.
     """
-    answers = read_table(path) if path.exists() else np.zeros((0, len(COLUMNS)), dtype=int)
-    points = settings(n)
-    answer = partial(answer_at, laboratory, points)
-    with ThreadPoolExecutor(workers) as pool:
-        for first in range(len(answers), n, CHUNK):
-            numbers = range(first, min(first + CHUNK, n))
-            answers = np.vstack([answers, *pool.map(answer, numbers)])
-            write_table(path, answers)
-            tell(f"{len(answers)} of {n} settings")
-    return answers[:n]
+    return np.array([answer(row, costly=number < COSTLY) for number, row in enumerate(rows)]).reshape(-1, len(COLUMNS))
 
 
-def answer_at(laboratory: Runner, points: Mapping[str, np.ndarray], number: int) -> np.ndarray:
-    """The row of a setting; the seed of its noise is its number plus 1."""
-    found = evidence_at(laboratory, setting_at(points, number), [number + 1])
-    failed = [name not in found.noise for name in SCENARIOS]
-    return np.array([*verdicts(found).values(), *failed], dtype=int)
+def answer(row: Row, *, costly: bool) -> list[int]:
+    """The answers at one setting; those that need costly runs if these were made."""
+    found = Evidence([row])
+    answered = verdicts(found, costly=costly)
+    failed = {f"{name} failed": name not in found.noise for name in RUNS}
+    given = {**dict.fromkeys(COSTLY_QUESTIONS, NOT_ASKED), **answered, **failed}
+    return [int(given[name]) for name in COLUMNS]
 
 
 def write_table(path: Path, answers: np.ndarray) -> None:
     """Write a table; the file is whole or as it was."""
-    lines = (",".join(map(str, (number, *row))) for number, row in enumerate(answers))
+    lines = (",".join([str(number), *(_TEXTS[int(value)] for value in row)]) for number, row in enumerate(answers))
     write_whole(path, "\n".join([",".join(("number", *COLUMNS)), *lines, ""]).encode())
 
 
@@ -88,7 +69,7 @@ def read_table(path: Path) -> np.ndarray:
 def _rows(path: Path, lines: list[str]) -> Iterator[list[int]]:
     for number, line in enumerate(lines):
         fields = line.split(",")
-        if len(fields) != len(COLUMNS) + 1 or fields[0] != str(number) or not {*fields[1:]} <= {"0", "1"}:
-            msg = f"{path}: row {number} is {line!r}; a row has its number and {len(COLUMNS)} times 0 or 1."
+        if len(fields) != len(COLUMNS) + 1 or fields[0] != str(number) or not {*fields[1:]} <= {*_FIELDS}:
+            msg = f"{path}: row {number} is {line!r}; a row has its number and {len(COLUMNS)} times 0, 1 or nothing."
             raise TableError(msg)
-        yield [int(field) for field in fields[1:]]
+        yield [_FIELDS[field] for field in fields[1:]]

@@ -44,6 +44,7 @@ REFERENCE = ("controller.x_t[1]", "controller.x_t[2]", "trajectory.x_v[1]", "tra
 SWITCHING = ("controller.beta", "controller.mu", "controller.alpha", "controller.gamma_bound")
 SATURATED = ("actuator.saturated[1]", "actuator.saturated[2]")
 SILENT = {"sensor.noise_std": 0.0, "sensor.noise_bound": 0.0, "controller.noise_bound": 0.0}
+TORQUE_LIMITS = ("torque_limit_1", "torque_limit_2")
 LIMITED = ("fig6", "fig7")  # runs with limits of torque
 FREE = "fig7-free"
 """Fig. 7 without limits of torque."""
@@ -56,11 +57,15 @@ Numbers = Mapping[str, float]
 Outcome = TypeVar("Outcome")
 
 
-def row_at(laboratory: Runner, setting: Setting, seed: int, costly: bool = False) -> Row:
+def row_at(
+    laboratory: Runner, setting: Setting, seed: int, limits: Numbers | None = None, *, costly: bool = False
+) -> Row:
     """Make the runs of a setting with a seed of the noise, and measure them.
 
     Parameters
     ----------
+    limits
+        Start values that limit the torques, if they do not come from Fig. 5 with this seed.
     costly
         Whether to make the runs at lower rates and at other gains K_d, too.
 
@@ -69,7 +74,7 @@ def row_at(laboratory: Runner, setting: Setting, seed: int, costly: bool = False
     Row
         The numbers are those of `orchestration.paper.studies.measured.UNITS`.
     """
-    chain = Chain(laboratory, setting, seed)
+    chain = Chain(laboratory, setting, seed, limits=limits)
     chain.conventional()
     if chain.prepare():
         chain.adaptive()
@@ -114,11 +119,18 @@ class Chain:
         """Make the runs without noise; whether they went well."""
         silent = {**self._changes("fig5"), **SILENT}
         peak = self._attempt("silent", lambda: contact(self._run("fig5", silent, TOUCH)).peak)
-        ideal = self._attempt("ideal", lambda: self._run("ideal", settings.place(self.setting), FORCE)["plant.F_ext"])
-        if peak is None or ideal is None:
+        if peak is None:
             return False
-        self.bound, self.ideal = self.setting["noise_share"] * peak, ideal
-        self.numbers |= {"peak": peak, "noise_bound": self.bound}
+        self.numbers |= {"peak": peak}
+        return self.prepare_with(self.setting["noise_share"] * peak)
+
+    def prepare_with(self, bound: float) -> bool:
+        """Take a bound of the noise, N, and make the ideal run; whether it went well."""
+        ideal = self._attempt("ideal", lambda: self._run("ideal", settings.place(self.setting), FORCE)["plant.F_ext"])
+        if ideal is None:
+            return False
+        self.bound, self.ideal = bound, ideal
+        self.numbers |= {"noise_bound": bound}
         return True
 
     def adaptive(self) -> None:
@@ -167,11 +179,12 @@ class Chain:
     def _fig5(self) -> None:
         more = (*REFERENCE, *CRAIG_COLUMNS, *SWITCHING)
         result, touch = self._summed_up("fig5", "fig5", self._changes("fig5"), more)
-        torque = at_ticks(result, "controller.tau_cmd")
-        reading = self.setting["torque_reading"]
-        limits = settings.torque_limits(np.abs(torque).max(axis=0), largest_norm(torque), reading)
-        self.limits = settings.limits(limits)
-        self.numbers |= {"torque_limit_1": float(limits[0]), "torque_limit_2": float(limits[1])}
+        if self.limits is None:
+            torque = at_ticks(result, "controller.tau_cmd")
+            reading = self.setting["torque_reading"]
+            largest = np.abs(torque).max(axis=0)
+            self.limits = settings.limits(settings.torque_limits(largest, largest_norm(torque), reading))
+        self.numbers |= dict(zip(TORQUE_LIMITS, self.limits.values(), strict=True))
         self._take("fig5", measured.reference(result, touch))
         self._take("fig5", measured.lyapunov_craig(result, touch, self.setting))
         self._take("fig5", measured.switching(result, self.bound))
@@ -190,7 +203,7 @@ class Chain:
         result = self._run(scenario, changes, tuple(dict.fromkeys((*RECORDED, ESTIMATE, *more))))
         self._take(of, measured.summary(summarize(result, self.ideal)))
         touch = contact(result)
-        self._take(of, measured.estimate(result, touch))
+        self._take(of, {"force_peak": touch.peak})
         if more == SATURATED:
             self._take(of, measured.saturation(result, touch))
         return result, touch

@@ -4,7 +4,7 @@ Source: E. Plischke, E. Borgonovo and C. L. Smith, "Global sensitivity measures 
 (2013).
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -34,11 +34,22 @@ def parts(value: OpenValue, points: np.ndarray, answers: np.ndarray, thirds: int
     list
         For each part, from the lowest values on, its name and the share.
     """
+    return [(name, share(answers[members])) for name, members in members_of(value, points, thirds)]
+
+
+def members_of(value: OpenValue, points: np.ndarray, thirds: int = 3) -> list[tuple[str, np.ndarray]]:
+    """Which settings lie in each part of the range of an open value, or have each of its choices.
+
+    Returns
+    -------
+    list
+        For each part, from the lowest values on, its name and whether a setting lies there, bool, shape (n,).
+    """
     if value.choices:
-        return [(f"{choice:g}", share(answers[points == choice])) for choice in sorted({*value.choices})]
+        return [(f"{choice:g}", points == choice) for choice in sorted({*value.choices})]
     ends = value.at(np.arange(thirds + 1) / thirds)
     number = np.clip(np.searchsorted(ends, points, side="right") - 1, 0, thirds - 1)
-    return [(f"{ends[i]:.3g} to {ends[i + 1]:.3g}", share(answers[number == i])) for i in range(thirds)]
+    return [(f"{ends[i]:.3g} to {ends[i + 1]:.3g}", number == i) for i in range(thirds)]
 
 
 def first_order_index(value: OpenValue, points: np.ndarray, answers: np.ndarray) -> float:
@@ -58,8 +69,35 @@ def first_order_index(value: OpenValue, points: np.ndarray, answers: np.ndarray)
 
 
 def deciding(
-    values: Sequence[OpenValue], points: dict[str, np.ndarray], answers: np.ndarray, least: float
+    values: Sequence[OpenValue], points: Mapping[str, np.ndarray], answers: np.ndarray, least: float
 ) -> list[tuple[OpenValue, float]]:
     """The open values whose first-order index is at least `least`, the largest first."""
     found = [(value, first_order_index(value, points[value.name], answers)) for value in values]
     return sorted((pair for pair in found if pair[1] >= least), key=lambda pair: -pair[1])
+
+
+def best_part(
+    values: Sequence[OpenValue], points: Mapping[str, np.ndarray], answers: np.ndarray
+) -> tuple[list[tuple[str, str]], Share]:
+    """The part of the space, given by parts of two open values, in which most answers are yes.
+
+    The first value and its part are those with the largest share by the lower end of its interval, and the second ones
+    are those with the largest share within the first part. It is a decision tree of two levels, along its best branch.
+
+    Returns
+    -------
+    tuple
+        Name and part of each value, and the share there.
+    """
+    where: list[tuple[str, str]] = []
+    chosen = np.ones(len(answers), dtype=bool)
+    for _ in range(2):
+        found = [
+            (value.name, name, chosen & members)
+            for value in values
+            if value.name not in dict(where)
+            for name, members in members_of(value, points[value.name])
+        ]
+        name, part, chosen = max(found, key=lambda row: share(answers[row[2]]).low)
+        where.append((name, part))
+    return where, share(answers[chosen])

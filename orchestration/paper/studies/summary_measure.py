@@ -50,11 +50,11 @@ def summary_measure(ideal_force: np.ndarray | None = None) -> Measure:
     return Measure.of(numbers, names, [UNITS[name] for name in names], [*RECORDED, ESTIMATE])
 
 
-def summary_of(row: Mapping[str, Any]) -> Summary:
-    """The summary of a run from the row of a table."""
-    plain = {name: float(row[name]) for name in UNITS if name not in (*TORQUES, "force_error")}
-    torque = np.array([float(row[name]) for name in TORQUES])
-    return Summary(**plain, torque=torque, force_error=float(row.get("force_error", np.nan)))
+def summary_of(row: Mapping[str, Any], prefix: str = "") -> Summary:
+    """The summary of a run from the row of a table, whose columns may have a prefix such as ``fig5.``."""
+    plain = {name: float(row[f"{prefix}{name}"]) for name in UNITS if name not in (*TORQUES, "force_error")}
+    torque = np.array([float(row[f"{prefix}{name}"]) for name in TORQUES])
+    return Summary(**plain, torque=torque, force_error=float(row.get(f"{prefix}force_error", np.nan)))
 
 
 def ideal_force(laboratory: Runner) -> np.ndarray:

@@ -10,7 +10,7 @@ from orchestration.paper.studies.open_values import setting_at
 from orchestration.paper.studies.open_values import settings as points_of
 from orchestration.paper.studies.raw_rows import Row, Survey, identity_of_files
 
-COSTLY = 512
+COSTLY = 256
 """Number of settings at which the runs at lower rates and at other gains K_d are made, too."""
 _DECIDING = (lyapunov, measure, settings, theory, measured, runs_at, summary_measure)
 

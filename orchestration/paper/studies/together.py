@@ -10,15 +10,17 @@ from pathlib import Path
 import numpy as np
 
 from adaptimp_fmu.files.whole_file import write_whole
+from orchestration.paper.calibrations import FIRST, Setting
 from orchestration.paper.laboratory import SEEDS
 from orchestration.paper.studies.claims_at import evidence_at, verdicts
 from orchestration.paper.studies.native_runs import Runner
-from orchestration.paper.studies.open_values import CHOSEN, EARLIER, Setting, setting_at, settings, settings_near
+from orchestration.paper.studies.open_values import CHOSEN, EARLIER, setting_at, settings, settings_near
 from orchestration.paper.studies.robustness_table import COLUMNS
 
 SECTION_V = ("C4", "C5", "C6", "C7", "C8", "C9", "C10")
 STARTS, NEIGHBOURS, CANDIDATES = 5, 32, 6
-BY_OTHERS = "found by independent code"
+BY_OTHERS, AT_FIRST = "found by independent code", "the calibration `first`"
+CHOSEN_ORIGIN = "the chosen values"
 WIDTH = 0.2  # of the box around a setting, as a share of each range
 Tell = Callable[[str], None]
 Score = tuple[int, int]
@@ -53,7 +55,7 @@ class Search:
     chosen
         The setting of the scenarios.
     best
-        The settings that were judged over the seeds, the best first.
+        The settings that were judged over the seeds, the best first, the chosen one included.
     looked_at
         Number of settings of the table that the search began with.
     tried
@@ -74,7 +76,8 @@ def search(answers: np.ndarray, laboratory: Runner, pool: Executor, tell: Tell) 
 
     1. Take the `STARTS` settings of the table at which most of the seven claims hold.
     2. Judge `NEIGHBOURS` settings in a box around each, with one seed.
-    3. Judge the `CANDIDATES` best of all these over the seeds `SEEDS`, and the setting `EARLIER` as well.
+    3. Judge the `CANDIDATES` best of all these over the seeds `SEEDS`. The chosen values, the calibration `FIRST` and
+       the setting `EARLIER` are judged as well.
 
     Of settings at which equally many claims hold, those are better at which errors of C7 and C10 are clearly larger.
 
@@ -85,7 +88,7 @@ def search(answers: np.ndarray, laboratory: Runner, pool: Executor, tell: Tell) 
     tell
         Called with a sentence after each step.
     """
-    scores = [_score(dict(zip(COLUMNS, map(bool, row), strict=True))) for row in answers]
+    scores = [_score(dict(zip(COLUMNS, (row == 1).tolist(), strict=True))) for row in answers]
     points = settings(len(answers))
     starts = sorted(range(len(answers)), key=lambda number: scores[number], reverse=True)[:STARTS]
     known = [(scores[i], f"setting {i}", setting_at(points, i)) for i in starts]
@@ -96,9 +99,9 @@ def search(answers: np.ndarray, laboratory: Runner, pool: Executor, tell: Tell) 
     tell(f"{len(near)} neighbours; C4 to C10 hold at {every} settings, with one seed")
     found.sort(key=lambda row: row[0], reverse=True)
     candidates = [(origin, setting) for _, origin, setting in found[:CANDIDATES]]
-    jobs = [("chosen", CHOSEN), (BY_OTHERS, EARLIER), *candidates]
+    jobs = [(CHOSEN_ORIGIN, CHOSEN), (BY_OTHERS, EARLIER), (AT_FIRST, FIRST.values), *candidates]
     chosen, *rest = pool.map(partial(_judged, laboratory), jobs)
-    best = tuple(sorted(rest, key=lambda judged: -judged.held))
+    best = tuple(sorted((chosen, *rest), key=lambda judged: -judged.held))
     tell(f"{len(best)} candidates over {len(SEEDS)} seeds: at most {best[0].held} of C4 to C10 hold")
     return Search(chosen, best, len(answers), len(near), every)
 

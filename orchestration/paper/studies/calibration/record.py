@@ -13,9 +13,20 @@ from orchestration.paper.studies.calibration.search import Found
 
 @dataclass(frozen=True)
 class Period:
-    """A sampling period, s, and the ends of the range of m2_hat's deviation in contact over some seeds, kg."""
+    """A sampling period and what m2_hat does in contact there, over some seeds.
+
+    Attributes
+    ----------
+    period
+        The sampling period, s.
+    failed
+        Number of runs that fail.
+    low, high
+        Ends of the range of m2_hat's deviation in contact, kg; NaN if all runs fail.
+    """
 
     period: float
+    failed: int
     low: float
     high: float
 

@@ -247,7 +247,7 @@ def test_the_first_values_are_those_at_the_start(small: dict[str, Path]) -> None
     t = np.array([-1.0, 0.0, 1e-12, 3.0])
     given = {"relay.u": (t[[0, 3]], [1.0, 5.0]), "relay.n": (t, [4, 5, 6, 7]), "relay.even": (t, [1, 0, 1, 1])}
     with prepare(made, 1.0, 0.125, inputs=given) as run:
-        assert run.first_inputs == {"relay.u": 2.0, "relay.n": 6.0, "relay.even": 1.0}
+        assert run.judge.inputs == {"relay.u": 2.0, "relay.n": 6.0, "relay.even": 1.0}
         row = run.result()
     assert (row["relay.y"][0], row["relay.m"][0], row["relay.odd"][0]) == (4.0, 7.0, 0.0)
 

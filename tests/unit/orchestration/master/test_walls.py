@@ -22,7 +22,7 @@ def said_by(system: System) -> list[str]:
 
 def test_an_offset_that_differs_is_said_with_both_values_and_what_to_do() -> None:
     assert said_by(scenario("fig2").set({"plant.wall_offset": 1.4})) == [
-        "trajectory.wall_offset = 1.45 m, but plant.wall_offset = 1.4 m: both are told of one wall;"
+        "trajectory.wall_offset = 1.436 m, but plant.wall_offset = 1.4 m: both are told of one wall;"
         " set both to the same value."
     ]
 
@@ -70,7 +70,7 @@ def test_the_doctor_tells_it_with_a_command() -> None:
     moved = scenario("fig2").set({"plant.wall_offset": 1.4})
     (finding,) = (f for f in diagnose(moved, stop_time=0.01).findings if f.id == "different-walls")
     assert (finding.severity.value, finding.subject) == ("warning", "trajectory.wall_offset")
-    assert finding.figures == {"trajectory": [1.45], "plant": [1.4]}
+    assert finding.figures == {"trajectory": [1.436], "plant": [1.4]}
     assert "{'trajectory.wall_offset': 1.4}" in finding.command
 
 
@@ -84,7 +84,7 @@ def warned(study: Study) -> list[str]:
 
 def test_a_study_that_moves_one_wall_says_it_once() -> None:
     study = Study(scenario("fig2"), measure="max(abs(controller.e[1]))", stop_time=0.01)
-    said = warned(study.grid({"plant.wall_offset": [1.45, 1.44, 1.43]}))
+    said = warned(study.grid({"plant.wall_offset": [1.436, 1.44, 1.43]}))
     assert len(said) == 1
     assert "plant.wall_offset = 1.44 m" in said[0]
 

@@ -6,14 +6,12 @@ import pytest
 
 from adaptimp_fmu import SampledModel
 from fmus.catalog import MODELS
-from orchestration.paper.calibrate import ratios
 from orchestration.paper.claims import criteria
 from orchestration.paper.claims.claim import HOLDS, NOT_REPRODUCED, Finding, Question
 from orchestration.paper.claims.criteria import Criterion
 from orchestration.paper.claims.evaluation import QUESTIONS
 from orchestration.paper.claims.operations import Operations, operations
 from orchestration.paper.evidence import Evidence
-from orchestration.paper.measure import Summary
 from orchestration.paper.scenarios import CRAIG, SLOTINE_LI
 
 NEVER_READ: Evidence = None  # type: ignore[assignment]
@@ -62,28 +60,6 @@ def test_every_criterion_is_asked_for() -> None:
     asked = {criterion for question in QUESTIONS for criterion in question.criteria} | set(criteria.ACCURATE)
     asked.add(criteria.CLEARLY_LARGER)  # of the words beside C7 and C10
     assert asked == {value for value in vars(criteria).values() if isinstance(value, Criterion)}
-
-
-def summary(**changes: float) -> Summary:
-    """A run with numbers of one half of each limit that the calibration looks at."""
-    names = Summary.__dataclass_fields__
-    values: dict = dict.fromkeys(names, 0.0) | {
-        "m2_settled": criteria.M2_SETTLED.limit / 2,
-        "m2_at_contact": criteria.M2_AT_CONTACT.limit / 2,
-        "m2_in_contact": criteria.M2_IN_CONTACT.limit / 2,
-        "m2_recovery": criteria.M2_RECOVERY.limit / 2,
-        "e_start": criteria.START_ERROR.limit / 2,
-        "e_free": criteria.FREE_ERROR.limit / 2,
-        "torque": (1.0, 1.0),
-    }
-    return Summary(**{**values, **changes})
-
-
-def test_a_calibration_divides_by_the_limits_of_the_claims() -> None:
-    found = ratios([summary()], [summary()])
-    assert {name: found[name] for name in ("C4", "C5", "C6", "C9")} == dict.fromkeys(("C4", "C5", "C6", "C9"), 0.5)
-    assert found["C8"] == 1 / criteria.TORQUE_RATIO.limit
-    assert ratios([summary()], [summary(e_free=criteria.FREE_ERROR.limit)])["C9"] == 1.0
 
 
 def test_operations_are_counted_by_kind() -> None:

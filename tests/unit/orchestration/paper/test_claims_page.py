@@ -7,7 +7,7 @@ import pytest
 from orchestration.paper.claims.claim import HOLDS, NO_RUNS, NOT_REPRODUCED, Claim
 from orchestration.paper.claims.page import as_markdown, as_records, word
 from orchestration.paper.share import Share
-from orchestration.paper.strength import ClaimStrength, Strength
+from orchestration.paper.strength import ClaimStrength, Effect, Strength
 
 
 def claim(name: str, verdict: str, runs: str = "fig5, seeds 1-30", first: str = "") -> Claim:
@@ -25,7 +25,7 @@ STRENGTH = Strength(
         "C4": ClaimStrength(Share(0, 10000), {"first": Share(15, 30)}),
         "C5": ClaimStrength(None),
     },
-    effects={},
+    effects={"section-v": {"fig6/fig5 e_contact": Effect(1.08, 1.01, 1.13, Share(650, 1000))}},
 )
 
 
@@ -48,9 +48,8 @@ def test_words(asked: Claim, expected: str) -> None:
 def test_every_link_of_the_table_leads_to_a_heading() -> None:
     claims = [claim("C1", HOLDS, first=HOLDS), claim("C2", HOLDS), claim("C4", NOT_REPRODUCED, first=NOT_REPRODUCED)]
     text = as_markdown(claims, {"fig5": "abc"}, STRENGTH)
-    headings = [
-        re.sub(r"[^\w -]", "", line[3:].lower()).replace(" ", "-") for line in text.splitlines() if line[:3] == "## "
-    ]
+    titles = [line[3:].lower() for line in text.splitlines() if line.startswith("## ")]
+    headings = {re.sub(r"[^\w -]", "", title).replace(" ", "-") for title in titles}
     links = re.findall(r"\]\(#([^)]*)\)", text)
     assert len(links) == 3
     assert set(links) <= headings
@@ -64,3 +63,10 @@ def test_records_carry_the_strength() -> None:
     assert record["strength"] == "holds nowhere in the space searched"
     assert record["space"] == {"yes": 0, "n": 10000}
     assert record["scenarios"] == {"fig5": "abc"}
+
+
+def test_a_claim_that_compares_figures_has_its_effect() -> None:
+    text = as_markdown([claim("C7", HOLDS), claim("C8", HOLDS)], {}, STRENGTH)
+    line = "- Over 1000 seeds, fig6/fig5 of |e| in contact: median 1.080 (1.010 to 1.130), above 1 at 65.0 %"
+    assert text.count(line) == 1
+    assert text.index(line) < text.index("## C8")

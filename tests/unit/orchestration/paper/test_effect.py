@@ -31,3 +31,10 @@ def test_the_interval_has_its_confidence_and_no_shorter_one_has_it(n: int) -> No
 @pytest.mark.parametrize("n", [1, 5])
 def test_too_few_pairs_have_no_interval(n: int) -> None:
     assert median_interval(np.arange(n, dtype=float)) == (-np.inf, np.inf)
+
+
+def test_the_interval_covers_the_median_as_often_as_it_says() -> None:
+    random = np.random.default_rng(11)
+    samples = np.sort(random.standard_cauchy((2000, 30)), axis=1)
+    covered = np.mean([low <= 0 <= high for low, high in map(median_interval, samples)])
+    assert 0.95 - 3 * np.sqrt(0.05 * 0.95 / 2000) < covered < 0.99

@@ -11,7 +11,8 @@ import pytest
 from matplotlib.figure import Figure
 
 from orchestration import Result
-from orchestration.paper.figures import FigureCanvasAgg, _panels, draw
+from orchestration.paper.figures.draw import draw
+from orchestration.paper.figures.style import FigureCanvasAgg, new_figure
 
 # Another backend than Agg that needs no screen, and a setting of the caller's own.
 SCRIPT = """
@@ -25,7 +26,7 @@ matplotlib.rcParams["lines.linewidth"] = 3.25
 before = dict(matplotlib.rcParams)
 
 from orchestration.paper.built_fmus import fmus
-from orchestration.paper.figures import draw
+from orchestration.paper.figures.draw import draw
 from orchestration.paper.laboratory import Job, Laboratory
 from orchestration.paper.scenarios import SCENARIOS
 
@@ -44,7 +45,12 @@ def test_importing_and_drawing_leaves_matplotlib_as_it_was(tmp_path: Path) -> No
     command = [sys.executable, "-W", "error", "-c", SCRIPT, str(tmp_path)]
     ended = subprocess.run(command, capture_output=True, text=True, timeout=300)
     assert ended.returncode == 0, ended.stderr
-    assert json.loads(ended.stdout) == {"backend": "svg", "changed": [], "pyplot": False, "files": ["fig2.png"]}
+    assert json.loads(ended.stdout) == {
+        "backend": "svg",
+        "changed": [],
+        "pyplot": False,
+        "files": ["fig1.png", "fig2.png"],
+    }
     assert (tmp_path / "fig2.png").stat().st_size > 10_000
 
 
@@ -55,7 +61,7 @@ def test_a_figure_that_cannot_be_finished_leaves_the_old_one(tmp_path: Path, mon
         file.write(b"half a picture")
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("orchestration.paper.figures._control_figure", lambda _: Figure())
+    monkeypatch.setattr("orchestration.paper.figures.draw._figures", lambda _: {"fig2": Figure()})
     monkeypatch.setattr(Figure, "savefig", half_drawn)
     (tmp_path / "fig2.png").write_bytes(b"the old one")
     with pytest.raises(KeyboardInterrupt):
@@ -64,4 +70,4 @@ def test_a_figure_that_cannot_be_finished_leaves_the_old_one(tmp_path: Path, mon
 
 
 def test_every_figure_has_an_agg_canvas() -> None:
-    assert isinstance(_panels()[0].canvas, FigureCanvasAgg)
+    assert isinstance(new_figure(2, 2, "")[0].canvas, FigureCanvasAgg)

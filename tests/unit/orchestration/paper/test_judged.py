@@ -4,7 +4,7 @@ import numpy as np
 
 from orchestration.paper.claims import criteria as limits
 from orchestration.paper.claims import judged
-from tests.unit.orchestration.paper.test_claims import summary
+from tests.unit.orchestration.paper.test_cost import summary
 
 
 def runs(name: str, e: list[float], force: list[float]) -> judged.Noise:

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from orchestration.paper.claims import criteria
-from orchestration.paper.claims.claim import HOLDS, NOT_REPRODUCED, Question
-from orchestration.paper.claims.saturation import CRITERIA, judge
+from orchestration.paper.claims.claim import HOLDS, NOT_REPRODUCED, Finding, Question
+from orchestration.paper.claims.saturation import CRITERIA, described, judge
 from orchestration.paper.evidence import Evidence
 from orchestration.paper.saturation import Along, Region, mobility_norm, region, tip_force
 
@@ -68,6 +68,7 @@ def run(V: list[float], bound: list[float], missing: list[float]) -> Along:
         missing=np.array(missing),
         h_star=2.0,
         beta=np.ones(n),
+        gamma=still,
         sharp=np.array(bound),
         bound=np.array(bound),
         V=values,
@@ -91,7 +92,7 @@ def test_outside_is_judged_at_the_largest_missing_force() -> None:
 
 
 def verdict(run: Along) -> str:
-    question = Question("C0", "It does", "nowhere", CRITERIA, lambda _: judge(run))
+    question = Question("C0", "It does", "nowhere", CRITERIA, lambda _: Finding(judge(run), described(run)))
     never_read: Evidence = None  # type: ignore[assignment]
     return question.answer(never_read).verdict
 
@@ -113,7 +114,7 @@ def test_each_criterion_of_c20_can_fail(
     V: list[float], bound: list[float], missing: list[float], broken: criteria.Criterion
 ) -> None:
     made = run(V, bound, missing)
-    values = judge(made).values
+    values = judge(made)
     assert [criterion for criterion in CRITERIA if not criterion.met(values[criterion])] == [broken]
     assert verdict(made) == NOT_REPRODUCED
 

@@ -13,12 +13,11 @@ from orchestration.paper.calibrations import CHOSEN_CALIBRATION
 from orchestration.paper.claims import criteria
 from orchestration.paper.evidence import GAMMA_GRID_FACTORS, PSI_GRID
 from orchestration.paper.laboratory import Job
-from orchestration.paper.studies.claims_at import SCENARIOS
 from orchestration.paper.studies.gain_map import accurate, gain_map
 from orchestration.paper.studies.payload import payload_and_wall
 from orchestration.paper.studies.ready import READY_STUDIES
 from orchestration.paper.studies.robustness import laboratory
-from orchestration.paper.studies.seeds import OverSeeds, over_seeds, seeds_study
+from orchestration.paper.studies.seeds import seeds_study
 from orchestration.paper.studies.summary_measure import ideal_force, summary_measure, summary_of
 from orchestration.paper.studies.tuning import LIMITS, cost, gains_study, tuned_by_optuna, tuned_by_scipy
 from tests.unit.examples import failures
@@ -51,35 +50,21 @@ def test_map_of_seven_is_that_of_c11(name: str, good: int, failed: int) -> None:
     assert int((table["status"] == "failed").sum()) == failed
 
 
-def test_seeds_are_judged_one_by_one_and_together(tmp_path: Path) -> None:
+def test_rows_of_the_seeds_are_runs_of_the_scenario() -> None:
     lab = laboratory()
-    tables = {name: grid(seeds_study(name, lab, 3)) for name in SCENARIOS}
-    judged = over_seeds(tables)
-    assert judged.n == 3
-    assert {claim for claim, yes in judged.yes.items() if yes == 3} == {"C4", "C5", "C6", "C8", "C9", "C16"}
-    assert {claim for claim, holds in judged.together.items() if holds} == {"C4", "C5", "C6", "C8", "C9", "C16"}
-    judged.write(tmp_path / "seeds.json")
-    assert OverSeeds.read(tmp_path / "seeds.json") == judged
+    table = grid(seeds_study("fig6", lab, 2))
     expected = summary_measure(ideal_force(lab)).function
     assert expected is not None
-    job = Job("fig6", {"sensor.seed": 2})
     columns = [
         f"{name}[{i}]" for name in ("controller.e", "controller.tau_cmd", "plant.F_ext", "plant.x") for i in (1, 2)
     ]
-    row = {str(name): values.sel(seed=2) for name, values in tables["fig6"].items()}
-    found = expected(lab.run(job, [*columns, "controller.p_hat[2]"]))
+    row = {str(name): values.sel(seed=2) for name, values in table.items()}
+    found = expected(lab.run(Job("fig6", {"sensor.seed": 2}), [*columns, "controller.p_hat[2]"]))
     assert isinstance(found, dict)
     assert {name: float(row[name]) for name in found} == found
     summary = summary_of(row)
     assert summary.torque.tolist() == [found["torque_1"], found["torque_2"]]
     assert summary.force_error == found["force_error"]
-
-    spoiled = tables["fig7"].copy(deep=True)
-    spoiled["status"][1] = "failed"
-    judged = over_seeds({**tables, "fig7": spoiled})
-    assert (judged.share("C9").value, judged.share("C16").value) == (2 / 3, 1)
-    assert not judged.together["C9"]
-    assert judged.together["C16"]
 
 
 def test_cost_is_the_largest_ratio_and_infinite_for_failures() -> None:

@@ -1,4 +1,4 @@
-"""The table of the robustness study and its page: resumed, refused if foreign, the same rows wherever they are made."""
+"""The table of the robustness study and its page: the same rows wherever they are made, refused if foreign."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -6,58 +6,51 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from orchestration.paper.share import Share
+from orchestration.paper.strength import read_strength
+from orchestration.paper.studies.claims_at import COSTLY as COSTLY_QUESTIONS
 from orchestration.paper.studies.open_values import settings
-from orchestration.paper.studies.robustness import PAGE, TABLE, laboratory, text
-from orchestration.paper.studies.robustness_page import word
+from orchestration.paper.studies.raw_rows import Row
+from orchestration.paper.studies.robustness import PAGE, SEEDS, TABLE, laboratory, text
 from orchestration.paper.studies.robustness_table import (
     COLUMNS,
+    NOT_ASKED,
     TableError,
-    answer_at,
-    make_table,
+    answer,
+    answers_of,
     read_table,
     write_table,
 )
+from orchestration.paper.studies.runs_at import row_at
+from orchestration.paper.studies.seeds import read_seeds
+from orchestration.paper.studies.strength_of import strength_of
+from orchestration.paper.studies.survey import COSTLY, first_settings
 
 DOCS = Path(__file__).parents[5] / "docs"
 
 
 def test_kept_rows_are_made_again() -> None:
-    """The quickest and the slowest rows of the first settings, to the last answer."""
+    """Quick rows among the later settings, in all that does not need the switching of algorithm 1."""
     kept = read_table(DOCS / TABLE)
-    points = settings(len(kept))
-    lab = laboratory()
-    numbers = [*np.flatnonzero(points["sample_time"] == 1e-4)[:6], *np.flatnonzero(points["sample_time"] == 1e-5)[:1]]
-    for number in map(int, numbers):
-        np.testing.assert_array_equal(answer_at(lab, points, number), kept[number], err_msg=f"setting {number}")
+    quick = np.flatnonzero(settings(len(kept))["sample_time"] == 1e-4)
+    lab, found = laboratory(), first_settings(len(kept))
+    numbers = quick[quick >= COSTLY][:5].tolist()
+    again = np.array([answer(row_at(lab, found[number], number + 1), costly=False) for number in numbers])
+    same = [COLUMNS.index(name) for name in ("C1", "C2", "C3a", "C3b", "C9", "C13", "fig7 failed")]
+    np.testing.assert_array_equal(again[:, same], kept[numbers][:, same])
 
 
-def test_page_shows_the_kept_table() -> None:
+def test_page_and_strength_are_those_of_the_kept_table() -> None:
     assert (DOCS / PAGE).read_text(encoding="utf-8") == text(DOCS)
+    assert read_strength() == strength_of(read_table(DOCS / TABLE), read_seeds(DOCS / SEEDS))
 
 
-def test_an_interrupted_table_goes_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    module = "orchestration.paper.studies.robustness_table"
-    made: list[int] = []
-
-    def fake(_lab: object, _points: object, number: int) -> np.ndarray:
-        made.append(number)
-        if number == 40 and len(made) < 50:
-            raise KeyboardInterrupt
-        return np.full(len(COLUMNS), number % 2)
-
-    monkeypatch.setattr(f"{module}.answer_at", fake)
-    path, told = tmp_path / "table.csv", list[str]()
-    with pytest.raises(KeyboardInterrupt):
-        make_table(path, 64, laboratory(), 1, told.append)
-    assert len(read_table(path)) == 32
-    del made[:]
-    made += [-1] * 50
-    answers = make_table(path, 64, laboratory(), 2, told.append)
-    assert sorted(made[50:]) == list(range(32, 64))
-    np.testing.assert_array_equal(answers[:, 0], np.arange(64) % 2)
-    assert told == ["32 of 64 settings", "64 of 64 settings"]
-    assert len(make_table(path, 10, laboratory(), 1, told.append)) == 10, "a longer table serves a shorter study"
+def test_costly_questions_are_asked_at_the_first_settings_only() -> None:
+    answers = answers_of([Row({}, {})] * (COSTLY + 2))
+    costly = [COLUMNS.index(name) for name in COSTLY_QUESTIONS]
+    assert (answers[COSTLY:, costly] == NOT_ASKED).all()
+    assert (answers[:COSTLY] != NOT_ASKED).all()
+    failed = [i for i, name in enumerate(COLUMNS) if name.endswith(" failed")]
+    assert (answers[:, failed] == 1).all(), "nothing was measured"
 
 
 @pytest.mark.parametrize(
@@ -72,21 +65,10 @@ def test_an_interrupted_table_goes_on(tmp_path: Path, monkeypatch: pytest.Monkey
 )
 def test_a_file_of_another_kind_is_refused(tmp_path: Path, change: Callable[[str], str], match: str) -> None:
     path = tmp_path / "table.csv"
-    write_table(path, np.ones((3, len(COLUMNS)), dtype=int))
-    np.testing.assert_array_equal(read_table(path), 1)
+    answers = np.ones((3, len(COLUMNS)), dtype=int)
+    answers[1, 3] = NOT_ASKED
+    write_table(path, answers)
+    np.testing.assert_array_equal(read_table(path), answers)
     path.write_text(change(path.read_text(encoding="utf-8")), encoding="utf-8")
     with pytest.raises(TableError, match=match):
         read_table(path)
-
-
-@pytest.mark.parametrize(
-    ("holds", "yes", "expected"),
-    [
-        (True, 500, "holds"),
-        (True, 0, "holds at the chosen values only"),
-        (False, 500, "fails at the chosen values, holds elsewhere"),
-        (False, 0, "holds nowhere in the space searched"),
-    ],
-)
-def test_words_of_a_claim(holds: bool, yes: int, expected: str) -> None:
-    assert word(holds, Share(yes, 1000)) == expected

@@ -3,61 +3,92 @@
 import numpy as np
 import pytest
 
+from orchestration.paper.effect import paired_effect
+from orchestration.paper.studies.claims_at import COSTLY as COSTLY_QUESTIONS
 from orchestration.paper.studies.claims_at import QUESTIONS
+from orchestration.paper.studies.fixed_values import FIXED
 from orchestration.paper.studies.open_values import CHOSEN, OPEN_VALUES, settings
+from orchestration.paper.studies.pages.text import percent
 from orchestration.paper.studies.robustness_page import page
-from orchestration.paper.studies.robustness_table import COLUMNS
+from orchestration.paper.studies.robustness_table import COLUMNS, NOT_ASKED
 from orchestration.paper.studies.seeds import CLAIMS, OverSeeds
-from orchestration.paper.studies.together import Judged, Search
+from orchestration.paper.studies.shares import share
+from orchestration.paper.studies.strength_of import ALL, strength_of
+from orchestration.paper.studies.together import CHOSEN_ORIGIN, Judged, Search
 
-N = 256
-SEEDS = OverSeeds(1000, dict.fromkeys(CLAIMS, 1000) | {"C8": 960}, dict.fromkeys(CLAIMS, True))
+N, ASKED = 256, 64
+EFFECTS = {"fig6/fig5 e_contact": paired_effect([1.1, 1.2, 1.3, 1.4, 1.5, 0.9], np.ones(6))}
+TOGETHER = {**dict.fromkeys(CLAIMS, True), "C7": False, "C13": False}
+SEEDS = OverSeeds(1000, {**dict.fromkeys(CLAIMS, 1000), "C8": 960}, TOGETHER, EFFECTS)
 
 
 def table() -> np.ndarray:
-    """All claims hold everywhere, but C9 at small depths only, and C13 nowhere."""
+    """All claims hold everywhere, but C9 at small depths only, C10 at the others, and C13 nowhere."""
     answers = dict(zip(COLUMNS, np.ones((len(COLUMNS), N), dtype=int), strict=True))
     answers["C9"] = (settings(N)["depth"] < 15e-3).astype(int)
+    answers["C10"] = 1 - answers["C9"]
     answers["C13"][:] = 0
+    for name in COSTLY_QUESTIONS:
+        answers[name][ASKED:] = NOT_ASKED
     return np.array([answers[name] for name in COLUMNS]).T
 
 
 @pytest.fixture(scope="module")
 def text() -> str:
-    verdicts = dict.fromkeys(QUESTIONS, True) | {"C7": False, "C13": False}
-    chosen = Judged("chosen", CHOSEN, verdicts)
+    verdicts = {**dict.fromkeys(QUESTIONS, True), "C7": False, "C13": False}
+    del verdicts["C14c"]
+    chosen = Judged(CHOSEN_ORIGIN, CHOSEN, verdicts)
     best = Judged("near setting 5", CHOSEN, dict.fromkeys(QUESTIONS, True))
-    return page(table(), Search(chosen, (best, chosen), N, 512, 300), SEEDS)
+    return page(table(), Search(chosen, (best, chosen), N, 512, 300), {"section-v": SEEDS})
 
 
 def test_shares_and_words(text: str) -> None:
-    assert "| C9 | " in text
-    row = {line.split(" | ")[0].strip("| "): line for line in text.splitlines() if line.startswith("| C")}
-    assert "| holds | 50.0 % (43.9 to 56.1) | holds |" in text
-    assert "| fails | 100.0 % (98.5 to 100.0) | fails at the chosen values, holds elsewhere |" in text
-    assert "| fails | 0.0 % (0.0 to 1.5) | holds nowhere in the space searched |" in text
-    assert row["C8"] == "| C8 | 96.0 % (94.6 to 97.0) | holds |"  # of the seeds
+    half = percent(share(table()[:, COLUMNS.index("C9")]))
+    row = {line.split("]")[0].strip("| ["): line for line in text.splitlines() if line.startswith("| [C")}
+    assert row["C9"].endswith(f"| holds | {half} | {N} | holds |")
+    assert row["C7"].endswith("| fails | 100.0 % (98.5 to 100.0) | 256 | fails here, holds elsewhere |")
+    assert row["C13"].endswith("| fails | 0.0 % (0.0 to 1.5) | 256 | holds nowhere in the space searched |")
+    assert row["C14c"].endswith("| not judged here | 100.0 % (94.3 to 100.0) | 64 |  |")
+    assert "| C8 | 96.0 % (94.6 to 97.0) | holds |" in text, "of the seeds"
 
 
 def test_what_decides(text: str) -> None:
-    section = text.partition("## C9: holds")[2].partition("\n## ")[0]
+    section = text.partition("## C9\n")[2].partition("\n## ")[0]
     # Of 16 equal parts of the range 8 hold everywhere; chance would give 15 / 255 of the variance.
-    assert "| depth | 94 % | 0.005 to 0.0117: 100 %; 0.0117 to 0.0183: 51 %; 0.0183 to 0.025: 0 % |" in section
-    assert "The answer is the same at all settings." in text.partition("## C13: ")[2].partition("\n## ")[0]
+    assert "0.005 to 0.0117: 100 %; 0.0117 to 0.0183:" in section
+    assert "| depth | 94 % |" in section
+    assert "the best is where depth is 0.005 to 0.0117 and" in section
+    assert "The answer is the same at all settings." in text.partition("## C13\n")[2].partition("\n## ")[0]
 
 
 def test_claims_together(text: str) -> None:
-    assert f"All seven claims hold in 128 of {N} settings, 50.0 % (43.9 to 56.1)." in text
-    assert "| C9 | 128 |" in text, "it fails alone"
-    assert (
-        "7 of the seven claims hold at the best setting, so there are settings at which they hold together."
-        in " ".join(text.split())
-    )
-    assert "| chosen | 6 | C7 | C7, C10 |" in text
+    assert f"All seven claims hold in 0 of {N} settings, 0.0 % (0.0 to 1.5)." in text
+    assert "| C9 and C10 | 0 | 64 |" in text, "they exclude each other"
+    assert "| C4 and C5 |" not in text
+    assert "so there are settings at which they hold together." in " ".join(text.split())
+    assert "| the chosen values | 6 | C7 | C7, C10 |" in text
+
+
+def test_effects(text: str) -> None:
+    assert "| fig6/fig5 e_contact | 1.25 | 0.9 to 1.5 | 83.3 % (43.6 to 97.0) |" in text
 
 
 def test_every_open_value_has_its_reason(text: str) -> None:
     for value in OPEN_VALUES:
         assert value.reason in text
+    for fixed in FIXED:
+        assert fixed.reason in text
     assert "1e-05 to 0.001, log" in text
     assert "| contact_gated | 1 | 1 or 0 |" in text
+
+
+def test_strength_of_the_table() -> None:
+    found = strength_of(table(), {"section-v": SEEDS})
+    assert found.settings == N
+    assert found.seeds == {"section-v": 1000}
+    assert found.claims["C8"].seeds["section-v"].yes == 960
+    assert found.claims["C9"].deciding[0][0] == "depth"
+    assert found.claims["C14c"].space == share(np.ones(ASKED))
+    assert found.claims["C1"].seeds == {}
+    assert found.claims[ALL].space == share(np.zeros(N))
+    assert found.effects == {"section-v": EFFECTS}

@@ -5,7 +5,7 @@ import pytest
 
 from orchestration.paper.share import Share
 from orchestration.paper.studies.open_values import OpenValue
-from orchestration.paper.studies.shares import deciding, first_order_index, parts
+from orchestration.paper.studies.shares import best_part, deciding, first_order_index, parts
 
 N = 4096
 LINEAR = OpenValue("a", "m", 0.0, 3.0, "", "")
@@ -64,3 +64,12 @@ def test_index_of_chance_is_about_nothing() -> None:
     coin = np.random.default_rng(5).integers(0, 2, N)
     # 15 degrees of freedom over 4096 answers: a chi-square of mean 15 and deviation 5.5, over 4096; four deviations.
     assert first_order_index(LOG, points()["b"], coin) < 4 * 5.5 / N
+
+
+def test_the_best_pair_of_parts() -> None:
+    given = points()
+    answers = ((given["b"] > 100) & (given["c"] == 1)).astype(int)
+    where, found = best_part([LINEAR, CHOICE, LOG], given, answers)
+    assert where == [("b", "100 to 1e+03"), ("c", "1")]
+    assert found.value == 1.0
+    assert found.n == answers.sum()

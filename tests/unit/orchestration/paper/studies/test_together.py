@@ -7,15 +7,18 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from orchestration.paper.calibrations import FIRST, Setting
 from orchestration.paper.laboratory import SEEDS
 from orchestration.paper.studies import together
 from orchestration.paper.studies.claims_at import QUESTIONS
 from orchestration.paper.studies.native_runs import NativeLaboratory
-from orchestration.paper.studies.open_values import CHOSEN, EARLIER, Setting, settings
+from orchestration.paper.studies.open_values import CHOSEN, EARLIER, settings
 from orchestration.paper.studies.robustness_table import COLUMNS
 from orchestration.paper.studies.together import (
+    AT_FIRST,
     BY_OTHERS,
     CANDIDATES,
+    CHOSEN_ORIGIN,
     NEIGHBOURS,
     SECTION_V,
     STARTS,
@@ -58,7 +61,7 @@ def test_the_best_setting_comes_first(found: Search) -> None:
     assert held == sorted(held, reverse=True)
     assert held[0] == len(SECTION_V)
     assert found.best[0].setting["K_d"] > 200
-    assert len(found.best) == CANDIDATES + 1
+    assert len(found.best) == CANDIDATES + 3
     assert [judged.setting for judged in found.best if judged.origin == BY_OTHERS] == [EARLIER]
     for judged in found.best:
         assert judged.verdicts == answers_of(judged.setting, SEEDS)
@@ -70,9 +73,12 @@ def test_what_was_looked_at_is_counted(found: Search) -> None:
     assert in_table < found.all_hold <= in_table + found.tried
 
 
-def test_the_chosen_values_are_judged_too(found: Search) -> None:
+def test_calibrations_are_judged_too(found: Search) -> None:
     assert found.chosen.setting == CHOSEN
     assert found.chosen.held == len(SECTION_V) - 1
+    origins = {judged.origin: judged.setting for judged in found.best}
+    assert origins[CHOSEN_ORIGIN] == CHOSEN
+    assert origins[AT_FIRST] == FIRST.values
 
 
 def test_a_search_is_read_as_it_was_written(found: Search, tmp_path: Path) -> None:

@@ -1,0 +1,1 @@
+"""Parts of docs/robustness.md, one module for each subject."""
