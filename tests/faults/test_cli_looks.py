@@ -339,16 +339,20 @@ def test_characters_that_a_stream_lacks_are_escaped(
     ("typed", "offered"),
     [
         ("adaptimp in", {"info"}),
-        ("adaptimp run fig", {"fig2", "fig3", "fig4", "fig5", "fig6", "fig7"}),
+        ("adaptimp run fig", {name for name in ALL_SCENARIOS if name.startswith("fig")}),
         ("adaptimp run fig2 --algorithm n", {"newton"}),
-        ("adaptimp run fig2 --controller Hog", {"HoganImpedance"}),
+        (
+            "adaptimp run fig2 --controller Hog",
+            {"HoganImpedance", *(name for name in MODEL_VARIANTS if name.startswith("Hogan"))},
+        ),
         ("adaptimp run fig2 --set pl", {"plant."}),
         ("adaptimp run fig2 --set plant.K", {"plant.K_f="}),
         ("adaptimp run fig2 --record controller.tau", {f"controller.tau_cmd{i}" for i in ("", "[1]", "[2]")}),
         ("adaptimp run fig2 --record plant.x,plant.ga", {"plant.x,plant.gap"}),
+        ("adaptimp run sensor-stuck --set sensor.failure_d", {"sensor.failure_duration="}),
         ("adaptimp run here.ssp --set sensor.se", {"sensor.seed="}),
         ("adaptimp run her", {"here.ssp"}),
-        ("adaptimp info Pl", {"Plant", "Plant3R"}),
+        ("adaptimp info Pl", {"Plant", "Plant3R", *(name for name in MODEL_VARIANTS if name.startswith("Plant"))}),
         ("adaptimp run broken.ssp --set a", set()),
     ],
 )
