@@ -64,7 +64,7 @@ def _larger(evidence: Evidence, name: str) -> str:
         clear = "clearly" if effect.median >= limits.CLEARLY_LARGER.limit else "not clearly"
         parts.append(
             f"{quantity} {before:.3g} {unit} in fig5 and {after:.3g} {unit} in {name} (medians), ratio"
-            f" {effect.median:.3f} ({effect.low:.3f} to {effect.high:.3f}), larger at {effect.larger.yes} of"
+            f" {effect.median:.4f} ({effect.low:.4f} to {effect.high:.4f}), larger at {effect.larger.yes} of"
             f" {effect.larger.n} seeds: {clear} larger"
         )
     return "; ".join(parts)

@@ -84,11 +84,16 @@ def _table(claims: Sequence[Claim], strength: Strength) -> str:
     for claim in claims:
         found = strength.claims.get(claim.id, NOTHING)
         rows.append(
-            f"| [{claim.id}](#{_anchor(claim, strength)}) | {claim.claim} | **{word(claim, strength)}** |"
+            f"| [{claim.id}](#{_anchor(claim, strength)}) | {_in_a_cell(claim.claim)} | **{word(claim, strength)}** |"
             f" {_share(found.seeds.get(CHOSEN))} | {_share(found.space)} |"
             f" {', '.join(f'{name} {index:.0%}' for name, index in found.deciding[:3])} |\n"
         )
     return "".join(rows)
+
+
+def _in_a_cell(text: str) -> str:
+    """A text for the cell of a table, where a bar would end the cell."""
+    return text.replace("|", r"\|")
 
 
 def _section(claim: Claim, strength: Strength) -> str:
@@ -116,8 +121,8 @@ def _effects(compared: str, strength: Strength) -> list[str]:
     """Lines on how much larger the errors of a figure are over many seeds; none if they were not compared."""
     found = strength.effects.get(CHOSEN, {})
     return [
-        f"- Over {effect.larger.n} seeds, {compared} of {words}: median {effect.median:.3f} ({effect.low:.3f} to"
-        f" {effect.high:.3f}), above 1 at {_share(effect.larger)} of the seeds."
+        f"- Over {effect.larger.n} seeds, {compared} of {words}: median {effect.median:.4f} ({effect.low:.4f} to"
+        f" {effect.high:.4f}), above 1 at {_share(effect.larger)} of the seeds."
         for name, words in _QUANTITIES.items()
         if (effect := found.get(f"{compared} {name}")) is not None
     ]
