@@ -1,4 +1,8 @@
-"""Systems of the adaptive figures with numbers changed, and what a run shows."""
+"""Systems of the adaptive figures with numbers changed, and what a run shows.
+
+The tests take the figures at the earlier calibration, ``fig5-first`` and so on: its noise is new at every tick, its
+bounds of errors are derived beside the tests, and a run has half the steps of one at the chosen calibration.
+"""
 
 from collections.abc import Mapping
 from functools import cache
@@ -10,7 +14,7 @@ import numpy as np
 from fmus.catalog import MODELS
 from orchestration import Options, Result, System, simulate
 from orchestration.paper.built_fmus import fmus
-from orchestration.paper.scenarios import SCENARIOS, VARIANTS
+from orchestration.paper.scenarios import ALL_SCENARIOS
 
 CONTROLLERS = (
     "HoganImpedance",
@@ -30,7 +34,7 @@ def files() -> Mapping[str, Path]:
 
 def system(name: str, changes: Mapping[str, float] | None = None) -> System:
     """A figure's system, with start values changed by ``component.variable``."""
-    return {**SCENARIOS, **VARIANTS}[name].system(files()).set(changes or {})
+    return ALL_SCENARIOS[name].system(files()).set(changes or {})
 
 
 def run(given: System, **options: Any) -> Result:

@@ -15,8 +15,8 @@ from tests.scenarios.adaptive import run, system
 # does so for three of four such starts: its sliding term F_c, or limits as in Fig. 7, may keep useless
 # signals finite.
 DIVERGENT = {
-    "fig5": {"controller.Gamma[2]": 5e4},
-    "spong-ortega": {"controller.Gamma[2]": 5e3},
+    "fig5-first": {"controller.Gamma[2]": 5e4},
+    "spong-ortega-first": {"controller.Gamma[2]": 5e3},
 }
 # Component; time and step; the output or state that is no longer finite.
 MESSAGE = re.compile(
@@ -49,7 +49,7 @@ def test_a_thousand_times_the_gain_ends_in_an_error(name: str) -> None:
 
 def test_an_estimate_without_inertia_is_named() -> None:
     """Projection onto p_min = 0 lets 1000 times the gain take m2 away altogether: H_hat is singular."""
-    given = system("fig5", {"controller.Gamma[2]": 5e3, "controller.projection": 1})
+    given = system("fig5-first", {"controller.Gamma[2]": 5e3, "controller.projection": 1})
     with pytest.raises(
         SimulationError, match=r"controller: .* at t = \S+ s \(step \d+\); .*Output \w+(\[1\])? is"
     ) as caught:
@@ -66,9 +66,9 @@ def test_an_estimate_without_inertia_is_named() -> None:
 
 
 def test_the_file_of_a_diverged_run_has_no_nan(tmp_path: Path) -> None:
-    settings = [f"--set={path}={value!r}" for path, value in DIVERGENT["fig5"].items()]
+    settings = [f"--set={path}={value!r}" for path, value in DIVERGENT["fig5-first"].items()]
     out = tmp_path / "run.csv"
-    finished = CliRunner().invoke(app, ["run", "fig5", "--out", str(out), *settings])
+    finished = CliRunner().invoke(app, ["run", "fig5-first", "--out", str(out), *settings])
     assert finished.exit_code != 0
     kept = [path for path in tmp_path.rglob("*") if path.is_file()]
     assert kept
@@ -78,7 +78,7 @@ def test_the_file_of_a_diverged_run_has_no_nan(tmp_path: Path) -> None:
 
 def test_limits_keep_a_wild_adaptation_finite() -> None:
     """Fig. 7 at 1000 times its gain: useless, but every row is finite and the torque within its limits."""
-    given = system("fig7", {"controller.Gamma[2]": 4e3})
+    given = system("fig7-first", {"controller.Gamma[2]": 4e3})
     limit = given.component("actuator").start["tau_max[1]"]
     result = run(given)
     assert np.isfinite(result.rows).all()

@@ -27,7 +27,7 @@ def noise(result: Result) -> np.ndarray:
     return F_hat - result["plant.F_ext"][:-1:ratio]
 
 
-@pytest.mark.parametrize("name", ["fig5", "fig7"])
+@pytest.mark.parametrize("name", ["fig5-first", "fig7-first"])
 def test_half_the_step_gives_the_same_columns(name: str) -> None:
     whole, half = noisy(name, 1, TS), noisy(name, 1, TS / 2)
     for column in whole.names:
@@ -47,7 +47,7 @@ def test_half_the_step_gives_the_same_columns(name: str) -> None:
 
 def test_a_noise_period_gives_the_noise_a_bandwidth() -> None:
     """Held for three ticks, the draws are those of the white noise of the same seed, in their order."""
-    systems = (system("fig7", {"sensor.contact_gated": 0.0, "sensor.noise_period": n * TS}) for n in (0, 3))
+    systems = (system("fig7-first", {"sensor.contact_gated": 0.0, "sensor.noise_period": n * TS}) for n in (0, 3))
     white, held = (simulate(given, stop_time=0.03, options=Options(strict=True)) for given in systems)
     expected = np.repeat(noise(white), 3, axis=0)[: len(noise(held))]
     np.testing.assert_array_equal(noise(held), expected)
@@ -55,10 +55,10 @@ def test_a_noise_period_gives_the_noise_a_bandwidth() -> None:
 
 
 def test_the_same_seed_repeats_and_another_does_not() -> None:
-    first = noisy("fig7", 1, TS)
-    again = noisy.__wrapped__("fig7", 1, TS)
+    first = noisy("fig7-first", 1, TS)
+    again = noisy.__wrapped__("fig7-first", 1, TS)
     assert again.rows.tobytes() == first.rows.tobytes()
-    other = noisy("fig7", 2, TS)
+    other = noisy("fig7-first", 2, TS)
     a, b = noise(first), noise(other)
     both = a.any(axis=1) & b.any(axis=1)
     assert both.sum() > 2000

@@ -25,7 +25,7 @@ NO_GAINS = {"controller.Gamma[2]": 0.0, "controller.noise_bound": 0.0, **pair("c
 
 @pytest.mark.parametrize("controller", CONTROLLERS)
 def test_any_controller_fits_into_fig5(controller: str) -> None:
-    swapped = system("fig5").replace("controller", files()[controller])
+    swapped = system("fig5-first").replace("controller", files()[controller])
     lost = [
         m[1] for n in swapped.notices if (m := re.fullmatch(r"controller: start values dropped, \S+ has no (.*)\.", n))
     ]
@@ -69,11 +69,11 @@ def test_a_controller_without_the_right_torque_is_refused(
         SystemDescriptionError,
         match=rf"{name}\.fmu cannot be controller: it has no output {re.escape(missing)}, .*, but {re.escape(has)};",
     ):
-        system("fig5").replace("controller", fmu)
+        system("fig5-first").replace("controller", fmu)
 
 
 def test_a_controller_with_the_torque_alone_is_enough(tmp_path: Path) -> None:
-    swapped = system("fig5").replace("controller", stranger(tmp_path, "Enough", "tau_cmd", 2))
+    swapped = system("fig5-first").replace("controller", stranger(tmp_path, "Enough", "tau_cmd", 2))
     result = simulate(swapped, stop_time=SHORT, options=Options(strict=True))
     np.testing.assert_array_equal(result["controller.tau_cmd[1]"][1:], result["plant.q[1]"][:-1])
 
@@ -83,11 +83,11 @@ def test_another_fmu_is_refused_as_a_controller(identifier: str) -> None:
     with pytest.raises(
         SystemDescriptionError, match=r"\.fmu looks like .*, not like controller: it has no output tau_cmd,"
     ):
-        system("fig5").replace("controller", files()[identifier])
+        system("fig5-first").replace("controller", files()[identifier])
 
 
 def test_a_controller_of_three_joints_does_not_fit_two() -> None:
-    swapped = system("fig5").replace("controller", files()["HoganImpedance3R"])
+    swapped = system("fig5-first").replace("controller", files()["HoganImpedance3R"])
     with pytest.raises(SystemDescriptionError, match=r"Unconnected .*controller\.q\[3\], controller\.dq\[3\]"):
         run(swapped)
     # Without --strict the inputs are named in a warning; the masses of fig5 leave no m3, so the first torque
@@ -116,7 +116,7 @@ def adaptive(name: str, controller: str, changes: Mapping[str, float]) -> Result
     return run(swapped, record=conventional(name).names)
 
 
-@pytest.mark.parametrize("name", ["fig4", "fig5"])
+@pytest.mark.parametrize("name", ["fig4", "fig5-first"])
 @pytest.mark.parametrize("controller", ["CraigAdaptiveImpedance", "SpongOrtegaAdaptiveImpedance"])
 def test_without_gains_algorithm_1_is_the_conventional_law_bitwise(name: str, controller: str) -> None:
     """Gamma = 0 holds p_hat; delta = 0 makes F_c an added 0. Contact, and in fig5 noise, included.

@@ -75,7 +75,7 @@ SLIDE_ENDS = Criterion("distances of the first contact from a and of the last fr
 BOUNCES = Criterion("number of bounces", "<=", 2.0, why="the wall is elastic")
 SLIDE_SHARE = Criterion("share of the contact in which the tip touches", ">=", 2 / 3, "%", why="two thirds")
 END = Criterion(f"distance from {_START} at the end", "<=", 1e-3, "mm")
-WRONG_MASS_ERROR = Criterion("largest |e|", ">=", 5e-3, "mm", why="half the depth of the segment, so half the force")
+WRONG_MASS_ERROR = Criterion("largest |e|", ">=", 5e-3, "mm", why="half the depth of the earlier calibration")
 WRONG_MASS_GROWTH = Criterion("ratio of the largest |e| to that of Fig. 2", ">=", 10.0)
 WRONG_MASS_FORCE = Criterion(
     "larger of the ratios of peak and steady force to those of Fig. 2", ">=", 1.1, why="a difference that one can see"

@@ -1,5 +1,7 @@
 """The jobs: every FMU of the catalog with its reference's inputs, every figure in full length.
 
+Figs. 5 to 7 are taken at the earlier calibration, ``fig5-first`` and so on, which has half the steps.
+
 The FMUs that have Booleans or Integers, and all figures, are there a second time with Reals only.
 """
 
@@ -14,7 +16,7 @@ from fmus.catalog import MODELS
 from orchestration import Options, System, UnconnectedInputWarning, simulate
 from orchestration.fmi.description import read_description
 from orchestration.paper.built_fmus import fmus
-from orchestration.paper.scenarios import CRAIG, SCENARIOS, SLOTINE_LI, SPONG_ORTEGA
+from orchestration.paper.scenarios import AT_FIRST, CRAIG, SCENARIOS, SLOTINE_LI, SPONG_ORTEGA, Scenario
 from orchestration.system.system import Component
 from tests.conformance.replay import options, table
 from tests.driver import Driver
@@ -69,7 +71,7 @@ def fmu_job(identifier: str, files: Mapping[str, Path], folder: Path) -> Job:
 
 
 def _container_job(files: Mapping[str, Path], folder: Path) -> Job:
-    scenario = SCENARIOS["fig5"]
+    scenario = figure_scenario("fig5")
     component = Component(ALONE, read_description(files[CONTAINER]))
     step = AT_ONCE * scenario.step
     system = System(CONTAINER, (component,), step=step, stop_time=scenario.stop_time)
@@ -82,9 +84,14 @@ def figure_job(figure: str, files: Mapping[str, Path], folder: Path, n_steps: in
     return _job(system, SYSTEM, n_steps or round(system.run_stop_time() / system.run_step()), folder)
 
 
+def figure_scenario(figure: str) -> Scenario:
+    """The scenario of a figure; that of the earlier calibration where there is one, under the figure's name."""
+    return replace(AT_FIRST.get(f"{figure}-first", SCENARIOS[figure]), name=figure)
+
+
 def figure_system(figure: str, files: Mapping[str, Path]) -> System:
     """The system of a figure."""
-    scenario = SCENARIOS[figure]
+    scenario = figure_scenario(figure)
     return scenario.system({identifier: files[identifier] for identifier in scenario.models.values()})
 
 

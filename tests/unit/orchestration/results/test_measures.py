@@ -224,7 +224,7 @@ def test_a_column_that_a_result_lacks_is_named_with_near_ones(small: Result) -> 
 
 def test_fig5_measures_what_its_claims_measure() -> None:
     """The claims compute the same with numpy's pairwise sums and its norm, whose last bits may differ."""
-    result = simulate(scenario("fig5"))
+    result = simulate(scenario("fig5-first"))
     claimed, touch = summarize(result), contact(result)
     touching = norms(result["plant.F_ext"])[:-1] > 0  # the tip bounces once, so the claims' contact has a gap
     e, error = norms(result.at_ticks("controller.e"))[touching], result.at_ticks("controller.p_hat[2]")[touching] - 1
