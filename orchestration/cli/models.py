@@ -1,4 +1,4 @@
-"""Finds the models that a user's Python file declares, for ``adaptimp build FILE.py``, or that are shipped under a name.
+"""Finds the models of a Python file, or the shipped ones by name, for ``adaptimp build``.
 
 The file declares models at its top level, and each of them is built:
 

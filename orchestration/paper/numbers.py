@@ -45,3 +45,4 @@ FAILURES = {"dropout": (1, 0.05), "stuck": (2, 0.05), "spike": (3, 5e-3)}
 """Kind of a failure of the force sensor, as `fmus.sensor_failure` counts them, and its duration, s, by name."""
 SPIKE_FORCE = 1e3  # N, along the wall's normal
 PAYLOAD = TRUE_M2 / 2  # kg, beyond the wrist sensor
+PAYLOAD_THRESHOLD = 20.0  # N, of a contact with a payload; its force in free motion is below 8 N
