@@ -35,6 +35,8 @@ _CRAIG, _SLOTINE_LI, _SPONG_ORTEGA = (
 _NO_CORIOLIS = "SlotineLiAdaptiveImpedanceNoCoriolis"
 VARIANTS: dict[str, Callable[[], Model]] = {
     "FailingForceSensor": partial(force_sensor, "FailingForceSensor", failing=True),
+    "PlantCorner": partial(plant, name="PlantCorner", walls=2),
+    "VirtualTrajectoryCorner": partial(virtual_trajectory, "VirtualTrajectoryCorner", 2),
     "PlantWristPayload": partial(plant, name="PlantWristPayload", wrist=True),
     "HoganImpedanceMobility": partial(hogan_impedance, name="HoganImpedanceMobility", form=MOBILITY),
     "HoganImpedanceFull": partial(hogan_impedance, name="HoganImpedanceFull", full=True),

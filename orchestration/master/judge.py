@@ -18,7 +18,7 @@ class StabilityWarning(UserWarning):
     --------
     >>> import warnings
     >>> from orchestration import StabilityWarning, scenario, simulate
-    >>> late = scenario("fig7").with_sample_time(1.0)  # s
+    >>> late = scenario("fig2").with_sample_time(1.0)  # s
     >>> with warnings.catch_warnings(record=True) as caught:
     ...     warnings.simplefilter("always", StabilityWarning)
     ...     result = simulate(late, verdict=True)

@@ -34,7 +34,7 @@ class DifferentWallsWarning(UserWarning):
     ...     warnings.simplefilter("always", DifferentWallsWarning)
     ...     result = simulate(moved, stop_time=0.1)
     >>> print(caught[0].message)
-    trajectory.wall_offset = 1.436 m, but plant.wall_offset = 1.4 m: ... set both to the same value.
+    trajectory.wall_offset = 1.4... m, but plant.wall_offset = 1.4 m: ... set both to the same value.
     """
 
 

@@ -25,11 +25,11 @@ class Prediction:
     Examples
     --------
     >>> from orchestration import scenario, simulate
-    >>> late = simulate(scenario("fig7").with_sample_time(1.0))  # s; half of the run is one step
+    >>> late = simulate(scenario("fig2").with_sample_time(1.0))  # s; half of the run is one step
     >>> late.verdict.stable
     False
     >>> print(late.verdict)
-    fig7: gauss-seidel with a step of 1 s is UNSTABLE at the start: ...
+    fig2: gauss-seidel with a step of 1 s is UNSTABLE at the start: ...
     """
 
     stable: bool | None

@@ -10,6 +10,8 @@ from orchestration import DifferentWallsWarning, Factor, Study, System, diagnose
 from orchestration.master.walls import different_walls
 from orchestration.paper.scenarios import SCENARIOS, VARIANTS
 
+WALL = float(np.max(scenario("fig2")["plant"]["wall_offset"]))  # m, of the paper's runs
+
 
 def said_by(system: System) -> list[str]:
     """What a short run says about walls, in the place of the caller."""
@@ -22,7 +24,7 @@ def said_by(system: System) -> list[str]:
 
 def test_an_offset_that_differs_is_said_with_both_values_and_what_to_do() -> None:
     assert said_by(scenario("fig2").set({"plant.wall_offset": 1.4})) == [
-        "trajectory.wall_offset = 1.436 m, but plant.wall_offset = 1.4 m: both are told of one wall;"
+        f"trajectory.wall_offset = {WALL:g} m, but plant.wall_offset = 1.4 m: both are told of one wall;"
         " set both to the same value."
     ]
 
@@ -70,7 +72,7 @@ def test_the_doctor_tells_it_with_a_command() -> None:
     moved = scenario("fig2").set({"plant.wall_offset": 1.4})
     (finding,) = (f for f in diagnose(moved, stop_time=0.01).findings if f.id == "different-walls")
     assert (finding.severity.value, finding.subject) == ("warning", "trajectory.wall_offset")
-    assert finding.figures == {"trajectory": [1.436], "plant": [1.4]}
+    assert finding.figures == {"trajectory": [WALL], "plant": [1.4]}
     assert "{'trajectory.wall_offset': 1.4}" in finding.command
 
 
@@ -84,9 +86,9 @@ def warned(study: Study) -> list[str]:
 
 def test_a_study_that_moves_one_wall_says_it_once() -> None:
     study = Study(scenario("fig2"), measure="max(abs(controller.e[1]))", stop_time=0.01)
-    said = warned(study.grid({"plant.wall_offset": [1.436, 1.44, 1.43]}))
+    said = warned(study.grid({"plant.wall_offset": [WALL, 1.42, 1.41]}))
     assert len(said) == 1
-    assert "plant.wall_offset = 1.44 m" in said[0]
+    assert "plant.wall_offset = 1.42 m" in said[0]
 
 
 def test_a_study_that_moves_both_walls_says_nothing() -> None:
