@@ -3,6 +3,8 @@
 from collections.abc import Callable
 from pathlib import Path
 
+import casadi as ca
+
 from adaptimp_fmu import ContinuousModel, build
 from tests.conformance.binary import ERROR, OK, Binary, Instance
 
@@ -40,7 +42,7 @@ def test_11_events_at_one_instant_are_all_seen(tmp_path: Path, create: Create) -
     model = ContinuousModel("Together", "Changes three modes at one instant", dt_max=1.0)
     x, y = model.state("x", 0.0), model.state("y", 0.0)
     rising, twice, falling = (model.event(f"e{i}", z) for i, z in enumerate((x - 0.25, 2 * x - 0.5, 0.25 - x)))
-    model.derivative(x, 1.0)
+    model.derivative(x, ca.SX(1.0))
     model.derivative(y, 1.0 * rising + 10.0 * twice + 100.0 * falling)
     model.output("y", y, description="Sum of the times in the modes")
     fmu = Binary(build(model, tmp_path, cache=tmp_path / "cache"), tmp_path / "unpacked")

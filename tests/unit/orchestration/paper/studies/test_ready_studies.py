@@ -11,7 +11,7 @@ import xarray as xr
 from orchestration import Study
 from orchestration.paper.calibrations import CHOSEN_CALIBRATION
 from orchestration.paper.claims import criteria
-from orchestration.paper.evidence import GAMMA_GRID_FACTORS, PSI_GRID
+from orchestration.paper.evidence import GAMMA_GRID_FACTORS
 from orchestration.paper.laboratory import Job
 from orchestration.paper.studies.gain_map import accurate, gain_map
 from orchestration.paper.studies.payload import payload_and_wall
@@ -37,11 +37,11 @@ def test_examples(function: Callable[..., Any], tmp_path: Path, monkeypatch: pyt
     assert not failures(function.__name__, function, tmp_path, monkeypatch)
 
 
-@pytest.mark.parametrize(("name", "good", "failed"), [("fig5", 3, 21), ("fig7", 32, 0)])
-def test_map_of_seven_is_that_of_c11(name: str, good: int, failed: int) -> None:
-    """As docs/claims.md counts them."""
+@pytest.mark.parametrize(("name", "good", "failed"), [("fig5", 6, 21), ("fig7", 41, 0)])
+def test_map_of_seven_goes_over_two_decades(name: str, good: int, failed: int) -> None:
+    """C11 asks the same of the part of these decades that both algorithms allow."""
     table = grid(gain_map(name))
-    assert table["Psi"].to_numpy().tolist() == list(PSI_GRID)
+    assert table["Psi"].to_numpy() == pytest.approx([100.0 * 10.0 ** (k / 3) for k in range(-3, 4)], rel=1e-12)
     if name == "fig5":
         assert table["Gamma"].to_numpy().tolist() == [
             factor * CHOSEN_CALIBRATION.values["Gamma_1"] for factor in GAMMA_GRID_FACTORS

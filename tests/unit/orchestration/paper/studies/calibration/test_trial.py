@@ -4,11 +4,12 @@ import numpy as np
 import pytest
 
 from orchestration.paper.calibrate import laboratory, noise_bound, torque_limits
-from orchestration.paper.calibrations import CHOSEN_CALIBRATION
+from orchestration.paper.calibrations import CHOSEN_CALIBRATION, FIRST, LARGEST
 from orchestration.paper.studies.calibration.trial import Bench
 from orchestration.paper.studies.native_runs import NativeLaboratory
 
-COARSE = {**CHOSEN_CALIBRATION.values, "sample_time": 5e-5, "noise_hold": 5e-5}
+# The chosen gains of F_c need a period of 1e-5 s, so the coarse runs have those of the earlier calibration.
+COARSE = {**FIRST.values, "sample_time": 5e-5, "noise_hold": 5e-5, "torque_reading": LARGEST}
 
 
 @pytest.fixture(scope="module")
