@@ -35,20 +35,25 @@ def _deviates_little(evidence: Evidence) -> Finding:
     return Finding(
         {**judged.deviation(evidence.noise), **judged.fluctuation(evidence.noise)},
         f"deviation, median: {text}; fluctuation, from the smallest to the largest value in contact: {fluctuation};"
-        f" of the range with seed 1 remains, without the straight line that fits best: {_without_line(evidence)}",
+        f" with seed 1: {_drifts(evidence)}",
     )
 
 
-def _without_line(evidence: Evidence) -> str:
-    """The range of m2_hat in contact with the first seed, and that without its straight line, by figure."""
+def _drifts(evidence: Evidence) -> str:
+    """How much of the range of m2_hat in contact is a drift with the first seed, by figure."""
     parts = []
     for name in FIGURES:
         result = evidence.results[name]
         touch, ticks = contact(result), result.tick_times(ESTIMATE)
         during = (ticks >= touch.first) & (ticks <= touch.last)
-        whole, rest = ranges(ticks[during], result.at_ticks(ESTIMATE)[during])
-        parts.append(f"{name} {rest:.3f} of {whole:.3f} kg")
+        parts.append(f"{name} {drift(*ranges(ticks[during], result.at_ticks(ESTIMATE)[during]))}")
     return ", ".join(parts)
+
+
+def drift(whole: float, rest: float) -> str:
+    """What a range, kg, and that without the straight line that fits best say: whether it is mostly a drift."""
+    told = "mostly a drift" if rest < whole / 2 else "not mostly a drift"
+    return f"{whole:.3f} kg, and {rest:.3f} kg without the straight line that fits best ({told})"
 
 
 def ranges(times: np.ndarray, values: np.ndarray) -> tuple[float, float]:
@@ -92,10 +97,11 @@ def _larger(evidence: Evidence, name: str) -> str:
 
 def by_how_much(ratio: float) -> str:
     """How much larger or smaller the median ratio of an error says that the error is, in words."""
+    if not ratio > 1:
+        return f"in the median not larger, but smaller by {100 * (1 - ratio):.1f} %"
+    size = f"{ratio:.2g} times as large" if ratio >= MANIFOLD else f"larger by {100 * (ratio - 1):.1f} %"
     clear = "clearly" if ratio >= limits.CLEARLY_LARGER.limit else "not clearly"
-    if ratio >= MANIFOLD:
-        return f"{clear} larger, {ratio:.2g} times as large"
-    return f"{clear} larger, by {100 * (ratio - 1):.1f} %" if ratio > 1 else f"smaller, by {100 * (1 - ratio):.1f} %"
+    return f"in the median {size}, {clear} larger"
 
 
 def _less_torque(evidence: Evidence) -> Finding:
@@ -134,13 +140,10 @@ def _slightly_larger(evidence: Evidence) -> Finding:
 
 
 def slight_in_length(before: float, after: float) -> str:
-    """That a ratio of median errors, m, is not slight where it is large, as the end of a sentence."""
+    """That median errors, m, have a large ratio where they have one, as a sentence after another."""
     if after < MANIFOLD * before:
         return ""
-    return (
-        f". The median |e| in contact is {after / before:.2g} times that of fig5, so it is slightly larger as a length,"
-        " and not as a ratio"
-    )
+    return f". The median |e| in contact is {after / before:.2g} times that of fig5, which the allowance does not count"
 
 
 def _fixed_inverse(evidence: Evidence) -> Finding:

@@ -127,9 +127,8 @@ def _section(claim: Claim, strength: Strength) -> str:
         f"- Measured: {claim.measured}.",
         f"- Runs: {claim.runs}.",
     ]
-    if found.seeds:
-        seeds = f"{_share(found.seeds[CHOSEN])} of {found.seeds[CHOSEN].n}" if CHOSEN in found.seeds else "none"
-        lines.append(f"- Single seeds at which it holds: {seeds}.")
+    if CHOSEN in found.seeds:
+        lines.append(f"- Single seeds at which it holds: {_share(found.seeds[CHOSEN])} of {found.seeds[CHOSEN].n}.")
     if claim.id in _COMPARED:
         lines += _effects(_COMPARED[claim.id], strength)
     if found.space is not None:

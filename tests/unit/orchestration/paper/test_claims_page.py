@@ -70,6 +70,7 @@ def test_seeds_at_other_values_of_a_calibration_are_left_out() -> None:
     assert "The kept shares of the seeds at `section-v` were measured with other values" in text
     assert "99.0 %" not in text
     assert "Over 1000 seeds" not in text
+    assert "Single seeds" not in text
     assert "50.0 % (49.0 to 51.0) | Psi_1 20% |" in text
     assert "were measured with other values" not in as_markdown([claim("C1", HOLDS)], {}, STRENGTH)
     (record,) = as_records([claim("C1", HOLDS)], {}, stale)

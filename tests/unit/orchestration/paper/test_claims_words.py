@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from orchestration.paper.claims.adaptive import by_how_much, ranges, slight_in_length
+from orchestration.paper.claims.adaptive import by_how_much, drift, ranges, slight_in_length
 from orchestration.paper.claims.motion import pressed
 from orchestration.paper.claims.theory import bounded, steps
 
@@ -36,10 +36,10 @@ def test_c3b_says_which_force_is_larger() -> None:
 @pytest.mark.parametrize(
     ("ratio", "expected"),
     [
-        (16.629, "clearly larger, 17 times as large"),
-        (1.322, "clearly larger, by 32.2 %"),
-        (1.001, "not clearly larger, by 0.1 %"),
-        (0.9, "smaller, by 10.0 %"),
+        (16.629, "in the median 17 times as large, clearly larger"),
+        (1.322, "in the median larger by 32.2 %, clearly larger"),
+        (1.001, "in the median larger by 0.1 %, not clearly larger"),
+        (0.9, "in the median not larger, but smaller by 10.0 %"),
     ],
 )
 def test_c7_and_c10_say_by_how_much(ratio: float, expected: str) -> None:
@@ -57,3 +57,5 @@ def test_a_drift_is_taken_from_the_range_of_the_estimate() -> None:
     whole, rest = ranges(times, 0.5 * times + ripple)
     assert whole == pytest.approx(0.12, abs=0.01)
     assert rest == pytest.approx(0.02, abs=1e-3)
+    assert drift(whole, rest).endswith("(mostly a drift)")
+    assert drift(0.088, 0.093).endswith("(not mostly a drift)")

@@ -130,8 +130,9 @@ def test_a_run_without_saturated_ticks_outside_of_the_region_says_nothing_of_it(
 def test_the_excess_is_told_beside_v_at_the_first_saturated_tick() -> None:
     """Beyond (28) by 0.05 at one of two saturated ticks, where V is half of V(0)."""
     made = run([1, 0.5, 0.6, 0.001], [0, 0.05, -0.5, 0], [0, 5, 5, 0])
-    assert "beyond (28) at 50.0% of them; in all V_c rises beyond (28) by 5.0e-02 of V_c(0), which is 0.1 of V_c" in (
-        described(made)
+    assert (
+        "beyond (28) at 50.0% of them; in all V_c rises beyond (28) by 5.0e-02 of V_c(0), which is 0.1 times V_c"
+        in (described(made))
     )
 
 
