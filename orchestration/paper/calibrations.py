@@ -38,6 +38,12 @@ class Calibration:
     noise_bound: float
     torque_limits: tuple[float, float]
 
+    @property
+    def numbers(self) -> Mapping[str, float]:
+        """All numbers of the calibration, by name: two calibrations with the same ones give the same runs."""
+        limits = {f"torque_limit_{joint}": limit for joint, limit in enumerate(self.torque_limits, start=1)}
+        return {**self.values, "noise_bound": self.noise_bound, **limits}
+
 
 _SIMPLEST: Setting = {
     "noise_share": 0.15,

@@ -35,6 +35,22 @@ def paired_effect(values: Sequence[float] | np.ndarray, than: Sequence[float] | 
     return Effect(float(np.median(ratios)), low, high, Share(int((ratios > 1).sum()), len(ratios)))
 
 
+def shown(ratio: float) -> str:
+    """A ratio with as many digits as tell it from 1, and three decimals at least; three digits from 2 on.
+
+    Examples
+    --------
+    >>> from orchestration.paper.effect import shown
+    >>> shown(1.097), shown(1.0002), shown(16.629)
+    ('1.097', '1.0002', '16.6')
+    """
+    if ratio >= 2:
+        return f"{ratio:.3g}"
+    distance = abs(ratio - 1)
+    digits = min(6, max(3, int(np.ceil(-np.log10(distance))))) if distance > 0 else 3
+    return f"{ratio:.{digits}f}"
+
+
 def median_interval(ordered: np.ndarray) -> tuple[float, float]:
     """Interval of the median of which n ordered values are a sample, with a confidence of at least `LEVEL`.
 

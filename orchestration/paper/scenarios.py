@@ -37,6 +37,8 @@ from orchestration.paper.numbers import (
 )
 from orchestration.system.system import System
 
+_FAILS = {"dropout": "drops out", "stuck": "sticks", "spike": "has a spike"}  # what the sensor does, by failure
+
 
 @dataclass(frozen=True)
 class Value:
@@ -248,7 +250,7 @@ class _Made:
             **_vector("sensor.failure_force", tuple(force), "assumed: larger than the peak of the contact force"),
         }
         models = {**scenario.models, "sensor": FAILING_SENSOR}
-        caption = f"{scenario.caption}; the force sensor has a {kind} in the midst of the contact"
+        caption = f"{scenario.caption}; the force sensor {_FAILS[kind]} in the midst of the contact"
         return replace(scenario, name=name, caption=caption, models=models, values={**scenario.values, **failure})
 
     def with_payload(self) -> tuple[Scenario, ...]:

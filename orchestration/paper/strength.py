@@ -6,12 +6,13 @@ this package. Measuring them takes an hour, so they come with the package.
 
 import json
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
 from adaptimp_fmu.files.whole_file import write_whole
+from orchestration.paper.calibrations import Calibration
 from orchestration.paper.share import Share
 
 NAME = "strength.json"
@@ -87,12 +88,43 @@ class Strength:
         By claim.
     effects
         By the name of a calibration, and by what is compared, such as ``fig6/fig5 e_contact``.
+    calibrations
+        Numbers of the calibrations that the seeds were judged at, by name, as `Calibration.numbers` gives them.
     """
 
     settings: int
     seeds: Mapping[str, int]
     claims: Mapping[str, ClaimStrength]
     effects: Mapping[str, Mapping[str, Effect]]
+    calibrations: Mapping[str, Mapping[str, float]]
+
+    def stale(self, present: Mapping[str, Calibration]) -> list[str]:
+        """Names of the calibrations whose seeds were judged at other numbers than those of today.
+
+        Parameters
+        ----------
+        present
+            The calibrations of today, by name.
+        """
+        return [
+            name
+            for name in self.seeds
+            if name not in present or dict(self.calibrations[name]) != dict(present[name].numbers)
+        ]
+
+    def at(self, present: Mapping[str, Calibration]) -> "Strength":
+        """The same without what was measured over seeds at other numbers than those of the calibrations of today."""
+        kept = self.seeds.keys() - self.stale(present)
+        claims = {
+            claim: replace(one, seeds={name: share for name, share in one.seeds.items() if name in kept})
+            for claim, one in self.claims.items()
+        }
+        return replace(
+            self,
+            seeds={name: n for name, n in self.seeds.items() if name in kept},
+            claims=claims,
+            effects={name: found for name, found in self.effects.items() if name in kept},
+        )
 
     def write(self, path: Path) -> None:
         """Write the numbers as JSON."""
@@ -107,7 +139,7 @@ class Strength:
             calibration: {name: effect_from(one) for name, one in found.items()}
             for calibration, found in record["effects"].items()
         }
-        return cls(record["settings"], record["seeds"], claims, effects)
+        return cls(record["settings"], record["seeds"], claims, effects, record["calibrations"])
 
 
 def read_strength() -> Strength:

@@ -64,7 +64,7 @@ def contact_effects(noise: Noise, name: str, than: str = "fig5") -> tuple[Effect
     )
 
 
-def surely_larger(effect: Effect) -> float:
+def lower_end(effect: Effect) -> float:
     """The ratio that must exceed 1: the lower end of the interval, or the median of too few pairs for an interval."""
     return effect.low if np.isfinite(effect.low) else effect.median
 
@@ -73,8 +73,8 @@ def saturation(noise: Noise) -> Values:
     """C7: errors of Fig. 6 against those of Fig. 5, and their bounds."""
     e, force = contact_effects(noise, "fig6")
     return {
-        limits.SATURATED_ERROR: surely_larger(e),
-        limits.SATURATED_FORCE: surely_larger(force),
+        limits.SATURATED_ERROR: lower_end(e),
+        limits.SATURATED_FORCE: lower_end(force),
         limits.BOUNDED_ERROR: spread(noise["fig6"], lambda s: s.e_max)[1],
         limits.END: spread(noise["fig6"], lambda s: s.end)[1],
     }
@@ -105,9 +105,9 @@ def contact_errors(noise: Noise) -> Values:
     f1, f2 = (spread(s, lambda x: x.force_error)[0] for s in (one, two))
     e, force = contact_effects(noise, "fig7")
     return {
-        limits.LARGER_ERROR: surely_larger(e),
+        limits.LARGER_ERROR: lower_end(e),
         limits.SLIGHTLY_LARGER_ERROR: e2 - e1,
-        limits.LARGER_FORCE: surely_larger(force),
+        limits.LARGER_FORCE: lower_end(force),
         limits.SLIGHTLY_LARGER_FORCE: f2 - f1,
     }
 

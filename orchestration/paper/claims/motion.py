@@ -62,9 +62,17 @@ def _wrong_mass_force(evidence: Evidence) -> Finding:
     return Finding(
         {limits.WRONG_MASS_FORCE: max(peaks[1] / peaks[0], steady[1] / steady[0])},
         f"peak force {peaks[1]:.0f} N with m2 = {WRONG_M2:g} kg and {peaks[0]:.0f} N with {TRUE_M2:g} kg, mean force"
-        f" after the impact {steady[1]:.1f} and {steady[0]:.1f} N: a heavier model presses no harder, so what degrades"
-        " is the tracking",
+        f" after the impact {steady[1]:.1f} and {steady[0]:.1f} N{pressed(peaks, steady)}",
     )
+
+
+def pressed(peaks: tuple[float, float], steady: tuple[float, float]) -> str:
+    """What peak and steady forces with the true and with the wrong mass say, as the end of a sentence."""
+    harder = [name for name, (true, wrong) in (("peak", peaks), ("mean", steady)) if wrong > true]
+    if harder:
+        verb = "is" if len(harder) == 1 else "are"
+        return f": with the heavier model the {' and the '.join(harder)} force {verb} larger"
+    return ": a heavier model presses no harder, so what degrades is the tracking"
 
 
 def _tirt_only_in_contact(evidence: Evidence) -> Finding:

@@ -32,9 +32,10 @@ def _counts(evidence: Evidence, *, accurately: bool) -> tuple[dict[str, int], st
     }
     total = len(evidence.sensitivity["fig5"])
     failed = {name: sum(s is None for _, _, s in rows) for name, rows in evidence.sensitivity.items()}
+    compared = "as many" if counts["fig7"] == counts["fig5"] else "more" if counts["fig7"] > counts["fig5"] else "fewer"
     return counts, (
-        f"algorithm 1 {counts['fig5']} of {total}, algorithm 2 {counts['fig7']} of {total}; {failed['fig5']} and"
-        f" {failed['fig7']} runs failed"
+        f"algorithm 1 {counts['fig5']} of {total}, algorithm 2 {counts['fig7']} of {total}, {compared};"
+        f" {failed['fig5']} and {failed['fig7']} runs failed"
     )
 
 

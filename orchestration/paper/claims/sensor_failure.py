@@ -110,7 +110,8 @@ def _in_words(errors: Mapping[str, list[Errors]]) -> str:
         if whole:
             told.append(f"{1e3 * max(one.largest for one in whole):.3g} mm")
             told.append(f"{1e3 * max(one.end for one in whole):.2g} mm at the end")
-            told.append(f"m2_hat >= {min(one.least for one in whole):.2g} kg")
+            least = min(one.least for one in whole)
+            told.append(f"m2_hat {'>=' if least >= 0 else 'falls to the negative mass of'} {least:.2g} kg")
         if len(whole) < len(some):
             told.append(f"{len(some) - len(whole)} of {len(some)} runs end with an error")
         parts.append(f"{name} {', '.join(told)}")

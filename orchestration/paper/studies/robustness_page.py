@@ -4,11 +4,11 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from orchestration.paper.calibrations import CHOSEN_CALIBRATION
+from orchestration.paper.calibrations import CALIBRATIONS, CHOSEN_CALIBRATION
 from orchestration.paper.studies.claims_at import RUNS
 from orchestration.paper.studies.open_values import settings
 from orchestration.paper.studies.pages.claims import CLAIMS, claim_section, gains, overview, sensitivity
-from orchestration.paper.studies.pages.seeds import over_seeds
+from orchestration.paper.studies.pages.seeds import left_out, over_seeds
 from orchestration.paper.studies.pages.text import percent, table
 from orchestration.paper.studies.pages.together import at_odds, best, together
 from orchestration.paper.studies.pages.values import open_values
@@ -30,7 +30,8 @@ def page(answers: np.ndarray, search: Search, seeds: Mapping[str, OverSeeds]) ->
     search
         The verdicts at the chosen values, and the best settings found.
     seeds
-        The verdicts over many seeds, by the name of a calibration.
+        The verdicts over many seeds, by the name of a calibration; those at other numbers than the calibration has
+        today are left out.
     """
     columns = dict(zip(COLUMNS, answers.T, strict=True))
     points = dict(settings(len(answers)))
@@ -39,8 +40,10 @@ def page(answers: np.ndarray, search: Search, seeds: Mapping[str, OverSeeds]) ->
         sections.append(claim_section(claim, columns, points))
         if claim == "C14c":
             sections.append(gains(columns))
-    chosen = seeds.get(CHOSEN_CALIBRATION.name)
-    verdicts = {**search.chosen.verdicts, **(chosen.together if chosen else {})}
+    present = {name: found for name, found in seeds.items() if found.is_of(CALIBRATIONS[name])}
+    chosen = present.get(CHOSEN_CALIBRATION.name)
+    searched = search.chosen.verdicts if dict(search.chosen.setting) == dict(CHOSEN_CALIBRATION.values) else {}
+    verdicts = {**searched, **(chosen.together if chosen else {})}
     parts_of_page = [
         _head(len(answers)),
         open_values(),
@@ -51,7 +54,7 @@ def page(answers: np.ndarray, search: Search, seeds: Mapping[str, OverSeeds]) ->
         *sections,
         sensitivity(columns, points),
         _failures(columns),
-        *(over_seeds(name, found) for name, found in seeds.items()),
+        *(over_seeds(name, found) if name in present else left_out(name, found) for name, found in seeds.items()),
         _OTHER,
     ]
     return "\n".join(parts_of_page)

@@ -43,12 +43,19 @@ class OverSeeds:
         worst of all.
     effects
         How much larger the errors of Figs. 6 and 7 are than those of Fig. 5, such as ``fig6/fig5 e_contact``.
+    numbers
+        Numbers of the calibration, as `Calibration.numbers` gives them.
     """
 
     n: int
     yes: Mapping[str, int]
     together: Mapping[str, bool]
     effects: Mapping[str, Effect]
+    numbers: Mapping[str, float]
+
+    def is_of(self, calibration: Calibration) -> bool:
+        """Whether the seeds were judged at the numbers that a calibration has today."""
+        return dict(self.numbers) == dict(calibration.numbers)
 
     def share(self, claim: str) -> Share:
         """The share of the seeds at which a claim holds."""
@@ -91,11 +98,11 @@ def over_seeds(laboratory: Runner, calibration: Calibration, n: int, pool: Execu
         chain.adaptive()
         return Row({**chain.numbers, **fixed}, chain.failures)
 
-    return judged_over(list(pool.map(row, range(1, n + 1))))
+    return judged_over(list(pool.map(row, range(1, n + 1))), calibration)
 
 
-def judged_over(rows: Sequence[Row]) -> OverSeeds:
-    """Judge the claims by the rows of some seeds."""
+def judged_over(rows: Sequence[Row], calibration: Calibration) -> OverSeeds:
+    """Judge the claims by the rows of some seeds at a calibration."""
     alone = [verdicts(Evidence([row])) for row in rows]
     together = verdicts(Evidence(rows))
     effects = {}
@@ -105,7 +112,7 @@ def judged_over(rows: Sequence[Row]) -> OverSeeds:
             complete = pairs[~np.isnan(pairs).any(axis=1)]
             effects[f"{figure}/{than} {error}"] = paired_effect(complete[:, 0], complete[:, 1])
     yes = {claim: sum(found[claim] for found in alone) for claim in CLAIMS}
-    return OverSeeds(len(rows), yes, {claim: together[claim] for claim in CLAIMS}, effects)
+    return OverSeeds(len(rows), yes, {claim: together[claim] for claim in CLAIMS}, effects, dict(calibration.numbers))
 
 
 def _chain(laboratory: Runner, calibration: Calibration, seed: int) -> Chain:

@@ -33,7 +33,13 @@ def strength_of(answers: np.ndarray, seeds: Mapping[str, OverSeeds]) -> Strength
     claims = {name: _strength(name, columns[name], points, seeds) for name in QUESTIONS}
     claims[ALL] = ClaimStrength(share(np.all([columns[claim] == 1 for claim in SECTION_V], axis=0)))
     effects = {name: found.effects for name, found in seeds.items()}
-    return Strength(len(answers), {name: found.n for name, found in seeds.items()}, claims, effects)
+    return Strength(
+        len(answers),
+        {name: found.n for name, found in seeds.items()},
+        claims,
+        effects,
+        {name: found.numbers for name, found in seeds.items()},
+    )
 
 
 def _strength(

@@ -25,7 +25,7 @@ SENTENCES: Mapping[str, str] = {
     "C10": "errors of algorithm 2 in contact are slightly larger than those of algorithm 1 without saturation",
     "C12b": "m2_hat may be updated at a lower rate",
     "C13": "the TIRT need only be integrated during contact",
-    "C14a": "V_c decreases during contact",
+    "C14a": "V_c does not grow during contact (the order of its rises in the sampling period is not asked here)",
     "C14b": "V_s decreases where s is at least delta/k_d, and s and e keep their bounds",
     "C14c": "a larger K_d gives a smaller s, from m2_hat = 2.5 kg on",
     "C16": "the variant with a fixed inverse does the same task",

@@ -25,6 +25,19 @@ interval of its median, at 95 %, from order statistics.
 {table(("errors", "median ratio", "interval", "share of the seeds in which it is above 1"), effects)}"""
 
 
+def left_out(calibration: str, found: OverSeeds) -> str:
+    """What stands in the place of verdicts that were measured with other values of a calibration."""
+    return f"""## Seeds at the calibration `{calibration}`
+
+The kept verdicts over {found.n:,} seeds were measured with other values than the calibration has now, so they are left
+out here.
+
+    uv run python -m orchestration.paper.studies.robustness --seeds {found.n} --calibration {calibration}
+
+measures them again.
+"""
+
+
 def _by_chance(found: OverSeeds) -> str:
     """What single seeds say of claims that compare errors, and that all seeds refute."""
     said = ", and ".join(

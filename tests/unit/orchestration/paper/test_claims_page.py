@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import pytest
 
+from orchestration.paper.calibrations import CALIBRATIONS
 from orchestration.paper.claims.claim import HOLDS, NO_RUNS, NOT_REPRODUCED, Claim
 from orchestration.paper.claims.page import as_markdown, as_records, word
 from orchestration.paper.share import Share
@@ -25,8 +26,11 @@ STRENGTH = Strength(
         "C3a": ClaimStrength(Share(1, 10000)),
         "C4": ClaimStrength(Share(0, 10000), {"first": Share(15, 30)}),
         "C5": ClaimStrength(None),
+        "C7": ClaimStrength(Share(5000, 10000)),
+        "C7 clearly": ClaimStrength(Share(400, 10000)),
     },
     effects={"section-v": {"fig6/fig5 e_contact": Effect(1.08, 1.01, 1.13, Share(650, 1000))}},
+    calibrations={name: calibration.numbers for name, calibration in CALIBRATIONS.items()},
 )
 
 
@@ -38,6 +42,7 @@ STRENGTH = Strength(
         (claim("C3a", NOT_REPRODUCED), "fails here, holds elsewhere"),
         (claim("C4", NOT_REPRODUCED), "holds nowhere in the space searched"),
         (claim("C5", HOLDS), "holds here"),
+        (claim("C7", HOLDS), "holds at the calibration only"),  # clearly larger in 4 % of the space
         (claim("C6", NOT_REPRODUCED), "fails here"),
         (claim("C15", HOLDS, NO_RUNS), "holds"),
     ],
@@ -57,6 +62,29 @@ def test_every_link_of_the_table_leads_to_a_heading() -> None:
     assert "2 of 3 claims hold at the calibration." in text
     assert "99.0 % (98.2 to 99.5) | 50.0 % (49.0 to 51.0) | Psi_1 20% |" in text
     assert "| C4 | not reproduced | not reproduced | 50.0 % (33.2 to 66.8) |" in text
+
+
+def test_seeds_at_other_values_of_a_calibration_are_left_out() -> None:
+    stale = replace(STRENGTH, calibrations={**STRENGTH.calibrations, "section-v": {"depth": 1.0}})
+    text = as_markdown([claim("C1", HOLDS), claim("C7", HOLDS)], {}, stale)
+    assert "The kept shares of the seeds at `section-v` were measured with other values" in text
+    assert "99.0 %" not in text
+    assert "Over 1000 seeds" not in text
+    assert "Single seeds" not in text
+    assert "50.0 % (49.0 to 51.0) | Psi_1 20% |" in text
+    assert "were measured with other values" not in as_markdown([claim("C1", HOLDS)], {}, STRENGTH)
+    (record,) = as_records([claim("C1", HOLDS)], {}, stale)
+    assert record["seeds"] == {}
+
+
+def test_shares_near_the_least_one_have_two_digits() -> None:
+    text = as_markdown([claim("C2", HOLDS)], {}, STRENGTH)
+    assert "4.99 % (4.58 to 5.43)" in text
+
+
+def test_words_of_claims_that_compare_figures_count_what_is_clearly_larger() -> None:
+    text = as_markdown([claim("C7", HOLDS)], {}, STRENGTH)
+    assert "too, at 4.0 % (3.6 to 4.4) of 10000 settings. The word counts these." in text
 
 
 def test_records_carry_the_strength() -> None:

@@ -7,7 +7,7 @@ import pytest
 
 from orchestration.paper.claims import criteria
 from orchestration.paper.claims.claim import HOLDS, NOT_REPRODUCED, Finding, Question
-from orchestration.paper.claims.saturation import CRITERIA, described, judge
+from orchestration.paper.claims.saturation import CRITERIA, cause, described, judge
 from orchestration.paper.evidence import Evidence
 from orchestration.paper.saturation import Along, Region, mobility_norm, region, tip_force
 
@@ -117,6 +117,33 @@ def test_each_criterion_of_c20_can_fail(
     values = judge(made)
     assert [criterion for criterion in CRITERIA if not criterion.met(values[criterion])] == [broken]
     assert verdict(made) == NOT_REPRODUCED
+
+
+def test_a_run_without_saturated_ticks_outside_of_the_region_says_nothing_of_it() -> None:
+    made = run([1, 0.5, 0.6, 0.001], [0, 1, 0.5, 0], [0, 5, 5, 0])
+    values = judge(made)
+    assert [criterion for criterion in CRITERIA if not criterion.met(values[criterion])] == [criteria.RISES_OUTSIDE]
+    assert verdict(made) == NOT_REPRODUCED
+    assert "none of them lies outside" in described(made)
+
+
+def test_the_excess_is_told_beside_v_at_the_first_saturated_tick() -> None:
+    """Beyond (28) by 0.05 at one of two saturated ticks, where V is half of V(0)."""
+    made = run([1, 0.5, 0.6, 0.001], [0, 0.05, -0.5, 0], [0, 5, 5, 0])
+    assert (
+        "beyond (28) at 50.0% of them; in all V_c rises beyond (28) by 5.0e-02 of V_c(0), which is 0.1 times V_c"
+        in (described(made))
+    )
+
+
+def test_sampling_is_blamed_only_if_a_shorter_period_comes_nearer_to_the_bound() -> None:
+    half = run([1, 0.5, 0.6, 0.001], [0, 0.05, -0.5, 0], [0, 5, 5, 0])
+    kept = run([1, 0.5, 0.6, 0.001], [0, 1, -0.5, 0], [0, 5, 5, 0])
+    unsaturated = run([1, 0.5], [1, 1], [0, 0])
+    assert "at least a part of the cause" in cause(half, kept)
+    assert "do not show that sampling is the cause" in cause(half, half)
+    assert "do not show that sampling is the cause" in cause(half, unsaturated)
+    assert cause(kept, half) == "dV_c/dt keeps (28) at all saturated ticks of fig6"
 
 
 def test_a_run_without_saturation_says_nothing() -> None:

@@ -47,7 +47,7 @@ def test_c19_tells_of_runs_that_end_with_an_error() -> None:
     errors = {HEALTHY: [Errors(1e-3, 1e-6, 0.9)] * 2, "spike": [Errors(4e-3, 1e-6, -2.0), ended]}
     assert judge(errors).measured.endswith(
         "healthy 1 mm, 0.001 mm at the end, m2_hat >= 0.9 kg;"
-        " spike 4 mm, 0.001 mm at the end, m2_hat >= -2 kg, 1 of 2 runs end with an error"
+        " spike 4 mm, 0.001 mm at the end, m2_hat falls to the negative mass of -2 kg, 1 of 2 runs end with an error"
     )
 
 

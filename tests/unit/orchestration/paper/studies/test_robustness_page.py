@@ -1,8 +1,11 @@
 """The page of the robustness study, from a table whose shares are known."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from orchestration.paper.calibrations import CHOSEN_CALIBRATION
 from orchestration.paper.effect import paired_effect
 from orchestration.paper.studies.claims_at import COSTLY as COSTLY_QUESTIONS
 from orchestration.paper.studies.claims_at import QUESTIONS
@@ -19,7 +22,9 @@ from orchestration.paper.studies.together import CHOSEN_ORIGIN, Judged, Search
 N, ASKED = 256, 64
 EFFECTS = {"fig6/fig5 e_contact": paired_effect([1.1, 1.2, 1.3, 1.4, 1.5, 0.9], np.ones(6))}
 TOGETHER = {**dict.fromkeys(CLAIMS, True), "C7": False, "C13": False}
-SEEDS = OverSeeds(1000, {**dict.fromkeys(CLAIMS, 1000), "C8": 960}, TOGETHER, EFFECTS)
+SEEDS = OverSeeds(1000, {**dict.fromkeys(CLAIMS, 1000), "C8": 960}, TOGETHER, EFFECTS, CHOSEN_CALIBRATION.numbers)
+
+OF_OTHERS = replace(SEEDS, n=30)
 
 
 def table() -> np.ndarray:
@@ -39,7 +44,21 @@ def text() -> str:
     del verdicts["C14c"]
     chosen = Judged(CHOSEN_ORIGIN, CHOSEN, verdicts)
     best = Judged("near setting 5", CHOSEN, dict.fromkeys(QUESTIONS, True))
-    return page(table(), Search(chosen, (best, chosen), N, 512, 300), {"section-v": SEEDS})
+    return page(table(), Search(chosen, (best, chosen), N, 512, 300), {"section-v": SEEDS, "first": OF_OTHERS})
+
+
+def test_seeds_at_other_values_are_left_out(text: str) -> None:
+    assert "1,000 seeds at the calibration `section-v`" in text
+    assert "seeds at the calibration `first`\n\n    uv run" not in text
+    assert "The kept verdicts over 30 seeds were measured with other values than the calibration has now" in text
+
+
+def test_verdicts_at_other_values_than_the_chosen_ones_are_left_out() -> None:
+    verdicts = dict.fromkeys(QUESTIONS, True)
+    moved = Judged(CHOSEN_ORIGIN, {**CHOSEN, "depth": 9e-3}, verdicts)
+    text = page(table(), Search(moved, (moved,), N, 512, 300), {})
+    row = next(line for line in text.splitlines() if line.startswith("| [C9]"))
+    assert "| not judged here |" in row
 
 
 def test_shares_and_words(text: str) -> None:

@@ -1,5 +1,6 @@
 """docs/calibration.md is what docs/calibration.json gives, and a small part of the search repeats."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -8,11 +9,12 @@ from orchestration.paper.calibrate import laboratory
 from orchestration.paper.calibrations import CALIBRATIONS, CHOSEN_CALIBRATION, FIRST
 from orchestration.paper.studies.calibration import search
 from orchestration.paper.studies.calibration.page import page
-from orchestration.paper.studies.calibration.record import Record
+from orchestration.paper.studies.calibration.record import Period, Record
 from orchestration.paper.studies.calibration.space import starts
 from orchestration.paper.studies.fixed_values import FIXED
 from orchestration.paper.studies.native_runs import NativeLaboratory
 from orchestration.paper.studies.open_values import EARLIER, OPEN_VALUES
+from orchestration.paper.studies.pages.text import filled
 
 DOCS = Path(__file__).parents[6] / "docs"
 
@@ -52,6 +54,26 @@ def test_everything_that_is_open_is_on_the_page(record: Record) -> None:
         assert value.reason in text
     for fixed in FIXED:
         assert f"| {fixed.name} | {fixed.value} |" in text
+
+
+def test_the_sentence_on_the_sampling_period_has_the_numbers_of_the_record(record: Record) -> None:
+    moved = replace(record, periods=(Period(2e-5, 0, 0.1, 0.123), Period(1e-5, 0, 0.01, 0.045)))
+    sentence = (
+        "At 2e-05 s m2_hat is off by up to 12.3% in contact of Fig. 5, at 1e-05 s by up to 4.5%, and C5 allows 20%."
+    )
+    assert sentence in " ".join(page(moved).split())
+
+
+def test_paragraphs_have_lines_of_even_length() -> None:
+    given = (
+        "# Title\n\nOne\ntwo.\n\n    code\n    code\n| a |\n| b |\n- item\n  goes on\n- next\n1. first\n   goes on\n"
+    )
+    assert filled(given) == (
+        "# Title\n\nOne two.\n\n    code\n    code\n| a |\n| b |\n- item goes on\n- next\n1. first goes on\n"
+    )
+    long = filled("- " + "word " * 50)
+    assert len(long.partition("\n")[0]) > 110
+    assert long.split("\n")[1].startswith("  word")
 
 
 def test_a_small_part_of_the_search_repeats(record: Record) -> None:
