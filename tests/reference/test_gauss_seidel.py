@@ -12,6 +12,7 @@ import pytest
 
 from orchestration import Options, System, simulate
 from orchestration.paper.built_fmus import fmus
+from orchestration.paper.calibrations import CHOSEN_CALIBRATION
 from orchestration.paper.scenarios import SCENARIOS
 from tests.reference.monolithic import Setup, simulate_reference
 
@@ -32,6 +33,8 @@ def reference(m2: float, sample_time: float) -> dict[str, np.ndarray]:
         p_start=(2.0, m2, 0.0, 0.0, 0.0, 0.0),
         B=(CRITICAL_DAMPING, CRITICAL_DAMPING),
         sample_time=sample_time,
+        wall_offset=CHOSEN_CALIBRATION.values["wall_offset"],
+        depth=CHOSEN_CALIBRATION.values["depth"],
     )
     return simulate_reference(setup)
 
