@@ -94,8 +94,8 @@ class Controller:
             What the user is to do, for the message.
         """
         sentence = (
-            f"{name} is singular by the masses {masses}[1] to {masses}[{self.arm.n}], and the control law needs its"
-            f" inverse; {advice}. Size of a pivot of {name}, kg.m2"
+            f"{name} is singular because of the masses {masses}[1] to {masses}[{self.arm.n}], and the control law needs"
+            f" its inverse; {advice}. Size of a pivot of {name}, kg.m2"
         )
         _, pivots = factors_spd(H)
         for pivot in pivots:

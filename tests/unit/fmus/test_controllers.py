@@ -68,7 +68,7 @@ def test_a_model_without_mass_is_named_by_laws_that_invert_its_inertia(
         masses = masses | {"p_start[3]": 0.0}
     last = 3 if controller == "HoganImpedance3R" else 2
     sentence = (
-        rf"^{inertia} is singular by the masses {variable}\[1\] to {variable}\[{last}\],.*"
+        rf"^{inertia} is singular because of the masses {variable}\[1\] to {variable}\[{last}\],.*"
         rf" Size of a pivot of {inertia}, kg\.m2 \(value 0, must be positive\)\.$"
     )
     require_refused(open_fmu(controller), masses, sentence)
@@ -87,7 +87,7 @@ def test_an_estimate_without_mass_is_named(open_fmu: Open) -> None:
     driver = open_fmu(CRAIG)
     driver.initialize({"Gamma[2]": 5e4, "projection": True})
     with pytest.raises(
-        RefusedError, match=r"H_hat is singular by the masses p_hat\[1\] to .* projection with p_min > 0"
+        RefusedError, match=r"H_hat is singular because of the masses p_hat\[1\] to .* projection with p_min > 0"
     ):
         fall(driver)
     assert driver.get("p_hat[2]")[0] > 0  # the last tick that was accepted
