@@ -38,6 +38,8 @@ from orchestration.paper.studies.open_values import EARLIER
 RECORD, PAGE = "calibration.json", "calibration.md"
 PERIODS = (1e-4, 5e-5, 2e-5, 1e-5)  # s
 PERIOD_SEEDS = range(1, 7)
+KNOWN = (EARLIER, FIRST.values, CHOSEN_CALIBRATION.values)
+"""Settings that the search starts from: one by others, and the calibrations, which earlier searches have found."""
 NUDGES = tuple(1e-14 * k for k in range(-20, 21))  # rad, added to the arm's first angle at the start
 Tell = Callable[[str], None]
 
@@ -86,7 +88,7 @@ def deviations(lab: Laboratory) -> tuple[Period, ...]:
 
 def searched(lab: Runner, pool: Executor, tell: Tell) -> Found:
     """The search, from the settings that are known."""
-    return search(lab, (EARLIER, FIRST.values), pool, tell)
+    return search(lab, KNOWN, pool, tell)
 
 
 def proved(lab: Runner, pool: Executor, tell: Tell) -> Mapping[str, Proof]:

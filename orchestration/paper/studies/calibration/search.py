@@ -1,7 +1,8 @@
 """Searches for the calibration: many settings with one seed, the best of them improved, and those put to the proof.
 
 1. *Look*: settings that are known to be good, Sobol points around them and Sobol points anywhere, each with one seed.
-2. *Improve*: an evolution strategy from the best of these on, over `SEEDS` seeds. A setting that
+   The best of them are tried over `SEEDS` seeds.
+2. *Improve*: an evolution strategy from the best of these on, over the same seeds. A setting that
    breaks much with one seed is not tried with more.
 3. *Prove*: the best settings that differ from one another, rounded, over 30 seeds and with all values changed by up to
    5 %. The one that keeps all sentences most often is the first.
@@ -31,6 +32,7 @@ SCREEN = 2.0  # cost with one seed from which more seeds are not worth their tim
 SCREENED = 1e2  # is added to such a cost
 OFFSPRING, GENERATIONS, SPREAD = 10, 16, 0.1
 ANYWHERE, AROUND, WIDTH = 16, 16, 0.3
+STARTS = 6  # settings of the first step that are tried over all seeds: one seed alone ranks them by chance
 PROVED, APART = 3, 0.1  # settings that are put to the proof, and their least distance in the shares
 RANDOM_SEED = 1991
 REPEATED = 3
@@ -97,7 +99,7 @@ class Found:
     held_at_first
         Number of those at which all sentences hold with one seed.
     tried
-        Number of settings of the second step that were tried over all its seeds.
+        Number of settings that were tried over all seeds of the second step.
     held
         Number of those at which all sentences hold.
     cheaper, visibly_worse, both, all_visibly
@@ -135,7 +137,10 @@ def search(laboratory: Runner, known: Sequence[Setting], pool: Executor, tell: T
     tell(f"looked at {len(first)} settings with one seed: all sentences hold at {held_at_first}")
     first_costs = tuple(one.cost for one in looked[:REPEATED])
     looked.sort(key=lambda one: one.cost)
-    tried = [one for one in _improve(laboratory, looked[0].shares, plan, pool, tell) if one.cost < SCREENED]
+    best = list(pool.map(lambda one: tried_at(laboratory, one.shares, SEEDS), looked[:STARTS]))
+    start = min(best, key=lambda one: one.cost)
+    tell(f"tried the best {len(best)} of them over {len(SEEDS)} seeds: least cost {start.cost:.3f}")
+    tried = best + [one for one in _improve(laboratory, start.shares, plan, pool, tell) if one.cost < SCREENED]
     proofs = [prove(laboratory, rounded(setting_at(shares)), pool) for shares in _apart(tried, plan.proved)]
     proofs.sort(key=lambda proof: proof.kept, reverse=True)
     tell(f"put {len(proofs)} settings to the proof: the best keeps all sentences in {proofs[0].kept:.0%}")
