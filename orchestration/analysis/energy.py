@@ -68,7 +68,7 @@ class PowerBond:
     >>> result = simulate(system, stop_time=2.0, step=1e-4)
     >>> motors = [PowerBond(f"controller.tau_cmd[{i}]", f"plant.dq[{i}]") for i in (1, 2)]  # N.m times rad/s
     >>> [round(float(ledger(result, motor, system).received[-1]), 1) for motor in motors]  # J
-    [1.6, -1.6]
+    [2.0, -2.0]
     """
 
     effort: str
@@ -111,9 +111,9 @@ class Ledger:
     >>> result = simulate(system, stop_time=2.0, step=1e-4)
     >>> shoulder = ledger(result, PowerBond("controller.tau_cmd[1]", "plant.dq[1]"), system)
     >>> shoulder
-    <Ledger of controller.tau_cmd[1] * plant.dq[1]: given 1.52543 J, received 1.56343 J, residual +0.038 J at t = 2 s>
+    <Ledger of controller.tau_cmd[1] * plant.dq[1]: given 1.92337 J, received 1.96352 J, residual +0.0401 J at t = 2 s>
     >>> float(shoulder.residual[-1].round(3))  # J, which holding the torque has added
-    0.038
+    0.04
     """
 
     bond: PowerBond

@@ -33,7 +33,7 @@ class Crossings:
     >>> result = simulate(scenario("fig2"), stop_time=0.92, record="plant.gap", options=options)
     >>> touch = abs(result["plant.gap"]).argmin()
     >>> round(float(result.time[touch]), 6), bool(abs(result["plant.gap"][touch]) < 1e-8)
-    (0.915941, True)
+    (0.906682, True)
     """
 
     outputs: Sequence[str] = ()

@@ -152,7 +152,7 @@ def simulate(
     >>> result
     <Result: 12001 rows, t = 0 to 1.2 s, 4 columns (plant.x[1], plant.x[2], controller.e[1], controller.e[2])>
     >>> float(result["plant.x[1]"].min().round(3))  # m; the wall is at -1.436
-    -1.454
+    -1.442
     """
     system = _system(system)
     if not (isinstance(progress, bool) or callable(progress)):

@@ -45,7 +45,7 @@ class Result(PredictedColumns, Mapping[str, np.ndarray]):
     >>> result["plant.x"].shape, result["plant.x[2]"].shape, "plant.y" in result, list(result)
     ((1001, 2), (1001,), False, ['plant.x[1]', 'plant.x[2]', 'plant.gap'])
     >>> float(result["plant.gap"].max().round(3)), result.unit("plant.gap")
-    (-2.877, 'm')
+    (-2.863, 'm')
 
     A result of numbers that come from elsewhere:
 

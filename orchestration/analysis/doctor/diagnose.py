@@ -83,12 +83,12 @@ def diagnose(
     Examples
     --------
     >>> from orchestration import diagnose, scenario
-    >>> late = scenario("fig5").with_sample_time(2e-3)  # s; a hundred times the period of the figure
+    >>> late = scenario("fig5").with_sample_time(2e-3)  # s; two hundred times the period of the figure
     >>> diagnosis = diagnose(late, algorithm="jacobi")
     >>> diagnosis.of("stability").severity, diagnosis.of("stability").subject
     (<Severity.ERROR: 'error'>, 'plant.dq[2]')
     >>> print(diagnosis.of("stability").advice)  # a run with it has been tried
-    Use a step of 0.0004 s.
+    Use a step of 0.0002 s.
     """
     if not isinstance(system, System):
         system = System.read(system)

@@ -107,7 +107,7 @@ def _force(axis: Axes, run: Run, windows: Windows, behind: Run | None) -> None:
 
 
 def _inset_title(inset: Axes, title: str) -> None:
-    inset.set_title(title, fontsize=8, loc="center", pad=2)
+    inset.set_title(title, fontsize=7.5, loc="center", pad=2)
 
 
 def _panel(axis: Axes, run: Run, curves: list[Curve], title: str, ylabel: str, limits: Span) -> None:

@@ -38,8 +38,8 @@ def _torque(axis: Axes, run: Run, joint: int, windows: Windows) -> None:
     Curve(run.ticks, run.torque[:, joint], "actuator", SKY, 0.9).draw(axis, windows.contact)
     draw_limit(axis, run, joint)
     cut = float(within(run, run.saturated[:, joint], run.span).mean())
-    title = f"({'ef'[joint]}) Joint {joint + 1}, saturated in {100 * cut:.2g} % of the contact"
-    time_axis(axis, run, title, "torque (N m)")
+    how = f"saturated in {100 * cut:.2g} % of the contact" if cut else "never saturated"
+    time_axis(axis, run, f"({'ef'[joint]}) Joint {joint + 1}, {how}", "torque (N m)")
     legend_above(axis, ["command", "actuator", LIMIT])
 
 

@@ -108,13 +108,15 @@ def _search(record: Record) -> str:
 
 {COMMAND} --search
 
-1. *Look*: {found.looked_at} settings with one seed. They are the setting by others, `first`,
-   {search.AROUND} Sobol points around each
+1. *Look*: {found.looked_at} settings with one seed. They are the setting by others, `first`, `section-v`, which
+   an earlier search gave, {search.AROUND} Sobol points around each
    of them and {search.ANYWHERE} anywhere in the ranges. All parts hold at {found.held_at_first} of them.
+   The known settings and the best {search.STARTS} of the others are tried over {seeds} seeds.
 2. *Improve*: an evolution strategy (CMA-ES) from the best of these on, {search.GENERATIONS}
-   generations of {search.OFFSPRING}, over {seeds} seeds.
+   generations of {search.OFFSPRING}, over the same seeds.
    {found.tried} settings were tried over all seeds. All parts hold at {found.held} of them.
-3. *Prove*: the best {search.PROVED} that differ, rounded to {space.DIGITS} digits, over 30 seeds each judged alone, and
+3. *Prove*: the best {search.PROVED} that differ, rounded to {space.DIGITS} digits, and the known ones at which
+   all parts hold, over 30 seeds each judged alone, and
    with every continuous value changed by up to {space.PERTURBATION:.0%}. Each change is judged over
    {len(PERTURBED_SEEDS)} seeds. Of the wall, the distance is changed that the ellipse reaches behind it.
 
@@ -155,7 +157,12 @@ def _proved(proof: Proof) -> str:
 def _taken(best: Setting) -> str:
     """Whether the search gives the chosen calibration."""
     if dict(best) == dict(CHOSEN_CALIBRATION.values):
-        return "The first row is `section-v`: the calibration is what this command gives."
+        return (
+            "The first row is `section-v`: the calibration is what this command gives. The path of the evolution"
+            " depends on the last bit of an operation, as the chatter of F_c does. So a change of code gives another"
+            " path. An earlier path has found `section-v`, and no later one a setting that keeps all sentences more"
+            " often."
+        )
     return "The first row differs from `section-v`, which an earlier search gave."
 
 

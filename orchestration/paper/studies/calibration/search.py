@@ -1,11 +1,11 @@
 """Searches for the calibration: many settings with one seed, the best of them improved, and those put to the proof.
 
 1. *Look*: settings that are known to be good, Sobol points around them and Sobol points anywhere, each with one seed.
-   The best of them are tried over `SEEDS` seeds.
+   The known ones and the best of the others are tried over `SEEDS` seeds.
 2. *Improve*: an evolution strategy from the best of these on, over the same seeds. A setting that
    breaks much with one seed is not tried with more.
 3. *Prove*: the best settings that differ from one another, rounded, over 30 seeds and with all values changed by up to
-   5 %. The one that keeps all sentences most often is the first.
+   5 %. So are the known ones at which all sentences hold. The one that keeps all sentences most often is the first.
 
 Every step is seeded, so the search gives the same setting everywhere.
 """
@@ -32,7 +32,7 @@ SCREEN = 2.0  # cost with one seed from which more seeds are not worth their tim
 SCREENED = 1e2  # is added to such a cost
 OFFSPRING, GENERATIONS, SPREAD = 10, 16, 0.1
 ANYWHERE, AROUND, WIDTH = 16, 16, 0.3
-STARTS = 6  # settings of the first step that are tried over all seeds: one seed alone ranks them by chance
+STARTS = 6  # settings of the first step, and the known ones, are tried over all seeds: one seed ranks them by chance
 PROVED, APART = 3, 0.1  # settings that are put to the proof, and their least distance in the shares
 RANDOM_SEED = 1991
 REPEATED = 3
@@ -136,13 +136,13 @@ def search(laboratory: Runner, known: Sequence[Setting], pool: Executor, tell: T
     held_at_first = sum(one.cost <= 0 for one in looked)
     tell(f"looked at {len(first)} settings with one seed: all sentences hold at {held_at_first}")
     first_costs = tuple(one.cost for one in looked[:REPEATED])
-    looked.sort(key=lambda one: one.cost)
-    best = list(pool.map(lambda one: tried_at(laboratory, one.shares, SEEDS), looked[:STARTS]))
-    start = min(best, key=lambda one: one.cost)
-    tell(f"tried the best {len(best)} of them over {len(SEEDS)} seeds: least cost {start.cost:.3f}")
-    tried = best + [one for one in _improve(laboratory, start.shares, plan, pool, tell) if one.cost < SCREENED]
-    proofs = [prove(laboratory, rounded(setting_at(shares)), pool) for shares in _apart(tried, plan.proved)]
-    proofs.sort(key=lambda proof: proof.kept, reverse=True)
+    best = looked[: len(known)] + sorted(looked[len(known) :], key=lambda one: one.cost)[:STARTS]
+    begun = list(pool.map(lambda one: tried_at(laboratory, one.shares, SEEDS), best))
+    start = min(begun, key=lambda one: one.cost)
+    tell(f"tried {len(begun)} of them over {len(SEEDS)} seeds: least cost {start.cost:.3f}")
+    tried = begun + [one for one in _improve(laboratory, start.shares, plan, pool, tell) if one.cost < SCREENED]
+    held = [one.shares for one in begun[: len(known)] if one.cost <= 0]
+    proofs = _proofs(laboratory, [*held, *_apart(tried, plan.proved)], pool)
     tell(f"put {len(proofs)} settings to the proof: the best keeps all sentences in {proofs[0].kept:.0%}")
     return Found(
         looked_at=len(first),
@@ -156,6 +156,15 @@ def search(laboratory: Runner, known: Sequence[Setting], pool: Executor, tell: T
         all_visibly=sum(one.cost <= 0 and one.visibly_worse for one in tried),
         proofs=tuple(proofs),
     )
+
+
+def _proofs(laboratory: Runner, points: Sequence[np.ndarray], pool: Executor) -> list[Proof]:
+    """Each point, rounded and put to the proof, the best first."""
+    settings: list[Setting] = []
+    for shares in points:
+        setting = rounded(setting_at(shares))
+        settings += [setting] if setting not in settings else []
+    return sorted((prove(laboratory, setting, pool) for setting in settings), key=lambda proof: -proof.kept)
 
 
 def _improve(laboratory: Runner, start: np.ndarray, plan: Plan, pool: Executor, tell: Tell) -> list[Tried]:

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from orchestration.paper.calibrate import laboratory
+from orchestration.paper.calibrate import KNOWN, laboratory
 from orchestration.paper.calibrations import CALIBRATIONS, CHOSEN_CALIBRATION, FIRST
 from orchestration.paper.studies.calibration import search
 from orchestration.paper.studies.calibration.page import page
@@ -13,7 +13,7 @@ from orchestration.paper.studies.calibration.record import Period, Record
 from orchestration.paper.studies.calibration.space import starts
 from orchestration.paper.studies.fixed_values import FIXED
 from orchestration.paper.studies.native_runs import NativeLaboratory
-from orchestration.paper.studies.open_values import EARLIER, OPEN_VALUES
+from orchestration.paper.studies.open_values import OPEN_VALUES
 from orchestration.paper.studies.pages.text import filled
 
 DOCS = Path(__file__).parents[6] / "docs"
@@ -79,6 +79,6 @@ def test_paragraphs_have_lines_of_even_length() -> None:
 def test_a_small_part_of_the_search_repeats(record: Record) -> None:
     """The first settings that the search looks at have the costs that are written down, on every machine."""
     natives = NativeLaboratory(laboratory().fmus)
-    first = starts((EARLIER, FIRST.values), search.ANYWHERE, search.AROUND, search.WIDTH)[: search.REPEATED]
+    first = starts(KNOWN, search.ANYWHERE, search.AROUND, search.WIDTH)[: search.REPEATED]
     found = [search.tried_at(natives, shares, search.SEEDS[:1]).cost for shares in first]
     assert found == pytest.approx(list(record.found.first_costs), rel=1e-12)

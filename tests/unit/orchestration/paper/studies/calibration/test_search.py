@@ -45,7 +45,7 @@ def test_it_counts_what_it_tries(found: tuple[Found, list[str]]) -> None:
     result, said = found
     assert result.looked_at == 2 + 2 * 4 + 8
     assert len(result.first_costs) == module.REPEATED
-    assert 0 < result.tried <= 8 * 60
+    assert 2 + module.STARTS < result.tried <= 2 + module.STARTS + 8 * 60
     assert 0 < result.held < result.tried
     assert result.both <= min(result.cheaper, result.visibly_worse)
     assert result.all_visibly == 0, "the formula makes Fig. 6 visibly worse only where a sentence breaks"
@@ -60,6 +60,18 @@ def test_it_finds_the_least_cost_and_proves_the_best_that_differ(found: tuple[Fo
     assert len(settings) == 3
     assert all(rounded(setting) == setting for setting in settings)
     assert [one.kept for one in result.proofs] == sorted((one.kept for one in result.proofs), reverse=True)
+
+
+def test_a_known_setting_at_which_all_sentences_hold_is_put_to_the_proof(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(module, "tried_at", formula)
+    monkeypatch.setattr(module, "prove", proof)
+    held = rounded(setting_at(BEST - 0.02))
+    with ThreadPoolExecutor(2) as pool:
+        found = search(cast("Any", None), (FIRST.values, held), pool, lambda _: None, PLAN)
+    settings = [one.setting for one in found.proofs]
+    assert held in settings
+    assert dict(FIRST.values) not in settings
+    assert len(settings) == PLAN.proved + 1
 
 
 def test_a_setting_that_is_bad_with_one_seed_is_not_tried_with_more(monkeypatch: pytest.MonkeyPatch) -> None:
