@@ -33,15 +33,7 @@ def judge(run: saturation.Along) -> Values:
     Nothing holds of a run without saturation. If no saturated tick lies outside of the region of (28), nothing is known
     of what V_c does there, so the number of its rises there is NaN.
     """
-    if not run.saturated.any():
-        return dict.fromkeys(CRITERIA, float("nan"))
-    first = int(run.saturated.argmax())
-    return {
-        limits.SATURATION_BOUND: run.excess(),
-        limits.RISES_OUTSIDE: float(np.sum(_rises_outside(run))) if _outside(run).any() else float("nan"),
-        limits.SATURATED_ENERGY: float(run.V[first:].max() / run.V[0]),
-        limits.ENERGY_AT_END: float(run.V[-1] / run.V[0]),
-    }
+    return dict(zip(CRITERIA, saturation.growth(run).values(), strict=True))
 
 
 def described(run: saturation.Along) -> str:
