@@ -96,7 +96,7 @@ def test_records_carry_the_strength() -> None:
 
 def test_a_claim_that_compares_figures_has_its_effect() -> None:
     text = as_markdown([claim("C7", HOLDS), claim("C8", HOLDS)], {}, STRENGTH)
-    line = "- Over 1000 seeds, fig6/fig5 of |e| in contact: median 1.0800 (1.0100 to 1.1300), above 1 at 65.0 %"
+    line = "- Over 1000 seeds, fig6/fig5 of |e| in contact: median 1.080 (1.010 to 1.130), above 1 at 65.0 %"
     assert text.count(line) == 1
     assert text.index(line) < text.index("## C8")
 
