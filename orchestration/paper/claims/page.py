@@ -1,5 +1,6 @@
 """Writes the measured claims down: as records, and as the page docs/claims.md."""
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 
@@ -193,4 +194,6 @@ def _share(share: Share | None) -> str:
 
 
 def _used(claim: Claim, scenarios: Mapping[str, str]) -> dict[str, str]:
-    return {name: digest for name, digest in scenarios.items() if name in claim.runs}
+    """The scenarios whose whole names stand in the runs of a claim; a name may begin another one."""
+    named = set(re.findall(r"[\w-]+", claim.runs))
+    return {name: digest for name, digest in scenarios.items() if name in named}

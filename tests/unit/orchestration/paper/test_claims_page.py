@@ -106,3 +106,10 @@ def test_a_bar_in_a_sentence_does_not_end_its_cell() -> None:
     row = next(line for line in text.splitlines() if line.startswith("| [C1]"))
     assert r"| \|e\| is small |" in row
     assert len(re.findall(r"(?<!\\)\|", row)) == 7
+
+
+def test_a_record_names_no_scenario_whose_name_begins_that_of_another() -> None:
+    runs = "sensor-spike-craig, sensor-stuck-craig, seeds 1-3"
+    digests = {"sensor-spike": "a", "sensor-spike-craig": "b", "sensor-stuck-craig": "c"}
+    (record,) = as_records([claim("C19b", NOT_REPRODUCED, runs)], digests, STRENGTH)
+    assert record["scenarios"] == {"sensor-spike-craig": "b", "sensor-stuck-craig": "c"}
