@@ -40,6 +40,7 @@ def test_c3b_says_which_force_is_larger() -> None:
         (1.322, "in the median larger by 32.2 %, clearly larger"),
         (1.001, "in the median larger by 0.1 %, not clearly larger"),
         (0.9, "in the median not larger, but smaller by 10.0 %"),
+        (1.0, "in the median neither larger nor smaller"),
     ],
 )
 def test_c7_and_c10_say_by_how_much(ratio: float, expected: str) -> None:
