@@ -59,8 +59,12 @@ def described(run: saturation.Along) -> str:
 
 def cause(here: saturation.Along, finer: saturation.Along) -> str:
     """What a run with a shorter period says about the ticks at which dV_c/dt lies beyond (28)."""
+    if not here.saturated.any():
+        return "So nothing is known of what a shorter period changes"
     if not share_beyond(here) > 0:
         return "dV_c/dt keeps (28) at all saturated ticks of fig6"
+    if not finer.saturated.any():
+        return "Without a saturated tick at the shorter period these runs do not show whether sampling is the cause"
     if share_beyond(finer) < share_beyond(here):
         return (
             "dV_c/dt lies beyond (28) at a smaller share of the saturated ticks with the shorter period. So the sampled"
