@@ -240,6 +240,7 @@ def test_an_unsaturated_run_shows_no_limit(drawn: Drawn) -> None:
     runs = drawn[0]
     figures = _figures({"fig5": runs["fig5"], "fig6": runs["fig5"], "fig7": runs["fig7"]})
     assert "saturation" not in figures
+    assert panel(figures["fig6"], "e").get_title(loc="left").endswith("not saturated in contact")
     for name, letter in (("torques", "a"), ("fig6", "e")):
         assert not [line for line in panel(figures[name], letter).lines if line.get_linestyle() == ":"]
 
