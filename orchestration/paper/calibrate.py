@@ -101,7 +101,9 @@ def proved(lab: Runner, pool: Executor, tell: Tell) -> Mapping[str, Proof]:
 
 
 def renewed(record: Record | None, tell: Tell, *, look: bool, prove_all: bool) -> Record:
-    """A record whose parts are made anew; without a record, both are needed."""
+    """A record whose parts are made anew, if they are asked for; without a record, both are made."""
+    if record is not None and not look and not prove_all:
+        return record
     master = laboratory()
     native = NativeLaboratory(master.fmus)
     with ThreadPoolExecutor(os.cpu_count()) as pool:
