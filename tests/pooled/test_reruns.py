@@ -172,7 +172,7 @@ def test_the_paper_s_loop_is_run_again_with_noise(algorithm: str) -> None:
     points = [{"sensor.seed": float(seed), "plant.K_f": 1e4 * (1 + seed)} for seed in range(5)]
     with Reruns(system, 0.02, algorithm) as runs:
         for point in points:
-            assert runs.run(point, 2e-5) == simulate(system.set(point), 0.02, 2e-5, algorithm)
+            assert runs.run(point, 1e-5) == simulate(system.set(point), 0.02, 1e-5, algorithm)
         assert {runs.learned.way(After.END, (name,)) for name in system} == {Reuse.RESET}
 
 
