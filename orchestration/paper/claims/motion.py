@@ -84,9 +84,15 @@ def _tirt_only_in_contact(evidence: Evidence) -> Finding:
     return Finding(
         values,
         f"|x_t - x_v| {before * 1e3:.2g} mm at most before contact; {at_end * 1e3:.2g} mm when contact ends,"
-        f" {later * 1e3:.2g} mm {LATER:g} s later: x_t may be replaced by x_v before the first contact; stopping at"
-        " loss of contact makes the reference jump by that much",
+        f" {later * 1e3:.2g} mm {LATER:g} s later: {replaceable(before)}; if the integration stops when contact ends,"
+        f" the reference jumps by {at_end * 1e3:.2g} mm",
     )
+
+
+def replaceable(before: float) -> str:
+    """Whether x_v may take the place of x_t before the contact, from the largest |x_t - x_v| there, m, in words."""
+    may = "may" if limits.TIRT_BEFORE_CONTACT.met(before) else "may not"
+    return f"x_t {may} be replaced by x_v before the first contact"
 
 
 QUESTIONS = (
