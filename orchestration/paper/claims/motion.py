@@ -7,7 +7,7 @@ from orchestration.paper.claims import criteria as limits
 from orchestration.paper.claims import judged
 from orchestration.paper.claims.claim import Finding, Question
 from orchestration.paper.evidence import Evidence
-from orchestration.paper.measure import at_ticks, contact, distance_from_start, largest_norm, norms, steady_force
+from orchestration.paper.measure import at_ticks, contact, distance_from_start, largest_norm, steady_force
 from orchestration.paper.numbers import TIP_START, TRUE_M2, WRONG_M2
 
 LATER = 0.1  # s after contact
@@ -15,9 +15,8 @@ LATER = 0.1  # s after contact
 
 def _tirt_follows_virtual(evidence: Evidence) -> Finding:
     result = evidence.results["fig3"]
-    distance = norms(at_ticks(result, "controller.x_t") - at_ticks(result, "trajectory.x_v"))
+    times, distance = judged.reference_distance(result)
     touch = contact(result)
-    times = result.tick_times("controller.x_t[1]")
     before, later = distance[times < touch.first].max(), distance[times >= touch.first].max()
     return Finding(
         {limits.TIRT_BEFORE_CONTACT: before, limits.TIRT_GROWTH: later / before},
