@@ -154,10 +154,10 @@ def recursion_difference(n: int) -> float:
     """Largest difference of the recursion from the Lagrangian equations at random states, relative to the torque."""
     random = np.random.default_rng(SEED)
     lagrange, inverse = PlanarArm(n).inverse_dynamics, newton_euler.inverse_dynamics(n)
-    largest = 0.0
+    differences = []
     for _ in range(N_STATES):
         q, dq, v, a = random.uniform(-5, 5, (4, n))
         numbers = (q, dq, v, a, random.uniform(0.2, 5, 3 * n), random.uniform(0.3, 2, n), 9.81, 1e-2)
         expected, found = (np.array(f(*numbers)) for f in (lagrange, inverse))
-        largest = max(largest, float(np.abs(found - expected).max() / np.abs(expected).max()))
-    return largest
+        differences.append(np.abs(found - expected).max() / np.abs(expected).max())
+    return float(np.max(differences))

@@ -49,6 +49,7 @@ class Runner(Protocol):
         Raises
         ------
         SimulationError
+            If the run fails.
         """
         ...
 
@@ -65,6 +66,7 @@ class Laboratory:
         Raises
         ------
         SimulationError
+            If the run fails.
         """
         scenario = ALL_SCENARIOS[job.scenario]
         system = scenario.system(self.fmus).set(job.changes)

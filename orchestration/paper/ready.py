@@ -12,7 +12,8 @@ def scenario(name: str, *, controller: str | Path | None = None, reals: bool = F
     Parameters
     ----------
     name
-        ``fig2`` to ``fig7``, ``ideal`` or ``spong-ortega``; ``fig5-first`` and so on at the earlier calibration.
+        ``fig2`` to ``fig7``, ``ideal`` or ``spong-ortega``; ``fig5-first`` and so on at the earlier calibration; or
+        another one of `orchestration.paper.scenarios.ALL_SCENARIOS`, such as ``sensor-dropout``.
     controller
         Another controller: the path of an FMU, or the model identifier of a shipped one such as
         ``SlotineLiAdaptiveImpedance``. Default: that of the scenario.

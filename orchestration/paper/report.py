@@ -53,7 +53,7 @@ def reproduce(folder: Path, tell: Tell, image: str = "png", *, fresh: bool = Fal
     Parameters
     ----------
     folder
-        Where the figures and ``claims.json`` go.
+        Where the figures, ``claims.json`` and ``claims.md`` go.
     tell
         Called with a sentence before each stage.
     image

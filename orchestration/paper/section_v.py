@@ -13,6 +13,7 @@ from string import ascii_lowercase
 from adaptimp_fmu.files.whole_file import write_whole
 from orchestration.errors import OrchestrationError
 from orchestration.paper.built_fmus import fmus
+from orchestration.paper.claims.page import anchor
 from orchestration.paper.figures.draw import draw
 from orchestration.paper.laboratory import Job, Laboratory
 from orchestration.paper.scenarios import SCENARIOS
@@ -54,11 +55,6 @@ def page(claims: str, sections: Mapping[str, Sequence[Sentence]] | None = None) 
     sections = sections or {"What section V says": SECTION_V, "What the theory says": THEORY}
     parts = [f"## {title}\n\n{_table(sentences, rows)}" for title, sentences in sections.items()]
     return HEAD + "\n".join(parts)
-
-
-def anchor(heading: str) -> str:
-    """The name of a heading in links, as GitHub makes it."""
-    return re.sub(r"[^\w -]", "", heading.lower()).replace(" ", "-")
 
 
 def _table(sentences: Iterable[Sentence], rows: Mapping[str, str]) -> str:

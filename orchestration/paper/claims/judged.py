@@ -22,9 +22,9 @@ Values = Mapping[Criterion, float | Sequence[float] | np.ndarray]
 
 
 def spread(summaries: Sequence[Summary], value: Callable[[Summary], float]) -> tuple[float, float]:
-    """Median and largest of a value over runs."""
+    """Median and largest of a value over runs; both are NaN if one of the values is."""
     values = [value(summary) for summary in summaries]
-    return float(np.median(values)), float(max(values))
+    return float(np.median(values)), float(np.max(values))
 
 
 def met(values: Values) -> bool:

@@ -7,7 +7,7 @@ from orchestration.paper.claims import criteria as limits
 from orchestration.paper.claims import judged
 from orchestration.paper.claims.claim import Finding, Question
 from orchestration.paper.evidence import Evidence
-from orchestration.paper.measure import at_ticks, contact, distance_from_start, largest_norm, norms, steady_force
+from orchestration.paper.measure import at_ticks, contact, distance_from_start, largest_norm, steady_force
 from orchestration.paper.numbers import TIP_START, TRUE_M2, WRONG_M2
 
 LATER = 0.1  # s after contact
@@ -15,9 +15,8 @@ LATER = 0.1  # s after contact
 
 def _tirt_follows_virtual(evidence: Evidence) -> Finding:
     result = evidence.results["fig3"]
-    distance = norms(at_ticks(result, "controller.x_t") - at_ticks(result, "trajectory.x_v"))
+    times, distance = judged.reference_distance(result)
     touch = contact(result)
-    times = result.tick_times("controller.x_t[1]")
     before, later = distance[times < touch.first].max(), distance[times >= touch.first].max()
     return Finding(
         {limits.TIRT_BEFORE_CONTACT: before, limits.TIRT_GROWTH: later / before},
@@ -84,9 +83,15 @@ def _tirt_only_in_contact(evidence: Evidence) -> Finding:
     return Finding(
         values,
         f"|x_t - x_v| {before * 1e3:.2g} mm at most before contact; {at_end * 1e3:.2g} mm when contact ends,"
-        f" {later * 1e3:.2g} mm {LATER:g} s later: x_t may be replaced by x_v before the first contact; stopping at"
-        " loss of contact makes the reference jump by that much",
+        f" {later * 1e3:.2g} mm {LATER:g} s later: {replaceable(before)}; if the integration stops when contact ends,"
+        f" the reference jumps by {at_end * 1e3:.2g} mm",
     )
+
+
+def replaceable(before: float) -> str:
+    """Whether x_v may take the place of x_t before the contact, from the largest |x_t - x_v| there, m, in words."""
+    may = "may" if limits.TIRT_BEFORE_CONTACT.met(before) else "may not"
+    return f"x_t {may} be replaced by x_v before the first contact"
 
 
 QUESTIONS = (

@@ -57,6 +57,11 @@ def word(claim: Claim, strength: Strength) -> str:
     return "holds here" if holds else "fails here"
 
 
+def anchor(heading: str) -> str:
+    """The name of a heading in links, as GitHub makes it."""
+    return re.sub(r"[^\w -]", "", heading.lower()).replace(" ", "-")
+
+
 def _counted(claim: str, strength: Strength) -> Share | None:
     """The share of the space that the word of a claim counts: of clearly larger errors if they were asked for."""
     found = strength.claims.get(f"{claim} clearly") or strength.claims.get(claim, NOTHING)
@@ -111,9 +116,9 @@ def _table(claims: Sequence[Claim], strength: Strength) -> str:
     names = ("claim", "sentence", "in words", "share of the seeds", "share of the space", "decided by")
     rows = [f"| {' | '.join(names)} |\n", f"|{'---|' * len(names)}\n"]
     for claim in claims:
-        found = strength.claims.get(claim.id, NOTHING)
+        found, link = strength.claims.get(claim.id, NOTHING), anchor(_title(claim, strength))
         rows.append(
-            f"| [{claim.id}](#{_anchor(claim, strength)}) | {_in_a_cell(claim.claim)} | **{word(claim, strength)}** |"
+            f"| [{claim.id}](#{link}) | {_in_a_cell(claim.claim)} | **{word(claim, strength)}** |"
             f" {_share(found.seeds.get(CHOSEN))} | {_share(found.space)} |"
             f" {', '.join(f'{name} {index:.0%}' for name, index in found.deciding[:3])} |\n"
         )
@@ -125,10 +130,15 @@ def _in_a_cell(text: str) -> str:
     return text.replace("|", r"\|")
 
 
+def _title(claim: Claim, strength: Strength) -> str:
+    """The heading of a claim."""
+    return f"{claim.id}: {word(claim, strength)}"
+
+
 def _section(claim: Claim, strength: Strength) -> str:
     found = strength.claims.get(claim.id, NOTHING)
     lines = [
-        f"## {claim.id}: {word(claim, strength)}\n\n{claim.claim} ({claim.where}).\n",
+        f"## {_title(claim, strength)}\n\n{claim.claim} ({claim.where}).\n",
         f"- Criterion: {claim.criterion}.",
         f"- Measured: {claim.measured}.",
         f"- Runs: {claim.runs}.",
@@ -175,12 +185,6 @@ def _at_first(claims: Sequence[Claim], strength: Strength) -> str:
         "`first`, which was chosen one value after the other. The same criteria are asked of the same seeds.\n\n"
         "| claim | `section-v` | `first` | share of the seeds at `first` |\n|---|---|---|---|\n" + "".join(rows)
     )
-
-
-def _anchor(claim: Claim, strength: Strength) -> str:
-    """The anchor that Markdown gives the heading of a claim."""
-    heading = f"{claim.id}: {word(claim, strength)}".lower()
-    return "".join(c for c in heading if c.isalnum() or c in " -").replace(" ", "-")
 
 
 def _share(share: Share | None) -> str:

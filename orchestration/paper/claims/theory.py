@@ -67,8 +67,7 @@ def _sliding(evidence: Evidence, results: Sequence[Result], *, in_proportion: bo
 def _sliding_is_bounded(evidence: Evidence) -> Finding:
     known, unknown = (_sliding(evidence, r) for r in (evidence.damped_from_true, evidence.damped_from_wrong))
     rows = (*unknown, *known)
-    falls, rms = max(row.rise for row in rows), max(row.rms / row.rms_bound for row in rows)
-    e_ratio = max(row.e_ratio for row in rows)
+    falls, rms, e_ratio = np.max([(row.rise, row.rms / row.rms_bound, row.e_ratio) for row in rows], axis=0)
     large = sum(_ticks_of_large_s(r) for r in (evidence.damped_from_true, evidence.damped_from_wrong))
     return Finding(
         {limits.RISE: falls, limits.RMS: rms, limits.ERROR_BOUND: e_ratio},

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from orchestration.paper.claims.adaptive import by_how_much, drift, ranges, slight_in_length
-from orchestration.paper.claims.motion import pressed
+from orchestration.paper.claims.motion import pressed, replaceable
 from orchestration.paper.claims.theory import bounded, order, steps, where_s_is_large
 
 
@@ -44,6 +44,11 @@ def test_c3b_says_which_force_is_larger() -> None:
     assert "presses no harder" in pressed((600.0, 500.0), (60.0, 58.0))
     assert pressed((600.0, 500.0), (60.0, 61.0)) == ": with the heavier model the mean force is larger"
     assert pressed((600.0, 700.0), (60.0, 61.0)) == ": with the heavier model the peak and the mean force are larger"
+
+
+def test_c13_allows_x_v_before_the_contact_only_if_it_is_near() -> None:
+    assert replaceable(1e-6) == "x_t may be replaced by x_v before the first contact"
+    assert replaceable(2e-5) == "x_t may not be replaced by x_v before the first contact"
 
 
 @pytest.mark.parametrize(

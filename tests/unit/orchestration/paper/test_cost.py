@@ -4,6 +4,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
+from orchestration.paper import joint_space_laws, newton_euler
 from orchestration.paper.claims import criteria
 from orchestration.paper.claims.cost import judge_without_coriolis
 from orchestration.paper.claims.operations import Operations, counted, without_update
@@ -48,3 +49,8 @@ def test_every_function_is_costly() -> None:
     x, y = ca.SX.sym("x"), ca.SX.sym("y")
     functions = [ca.expm1(x), ca.log1p(x), ca.hypot(x, y), ca.remainder(x, y), ca.erf(x), ca.exp(x), ca.atan2(x, y)]
     assert counted(ca.Function("f", [x, y], functions)) == Operations(simple=0, costly=len(functions))
+
+
+def test_a_recursion_that_gives_no_number_does_not_agree(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(newton_euler, "inverse_dynamics", lambda n: lambda *_: np.full(n, np.nan))
+    assert not criteria.INVERSE_DYNAMICS.met(joint_space_laws.recursion_difference(2))

@@ -42,3 +42,8 @@ def test_an_estimate_that_stands_still_does_not_fluctuate() -> None:
     assert judged.met(judged.fluctuation(noise)), "the median is the limit, 0.05 kg"
     noise["fig7"] = [summary(m2_fluctuation=np.nan)]
     assert not judged.met(judged.fluctuation(noise))
+
+
+def test_a_number_that_is_missing_at_any_seed_meets_nothing() -> None:
+    runs = [summary(m2_settled=0.1), summary(m2_settled=np.nan), summary(m2_settled=0.2)]
+    assert not judged.met(judged.approach(dict.fromkeys(judged.FIGURES, runs)))

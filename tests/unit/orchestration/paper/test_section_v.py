@@ -6,7 +6,8 @@ from pathlib import Path
 import pytest
 
 from orchestration.paper.claims.evaluation import QUESTIONS
-from orchestration.paper.section_v import CLAIMS, IMAGES, PAGE, UnknownRowError, anchor, page
+from orchestration.paper.claims.page import anchor
+from orchestration.paper.section_v import CLAIMS, IMAGES, PAGE, UnknownRowError, page
 from orchestration.paper.sentences import SECTION_V, THEORY, Panels, Sentence
 
 DOCS = Path(__file__).parents[4] / "docs"
