@@ -105,9 +105,9 @@ def what_decides(answers: np.ndarray, points: Points) -> str:
     ]
     shown = table(("deciding value", "explains", "share where the value is"), rows) if rows else ""
     where, best = best_part(OPEN_VALUES, given, answers)
-    said = " and ".join(f"{name} is {part}" for name, part in where)
+    said = ", and there where ".join(f"{name} is {part}" for name, part in where)
     alone = "" if rows else "No single value decides it.\n"
-    return f"\n{alone}{shown}\nOf all pairs of parts the best is where {said}: there it holds in {percent(best)}.\n"
+    return f"\n{alone}{shown}\nIt holds most often where {said}: {percent(best)}.\n"
 
 
 def sensitivity(columns: Answers, points: Points) -> str:
