@@ -5,6 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from orchestration.paper.calibrations import CALIBRATIONS, CHOSEN_CALIBRATION
+from orchestration.paper.laboratory import SEEDS
 from orchestration.paper.studies.claims_at import RUNS
 from orchestration.paper.studies.open_values import settings
 from orchestration.paper.studies.pages.claims import CLAIMS, claim_section, gains, overview, sensitivity
@@ -43,11 +44,11 @@ def page(answers: np.ndarray, search: Search, seeds: Mapping[str, OverSeeds]) ->
     present = {name: found for name, found in seeds.items() if found.is_of(CALIBRATIONS[name])}
     chosen = present.get(CHOSEN_CALIBRATION.name)
     searched = search.chosen.verdicts if dict(search.chosen.setting) == dict(CHOSEN_CALIBRATION.values) else {}
-    verdicts = {**searched, **(chosen.together if chosen else {})}
+    verdicts, n = ({**searched, **chosen.together}, chosen.n) if chosen else (searched, len(SEEDS))
     parts_of_page = [
         _head(len(answers)),
         open_values(),
-        overview(columns, verdicts),
+        overview(columns, verdicts, n),
         together(columns),
         at_odds(columns),
         best(search),

@@ -4,8 +4,8 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from orchestration.paper.laboratory import SEEDS
 from orchestration.paper.share import Share
-from orchestration.paper.strength import strength_word
 from orchestration.paper.studies.claims_at import CLEARLY
 from orchestration.paper.studies.open_values import OPEN_VALUES
 from orchestration.paper.studies.pages.text import percent, table
@@ -57,24 +57,37 @@ def clear_space(claim: str, columns: Answers) -> Share:
     return space(f"{claim} clearly" if claim in COMPARED else claim, columns)
 
 
-def overview(columns: Answers, chosen: Mapping[str, bool]) -> str:
-    """The table of all claims."""
+def overview(columns: Answers, chosen: Mapping[str, bool], n: int) -> str:
+    """The table of all claims.
+
+    Parameters
+    ----------
+    chosen
+        Verdicts at the chosen values, over n seeds at once.
+    """
     rows = []
     for claim in CLAIMS:
         found = space(claim, columns)
         here = "not judged here" if claim not in chosen else "holds" if chosen[claim] else "fails"
-        word = strength_word(chosen[claim], clear_space(claim, columns)) if claim in chosen else ""
-        rows.append([f"[{claim}](#{claim.lower()})", SENTENCES[claim], here, percent(found), f"{found.n:,}", word])
-    heads = ("claim", "sentence", "at the chosen values", "share of the settings", "settings", "in words")
+        clear = percent(clear_space(claim, columns)) if claim in COMPARED else ""
+        rows.append([f"[{claim}](#{claim.lower()})", SENTENCES[claim], percent(found), clear, f"{found.n:,}", here])
+    heads = (
+        "claim",
+        "sentence",
+        "share of the settings",
+        "clearly",
+        "settings",
+        f"{n:,} seeds at the chosen values",
+    )
     return f"""## The claims
 
 {table(heads, rows)}
-The verdict at the chosen values is that of all seeds at once, below.
+C7 and C10 compare errors of two figures, and with one seed either may be larger by chance. In the column *clearly*
+stands the share in which both errors are larger by {100 * (CLEARLY - 1):.0f} % or more.
 
-C7 and C10 compare errors of two figures, and with one seed either
-may be larger by chance. They are said to hold elsewhere if the errors are clearly larger there, by
-{100 * (CLEARLY - 1):.0f} % or more. The words are those of [claims.md](claims.md): a claim *holds* if it does so at the
-chosen values and in at least 5 % of the settings.
+The verdict at the chosen values is that of all seeds at once. Where the worst of all seeds decides, as in C4 to C6,
+more seeds ask for more. [claims.md](claims.md) judges the claims over {len(SEEDS)} seeds, and says in words how
+strongly each of them holds.
 """
 
 
