@@ -80,9 +80,10 @@ over the seeds becomes the value of this run. C12b, C14b and C14c need many more
 makes the rows that are missing in the user's cache, the table `docs/robustness.csv` of the verdicts, and this page.
 What was measured at a setting is kept, so other criteria need no new runs. A row is the same on every machine.
 
-The switching of algorithm 1 amplifies every last bit. The rows were made with a noise that differs from that of today
-by rounding, about 1e-15 of each draw. Of 100 rows that were made again (`--verify 100`) 26 have other verdicts, 76 of
-3,100 in all; those that were looked at need Fig. 5 or 6, and turn in both directions.
+The switching of algorithm 1 amplifies every last bit. When the noise was once rounded in another way, by about 1e-15
+of each draw, 26 of 100 rows had other verdicts, 76 of 3,100 in all; those that were looked at need Fig. 5 or 6, and
+turned in both directions. So read the shares, and not single rows. `--verify 100` makes 100 rows again, and counts the
+verdicts that differ.
 
 A share depends on the ranges. A share of 20 % does not say that the claim is 20 % true. It says how much of what the
 paper leaves to its reader supports the claim.

@@ -93,6 +93,14 @@ def test_claims_together(text: str) -> None:
     assert "| C4 and C5 |" not in text
     assert "so there are settings at which they hold together." in " ".join(text.split())
     assert "| the chosen values | 6 | C7 | C7, C10 |" in text
+    assert "Over 30 seeds all seven claims hold at the best setting" in " ".join(text.split())
+
+
+def test_the_page_calls_nothing_impossible_that_some_settings_give(text: str) -> None:
+    """With other rows, claims at odds may hold together at a few settings, and a claim may leave its limit."""
+    assert "together in 256 of 256 settings" in " ".join(text.split())
+    assert "no setting gives" not in text.lower()
+    assert "such as C7" not in text
 
 
 def test_effects(text: str) -> None:
