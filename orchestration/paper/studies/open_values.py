@@ -287,7 +287,7 @@ def settings(n: int) -> Mapping[str, np.ndarray]:
 
     The points are scrambled with a fixed seed. A longer sequence begins with the points of a shorter one.
     """
-    shares = _sobol(n)
+    shares = sobol_points(n, len(OPEN_VALUES))
     return {value.name: value.at(shares[:, i]) for i, value in enumerate(OPEN_VALUES)}
 
 
@@ -299,7 +299,7 @@ def settings_near(setting: Setting, n: int, width: float) -> Mapping[str, np.nda
     width
         Width of the box, as a share of each range; the box ends where a range ends. Choices stay as they are.
     """
-    shares = _sobol(n)
+    shares = sobol_points(n, len(OPEN_VALUES))
     found = {}
     for i, value in enumerate(OPEN_VALUES):
         if value.choices:
@@ -310,11 +310,11 @@ def settings_near(setting: Setting, n: int, width: float) -> Mapping[str, np.nda
     return found
 
 
-def _sobol(n: int) -> np.ndarray:
-    """The first n points of the unit cube, shape (n, n_values)."""
+def sobol_points(n: int, dimensions: int) -> np.ndarray:
+    """The first n Sobol points of the unit cube, shape (n, dimensions), the same on every machine."""
     from scipy.stats import qmc
 
-    sobol = qmc.Sobol(len(OPEN_VALUES), scramble=True, rng=np.random.default_rng(SOBOL_SEED))
+    sobol = qmc.Sobol(dimensions, scramble=True, rng=np.random.default_rng(SOBOL_SEED))
     return sobol.random_base2(max(n - 1, 0).bit_length())[:n]
 
 

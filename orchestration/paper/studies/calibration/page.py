@@ -14,6 +14,7 @@ from orchestration.paper.studies.calibration.record import Record
 from orchestration.paper.studies.fixed_values import FIXED
 from orchestration.paper.studies.open_values import EARLIER, OPEN_VALUES, OpenValue
 from orchestration.paper.studies.pages.text import filled
+from orchestration.paper.studies.pages.values import name_of, range_of
 
 COMMAND = "    uv run python -m orchestration.paper.calibrate"
 READINGS = {0: "each joint", 1: "largest", 2: "norm"}
@@ -42,7 +43,7 @@ explains the letters.
 
 def _open_values() -> str:
     rows = "".join(
-        f"| {v.name}{f', {v.unit}' if v.unit else ''} | {_number(v, CHOSEN_CALIBRATION.values)} |"
+        f"| {name_of(v)} | {_number(v, CHOSEN_CALIBRATION.values)} |"
         f" {_number(v, FIRST.values)} | {_number(v, EARLIER)} | {range_of(v)} | {v.reason} | {v.claims} |\n"
         for v in OPEN_VALUES
     )
@@ -58,13 +59,6 @@ claim holds, and which values decide it, is in [robustness.md](robustness.md).
 """
 
 
-def range_of(value: OpenValue) -> str:
-    """The range of a value as text."""
-    if value.choices:
-        return " or ".join(f"{choice:g}" for choice in dict.fromkeys(value.choices))
-    return f"{value.low:g} to {value.high:g}{', log' if value.log else ''}"
-
-
 def _fixed() -> str:
     rows = "".join(f"| {v.name} | {v.value} | {v.reason} | {v.claims} |\n" for v in FIXED)
     return f"""## What is fixed without a range
@@ -78,7 +72,7 @@ def _objective() -> str:
     return f"""## Objective
 
 All sentences of Section V about Figs. 5 to 7 are to hold at once, with as much room as there is: C4 to C10, with a
-fluctuation of m2_hat in contact that one can see ({objective.LEAST_FLUCTUATION:g} kg or more), and
+fluctuation of m2_hat in contact that one can see ({criteria.M2_FLUCTUATION.limit:g} kg or more), and
 C16. C1 to C3 depend on the wall, the segment and the start alone, and are no part of the objective. The
 *excess* of a part of a claim is negative while it holds:
 

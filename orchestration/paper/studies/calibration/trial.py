@@ -29,12 +29,10 @@ from orchestration.paper.measure import (
 )
 from orchestration.paper.scenarios import UNSATURATED
 from orchestration.paper.studies.native_runs import Runner
+from orchestration.paper.studies.runs_at import FORCE, SILENT, TOUCH
 from orchestration.results.result import Result
 
-FORCE = ("plant.F_ext[1]", "plant.F_ext[2]")
-TOUCH = (*FORCE, "plant.x[1]", "plant.x[2]")
-SILENT = {"sensor.noise_std": 0.0, "sensor.noise_bound": 0.0, "controller.noise_bound": 0.0}
-FIXED_MASS = {"controller.Gamma[2]": 0.0}
+WITHOUT_ADAPTATION = {"controller.Gamma[2]": 0.0}
 FIGURES = ("fig5", "fig6", "fig7")
 FIRST_SEED = 1
 STATE = ("plant.q[1]", "plant.q[2]", "plant.dq[1]", "plant.dq[2]")
@@ -130,7 +128,7 @@ class Bench:
             ]
             for name, allowed in plan.items()
         }
-        fixed = summarize(self.noisy("fig7", bound, FIRST_SEED, {**limits, **FIXED_MASS}), ideal)
+        fixed = summarize(self.noisy("fig7", bound, FIRST_SEED, {**limits, **WITHOUT_ADAPTATION}), ideal)
         return Trial(runs, fixed, bound, torque_limits)
 
     def sketch(self, seeds: Sequence[int]) -> Trial:
@@ -158,7 +156,7 @@ class Bench:
             )
         }
         runs["spong-ortega"] = [summarize(self.noisy("spong-ortega", bound, FIRST_SEED, UNSATURATED), ideal)]
-        fixed = summarize(self.noisy("fig7", bound, FIRST_SEED, {**limits, **FIXED_MASS}), ideal)
+        fixed = summarize(self.noisy("fig7", bound, FIRST_SEED, {**limits, **WITHOUT_ADAPTATION}), ideal)
         return Trial(runs, fixed, bound, torque_limits)
 
     def _run(

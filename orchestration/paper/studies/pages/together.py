@@ -10,6 +10,7 @@ from orchestration.paper.studies.claims_at import CLEARLY
 from orchestration.paper.studies.open_values import OPEN_VALUES
 from orchestration.paper.studies.pages.claims import COMPARED
 from orchestration.paper.studies.pages.text import listed, percent, table
+from orchestration.paper.studies.pages.values import name_of
 from orchestration.paper.studies.shares import share
 from orchestration.paper.studies.together import CANDIDATES, NEIGHBOURS, SECTION_V, STARTS, WIDTH, Search
 
@@ -76,7 +77,7 @@ def best(search: Search) -> str:
         if not missing
         else f"so they do not hold together; what fails is {listed(missing)}"
     )
-    values = [[f"{v.name}, {v.unit}" if v.unit else v.name, f"{first.setting[v.name]:.4g}"] for v in OPEN_VALUES]
+    values = [[name_of(v), f"{first.setting[v.name]:.4g}"] for v in OPEN_VALUES]
     others = [
         [
             judged.origin,
