@@ -24,7 +24,7 @@ from orchestration.errors import SimulationError
 from orchestration.paper import settings
 from orchestration.paper.built_fmus import fmus
 from orchestration.paper.calibrations import CALIBRATIONS, CHOSEN_CALIBRATION, FIRST, Calibration
-from orchestration.paper.laboratory import Job, Laboratory
+from orchestration.paper.laboratory import Job, Laboratory, Runner
 from orchestration.paper.measure import Summary, at_ticks, largest_norm
 from orchestration.paper.scenarios import ALL_SCENARIOS, SCENARIOS
 from orchestration.paper.studies.calibration.keeping import Proof, prove
@@ -32,7 +32,7 @@ from orchestration.paper.studies.calibration.page import page
 from orchestration.paper.studies.calibration.record import Nudges, Period, Record
 from orchestration.paper.studies.calibration.search import Found, search
 from orchestration.paper.studies.calibration.trial import Bench
-from orchestration.paper.studies.native_runs import NativeLaboratory, Runner
+from orchestration.paper.studies.native_runs import NativeLaboratory
 from orchestration.paper.studies.open_values import EARLIER
 
 RECORD, PAGE = "calibration.json", "calibration.md"
@@ -101,7 +101,9 @@ def proved(lab: Runner, pool: Executor, tell: Tell) -> Mapping[str, Proof]:
 
 
 def renewed(record: Record | None, tell: Tell, *, look: bool, prove_all: bool) -> Record:
-    """A record whose parts are made anew; without a record, both are needed."""
+    """A record whose parts are made anew, if they are asked for; without a record, both are made."""
+    if record is not None and not look and not prove_all:
+        return record
     master = laboratory()
     native = NativeLaboratory(master.fmus)
     with ThreadPoolExecutor(os.cpu_count()) as pool:

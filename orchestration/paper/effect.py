@@ -36,7 +36,7 @@ def paired_effect(values: Sequence[float] | np.ndarray, than: Sequence[float] | 
 
 
 def shown(ratio: float) -> str:
-    """A ratio with as many digits as tell it from 1, and three decimals at least; three digits from 2 on.
+    """A ratio with as many decimals as tell it from 1, from three to six; three digits from 2 on.
 
     Examples
     --------
@@ -44,7 +44,7 @@ def shown(ratio: float) -> str:
     >>> shown(1.097), shown(1.0002), shown(16.629)
     ('1.097', '1.0002', '16.6')
     """
-    if ratio >= 2:
+    if ratio >= 2 or not np.isfinite(ratio):
         return f"{ratio:.3g}"
     distance = abs(ratio - 1)
     digits = min(6, max(3, int(np.ceil(-np.log10(distance))))) if distance > 0 else 3

@@ -5,6 +5,7 @@ from collections.abc import Collection, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Protocol
 
 import numpy as np
 
@@ -37,6 +38,19 @@ class Job:
     sample_time: float | None = None
     stop_time: float | None = None
     start_time: float = 0.0
+
+
+class Runner(Protocol):
+    """Runs jobs, as `orchestration.paper.laboratory.Laboratory` does."""
+
+    def run(self, job: Job, record: Collection[str]) -> Result:
+        """Run one job.
+
+        Raises
+        ------
+        SimulationError
+        """
+        ...
 
 
 @dataclass(frozen=True)

@@ -29,13 +29,10 @@ LARGEST_PSI = ADAPTIVE_DAMPING / TARGET_INERTIA  # 1/s, III-C: algorithm 1 needs
 
 # Sampling, assumed.
 CONVENTIONAL_STEP = 1e-4  # s, of Figs. 2 to 4
-ADAPTIVE_STEP = CHOSEN_CALIBRATION.values["sample_time"]  # s, of Figs. 5 to 7
 
 # Figs. 5 to 7.
 SEED = 1  # assumed
 NOISE_SHARE, TORQUE_SHARE = 0.15, 0.75  # V
-PSI_CRAIG = CHOSEN_CALIBRATION.values["Psi_1"]  # 1/s, of algorithm 1
-PSI_SLOTINE_LI = CHOSEN_CALIBRATION.values["Psi_2"]  # 1/s, of algorithm 2
 NOISE_BOUND = CHOSEN_CALIBRATION.noise_bound  # N
 TORQUE_LIMITS = CHOSEN_CALIBRATION.torque_limits  # N.m
 NO_TORQUE_LIMIT = 1e9  # N.m, which switches an actuator's limit off

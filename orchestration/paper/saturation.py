@@ -33,6 +33,8 @@ SATURATION_COLUMNS = (
     ESTIMATE,
 )
 """Columns that `along` needs."""
+GROWTH = ("excess", "rises_outside", "largest", "end")
+"""Names of the numbers of `growth`."""
 
 
 @dataclass(frozen=True)
@@ -122,6 +124,25 @@ class Along:
         counted = self.saturated[:-1]
         beyond = np.diff(self.V) - self.bound[:-1] * np.diff(self.time)
         return float(beyond[counted & (beyond > 0)].sum() / self.V[0])
+
+
+def growth(run: Along) -> dict[str, float]:
+    """What V_c does in a run with saturation, as four numbers; all are NaN of a run without.
+
+    Returns
+    -------
+    dict
+        ``excess`` is that of `Along`. ``rises_outside`` is the number of saturated ticks outside of the region of (28)
+        at which V_c rises; it is NaN if no saturated tick lies there, since nothing is known then. ``largest`` is the
+        largest V_c from the first saturated tick on, and ``end`` is V_c at the end, both over V_c at the start.
+    """
+    saturated = run.saturated
+    if not saturated.any():
+        return dict.fromkeys(GROWTH, math.nan)
+    outside = saturated & run.outside
+    rises = float((outside & (run.rate > 0)).sum()) if outside.any() else math.nan
+    largest, end = run.V[int(saturated.argmax()) :].max() / run.V[0], run.V[-1] / run.V[0]
+    return dict(zip(GROWTH, (run.excess(), rises, float(largest), float(end)), strict=True))
 
 
 def along(result: Result, gains: Gains) -> Along:

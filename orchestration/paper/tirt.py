@@ -7,8 +7,9 @@ h/2 |d3x_v/dt3|, which the target impedance holds at a distance of
 
     M h |d3x_v/dt3| / (2 K).
 
-For the ellipse of section V this is 1.16e-3 mm at h = 1e-4 s, and it is proportional to h. Here the trajectory's own
-law takes the place of the prediction, so that d is that of eq. (11) with the measured force held over each sample.
+For the ellipse of section V this is at most 1.16e-3 mm at h = 1e-4 s, and it is proportional to h. Here the
+trajectory's own law takes the place of the prediction, so that d is that of eq. (11) with the measured force held over
+each sample.
 """
 
 import math
@@ -90,10 +91,17 @@ def corners(wall_offset: float, depth: float) -> tuple[Corner, Corner]:
     return Corner(angle / rate, speed), Corner((2 * math.pi - angle) / rate, speed)
 
 
-def prediction_floor(h: float) -> float:
-    """The largest distance of the controller's x_t from x_v on the ellipse without a force, m, for ticks every h, s."""
-    third_derivative = max(SEMI_AXIS) * (2 * math.pi / PERIOD) ** 3
-    return TARGET_INERTIA * h * third_derivative / (2 * TARGET_STIFFNESS)
+def sampling_offset(ticks: np.ndarray) -> np.ndarray:
+    """The distance M h |d3x_v/dt3| / (2 K) at which the controller's x_t follows the ellipse, m, shape (n_ticks,).
+
+    Parameters
+    ----------
+    ticks
+        Times of the ticks, s, with equal distances h.
+    """
+    rate = 2 * math.pi / PERIOD
+    jerk = rate**3 * np.hypot(SEMI_AXIS[0] * np.sin(rate * ticks), SEMI_AXIS[1] * np.cos(rate * ticks))
+    return (ticks[1] - ticks[0]) / 2 * TARGET_INERTIA / TARGET_STIFFNESS * jerk
 
 
 def _advance(damping: float, h: float) -> tuple[np.ndarray, np.ndarray]:

@@ -30,8 +30,8 @@ def _approaches(evidence: Evidence) -> Finding:
 def _deviates_little(evidence: Evidence) -> Finding:
     spreads = {name: spread(evidence.noise[name], lambda s: s.m2_in_contact) for name in FIGURES}
     text = "; ".join(f"{name} {median:.1%}, worst {worst:.1%}" for name, (median, worst) in spreads.items())
-    ranges = {name: spread(evidence.noise[name], lambda s: s.m2_fluctuation)[0] for name in FIGURES}
-    fluctuation = ", ".join(f"{name} {value:.3f} kg" for name, value in ranges.items())
+    medians = {name: spread(evidence.noise[name], lambda s: s.m2_fluctuation)[0] for name in FIGURES}
+    fluctuation = ", ".join(f"{name} {value:.3f} kg" for name, value in medians.items())
     return Finding(
         {**judged.deviation(evidence.noise), **judged.fluctuation(evidence.noise)},
         f"deviation, median: {text}; fluctuation, from the smallest to the largest value in contact: {fluctuation};"
@@ -97,7 +97,9 @@ def _larger(evidence: Evidence, name: str) -> str:
 
 def by_how_much(ratio: float) -> str:
     """How much larger or smaller the median ratio of an error says that the error is, in words."""
-    if not ratio > 1:
+    if ratio == 1:
+        return "in the median neither larger nor smaller"
+    if ratio < 1:
         return f"in the median not larger, but smaller by {100 * (1 - ratio):.1f} %"
     size = f"{ratio:.2g} times as large" if ratio >= MANIFOLD else f"larger by {100 * (ratio - 1):.1f} %"
     clear = "clearly" if ratio >= limits.CLEARLY_LARGER.limit else "not clearly"

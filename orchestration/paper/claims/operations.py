@@ -1,8 +1,8 @@
 """Counts arithmetic operations, for a count is the same on every machine while a time is not.
 
 One operation is an addition, a subtraction, a multiplication, a comparison, a choice or the like; a costly one is
-a division, a square root, or a sine, cosine or hyperbolic tangent. Fewer operations of both kinds cost less whatever
-a machine makes of either.
+a division, a root, a power, or a function such as a sine or an exponential. Fewer operations of both kinds cost less
+whatever a machine makes of either.
 """
 
 from dataclasses import dataclass
@@ -18,13 +18,20 @@ _COSTLY = frozenset(
         *(ca.OP_DIV, ca.OP_INV, ca.OP_SQRT, ca.OP_POW, ca.OP_CONSTPOW, ca.OP_EXP, ca.OP_LOG, ca.OP_FMOD),
         *(ca.OP_SIN, ca.OP_COS, ca.OP_TAN, ca.OP_ASIN, ca.OP_ACOS, ca.OP_ATAN, ca.OP_ATAN2),
         *(ca.OP_SINH, ca.OP_COSH, ca.OP_TANH, ca.OP_ASINH, ca.OP_ACOSH, ca.OP_ATANH),
+        *(ca.OP_EXPM1, ca.OP_LOG1P, ca.OP_HYPOT, ca.OP_REMAINDER, ca.OP_ERF, ca.OP_ERFINV),
     }
 )
 
 
 @dataclass(frozen=True)
 class Operations:
-    """Arithmetic operations of a function of the generated C; `costly` are divisions, roots and functions."""
+    """Arithmetic operations of a function.
+
+    Attributes
+    ----------
+    simple, costly
+        Numbers of operations that are neither, and that are divisions, roots, powers, or functions such as a sine.
+    """
 
     simple: int
     costly: int
@@ -40,7 +47,7 @@ class Operations:
 
 
 def operations(model: Model) -> dict[str, Operations]:
-    """Arithmetic operations of a sampled unit's tick, by function of the generated C.
+    """Arithmetic operations of a sampled model's tick, by function of the generated C.
 
     ``tick`` is the tick without, ``tick_update`` the tick with the update of slow states, p_hat.
     """

@@ -33,15 +33,7 @@ def judge(run: saturation.Along) -> Values:
     Nothing holds of a run without saturation. If no saturated tick lies outside of the region of (28), nothing is known
     of what V_c does there, so the number of its rises there is NaN.
     """
-    if not run.saturated.any():
-        return dict.fromkeys(CRITERIA, float("nan"))
-    first = int(run.saturated.argmax())
-    return {
-        limits.SATURATION_BOUND: run.excess(),
-        limits.RISES_OUTSIDE: float(np.sum(_rises_outside(run))) if _outside(run).any() else float("nan"),
-        limits.SATURATED_ENERGY: float(run.V[first:].max() / run.V[0]),
-        limits.ENERGY_AT_END: float(run.V[-1] / run.V[0]),
-    }
+    return dict(zip(CRITERIA, saturation.growth(run).values(), strict=True))
 
 
 def described(run: saturation.Along) -> str:
@@ -67,8 +59,12 @@ def described(run: saturation.Along) -> str:
 
 def cause(here: saturation.Along, finer: saturation.Along) -> str:
     """What a run with a shorter period says about the ticks at which dV_c/dt lies beyond (28)."""
+    if not here.saturated.any():
+        return "So nothing is known of what a shorter period changes"
     if not share_beyond(here) > 0:
         return "dV_c/dt keeps (28) at all saturated ticks of fig6"
+    if not finer.saturated.any():
+        return "Without a saturated tick at the shorter period these runs do not show whether sampling is the cause"
     if share_beyond(finer) < share_beyond(here):
         return (
             "dV_c/dt lies beyond (28) at a smaller share of the saturated ticks with the shorter period. So the sampled"

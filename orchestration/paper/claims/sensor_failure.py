@@ -8,84 +8,36 @@ same is asked of algorithm 1. A run that ends with an error counts as one whose 
 import os
 from collections.abc import Mapping
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
 
 import numpy as np
 
-from orchestration.errors import SimulationError
 from orchestration.paper.claims import criteria as limits
 from orchestration.paper.claims.claim import Finding, Question
 from orchestration.paper.evidence import Evidence
-from orchestration.paper.laboratory import SEEDS, Job, Laboratory
-from orchestration.paper.measure import ESTIMATE, at_ticks, norms
-from orchestration.paper.numbers import FAILURES, PERIOD, TORQUE_LIMITS
+from orchestration.paper.laboratory import SEEDS, Laboratory
+from orchestration.paper.numbers import TORQUE_LIMITS
+from orchestration.paper.troubles import HEALTHY, WEAK, Errors, errors_of, troubled_jobs
 
 FAILURE_SEEDS = SEEDS[:3]
-WEAK = 0.2  # share of the limits of Fig. 6 at which the force of the contact saturates both algorithms
 P_MIN = 0.1  # kg, bound of the projection that the row of algorithm 1 shows beside
-SINCE = 0.4 * PERIOD  # s, after the first adaptation and before the contact
-HEALTHY = "healthy"
-ERROR = ("controller.e[1]", "controller.e[2]")
-_NO_FAILURE = {"sensor.failure": 0.0}
-_WEAK_TORQUES = {f"actuator.tau_max[{i}]": WEAK * limit for i, limit in enumerate(TORQUE_LIMITS, start=1)}
 
 
-@dataclass(frozen=True)
-class Errors:
-    """What is left of a run: errors in m, which are infinite if the run ended with an error.
-
-    Attributes
-    ----------
-    largest
-        Largest |e| from `SINCE` on.
-    end
-        |e| at the end.
-    least
-        Smallest m2_hat, kg.
-    """
-
-    largest: float
-    end: float
-    least: float = np.nan
-
-    @property
-    def finished(self) -> bool:
-        """Whether the run reached its end."""
-        return bool(np.isfinite(self.end))
-
-
-def _errors(laboratory: Laboratory, job: Job) -> Errors:
-    try:
-        result = laboratory.run(job, (*ERROR, ESTIMATE))
-    except SimulationError:
-        return Errors(np.inf, np.inf)
-    e = norms(at_ticks(result, "controller.e"))
-    largest = float(e[result.tick_times(ERROR[0]) >= SINCE].max())
-    return Errors(largest, float(e[-1]), float(result.at_ticks(ESTIMATE).min()))
-
-
-def errors_by_trouble(laboratory: Laboratory, end: str, changes: Mapping[str, float]) -> Mapping[str, list[Errors]]:
-    """Errors of the runs with each trouble, one for each seed, by its name; `HEALTHY` is that of runs without any.
+def errors_by_trouble(
+    laboratory: Laboratory, algorithm: int, changes: Mapping[str, float]
+) -> Mapping[str, list[Errors]]:
+    """Errors of the runs of an algorithm with each trouble, one for each seed, by its name.
 
     Parameters
     ----------
-    end
-        End of the names of the algorithm's scenarios.
+    algorithm
+        1 or 2.
     changes
         Start values that all runs have besides.
     """
-    first = f"sensor-dropout{end}"
-    troubles = {HEALTHY: (first, _NO_FAILURE)}
-    troubles |= {kind: (f"sensor-{kind}{end}", {}) for kind in FAILURES}
-    troubles["torques too small"] = (first, {**_NO_FAILURE, **_WEAK_TORQUES})
-    jobs = [
-        Job(scenario, {"sensor.seed": float(seed), **changes, **trouble})
-        for scenario, trouble in troubles.values()
-        for seed in FAILURE_SEEDS
-    ]
+    jobs = troubled_jobs(algorithm, changes, TORQUE_LIMITS, FAILURE_SEEDS)
     with ThreadPoolExecutor(os.cpu_count()) as pool:
-        found = iter(list(pool.map(lambda job: _errors(laboratory, job), jobs)))
-    return {name: [next(found) for _ in FAILURE_SEEDS] for name in troubles}
+        found = {name: pool.map(lambda job: errors_of(laboratory, job), some) for name, some in jobs.items()}
+        return {name: list(errors) for name, errors in found.items()}
 
 
 def judge(errors: Mapping[str, list[Errors]]) -> Finding:
@@ -119,13 +71,13 @@ def _in_words(errors: Mapping[str, list[Errors]]) -> str:
 
 
 def _of_algorithm_2(evidence: Evidence) -> Finding:
-    return judge(errors_by_trouble(evidence.laboratory, "", {}))
+    return judge(errors_by_trouble(evidence.laboratory, 2, {}))
 
 
 def _of_algorithm_1(evidence: Evidence) -> Finding:
-    found = judge(errors_by_trouble(evidence.laboratory, "-craig", {}))
+    found = judge(errors_by_trouble(evidence.laboratory, 1, {}))
     projected = {"controller.projection": 1.0, "controller.p_min[2]": P_MIN}
-    beside = judge(errors_by_trouble(evidence.laboratory, "-craig", projected))
+    beside = judge(errors_by_trouble(evidence.laboratory, 1, projected))
     text = f"{found.measured}. With m2_hat kept above {P_MIN:g} kg, {beside.measured}"
     return Finding(found.values, text)
 

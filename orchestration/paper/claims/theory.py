@@ -3,6 +3,7 @@
 The true p is known here, so V_c (17) and V_s can be evaluated along runs.
 """
 
+import math
 from collections.abc import Sequence
 from itertools import pairwise
 
@@ -13,7 +14,7 @@ from orchestration.paper.claims import criteria as limits
 from orchestration.paper.claims.claim import Finding, Question
 from orchestration.paper.evidence import K_D_GRID, PERIODS, Evidence
 from orchestration.paper.lyapunov import SlidingBounds, SlidingGains, sliding_bounds
-from orchestration.paper.measure import contact
+from orchestration.paper.measure import at_ticks, contact, norms
 from orchestration.paper.numbers import NOISE_BOUND, TRUE_M2, WRONG_M2
 from orchestration.results.result import Result
 
@@ -33,13 +34,18 @@ def _craig_decreases(evidence: Evidence) -> Finding:
         growths.append(lyapunov.craig_growth(result, V, contact(result)))
     shown = evidence.results["fig5"]
     growth = lyapunov.craig_growth(shown, lyapunov.craig(shown, psi, gain), contact(shown))
-    orders = [np.log(a / b) / np.log(2) for a, b in pairwise(rises)]
+    orders = [order(coarser, finer) for coarser, finer in pairwise(rises)]
     return Finding(
         {limits.CRAIG_GROWTH: growth, limits.CRAIG_ORDER: orders},
         f"during contact V_c of fig5 grows {growth:.4g}-fold; at {_PERIODS} us, with the same noise,"
         f" {_list(growths, '.4g')}-fold; its rises outside of the boundary layer over V_c(0) at these periods:"
         f" {_list(rises, '.2%')} (orders {_list(orders, '.2f')}). {_by_period(growths)}",
     )
+
+
+def order(coarser: float, finer: float) -> float:
+    """The power of the sampling period with which a size falls at half the period; infinite if it vanishes there."""
+    return math.inf if finer == 0 else float(np.log2(coarser / finer))
 
 
 def _by_period(growths: Sequence[float]) -> str:
@@ -63,14 +69,28 @@ def _sliding_is_bounded(evidence: Evidence) -> Finding:
     rows = (*unknown, *known)
     falls, rms = max(row.rise for row in rows), max(row.rms / row.rms_bound for row in rows)
     e_ratio = max(row.e_ratio for row in rows)
+    large = sum(_ticks_of_large_s(r) for r in (evidence.damped_from_true, evidence.damped_from_wrong))
     return Finding(
         {limits.RISE: falls, limits.RMS: rms, limits.ERROR_BOUND: e_ratio},
-        f"V_s rises by at most {falls:.1e} of V_s(0) where |s| >= delta/k_d; rms(s) at most {rms:.2f} of its bound; |e|"
+        f"{where_s_is_large(large, falls)}; rms(s) at most {rms:.2f} of its bound; |e|"
         f" at most {e_ratio:.2f} of |e0| + sup|s|/psi; largest |s| from contact on over delta/k_d, at K_d ="
         f" {_list(K_D_GRID, 'g')}: {_list([r.ultimate for r in known], '.2g')} from the true m2,"
         f" {_list([r.ultimate for r in unknown], '.2g')} from {WRONG_M2:g} kg: the paper's ultimate bound |s| <="
         " delta/k_d need not hold before m2_hat is right (V_s contains phi)",
     )
+
+
+def _ticks_of_large_s(results: Sequence[Result]) -> int:
+    """The number of ticks with |s| >= delta/k_d in runs at the gains `K_D_GRID`."""
+    pairs = zip(results, K_D_GRID, strict=True)
+    return sum(int((norms(at_ticks(result, "controller.s")) >= NOISE_BOUND / K_d).sum()) for result, K_d in pairs)
+
+
+def where_s_is_large(ticks: int, rise: float) -> str:
+    """What V_s does at the ticks with |s| >= delta/k_d: its largest rise in a run, as a share of V_s(0)."""
+    if not ticks:
+        return "no tick has |s| >= delta/k_d, so the runs say nothing of what V_s does there"
+    return f"V_s rises by at most {rise:.1e} of V_s(0) at the {ticks} ticks with |s| >= delta/k_d"
 
 
 def _smaller_with_gain(evidence: Evidence) -> Finding:

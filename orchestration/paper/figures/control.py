@@ -63,7 +63,7 @@ def _estimate(axis: Axes, run: Run, windows: Windows, behind: Run | None) -> Non
     if behind is not None:
         curves.insert(0, Curve(behind.ticks, behind.estimate, "Fig. 5", GREY, 2.2))
     _true_mass(axis)
-    _panel(axis, run, curves, "(b) Estimated $m_2$", "mass (kg)", windows.mass.whole)
+    _panel(axis, run, curves, "(b) Estimated $m_2$", "mass (kg)", limits=windows.mass.whole)
     if windows.mass.near:
         inset = zoom(axis, run, curves, windows.contact, windows.mass.near, at_top=windows.mass.inset_at_top)
         _true_mass(inset)
@@ -78,7 +78,7 @@ def _true_mass(axis: Axes) -> None:
 
 def _torques(axis: Axes, run: Run, windows: Windows) -> None:
     curves = [Curve(run.ticks, run.torque[:, i], f"$\\tau_{i + 1}$", colour) for i, colour in enumerate(COLOURS)]
-    _panel(axis, run, curves, "(b) Control torques", "torque (N m)", windows.torque.whole)
+    _panel(axis, run, curves, "(b) Control torques", "torque (N m)", limits=windows.torque.whole)
     legend_above(axis)
 
 
@@ -86,7 +86,7 @@ def _error(axis: Axes, run: Run, windows: Windows, behind: Run | None) -> None:
     curves = [Curve(run.ticks, run.e[:, i], f"$e_{i + 1}$", colour) for i, colour in enumerate(COLOURS)]
     if behind is not None:
         curves[:0] = [Curve(behind.ticks, behind.e[:, i], "Fig. 5", GREY, 2.2) for i in (0, 1)]
-    _panel(axis, run, curves, "(c) Tracking error $e = x - x_t$", "error (mm)", windows.error.whole)
+    _panel(axis, run, curves, "(c) Tracking error $e = x - x_t$", "error (mm)", limits=windows.error.whole)
     if near := windows.error.near_of(near_contact(run, run.e, windows.contact)):
         inset = zoom(axis, run, curves, windows.contact, near, at_top=windows.error.inset_at_top)
         _inset_title(inset, "near the contact" if windows.error.near else "in contact, own scale")
@@ -99,7 +99,7 @@ def _force(axis: Axes, run: Run, windows: Windows, behind: Run | None) -> None:
         curves.insert(0, Curve(behind.result.time, behind.force, "Fig. 5", GREY, 2.2))
     if run.noisy:
         curves.insert(0, Curve(run.ticks, run.measured, "measured", LIGHT, 0.6))
-    _panel(axis, run, curves, "(d) Contact force", "force (N)", windows.force)
+    _panel(axis, run, curves, "(d) Contact force", "force (N)", limits=windows.force)
     inset = zoom(axis, run, curves, windows.contact, (0, windows.sliding), at_top=True)
     inset.axhline(run.steady_force, color=VERMILLION, ls="--", lw=1.1)
     _inset_title(inset, f"dashed: $K$ depth = {run.steady_force:.3g} N")
@@ -110,7 +110,7 @@ def _inset_title(inset: Axes, title: str) -> None:
     inset.set_title(title, fontsize=7.5, loc="center", pad=2)
 
 
-def _panel(axis: Axes, run: Run, curves: list[Curve], title: str, ylabel: str, limits: Span) -> None:
+def _panel(axis: Axes, run: Run, curves: list[Curve], title: str, ylabel: str, *, limits: Span) -> None:
     """Draw curves over the whole time."""
     for curve in curves:
         curve.draw(axis)

@@ -38,7 +38,7 @@ def _torque(axis: Axes, run: Run, joint: int, windows: Windows) -> None:
     Curve(run.ticks, run.torque[:, joint], "actuator", SKY, 0.9).draw(axis, windows.contact)
     draw_limit(axis, run, joint)
     cut = float(within(run, run.saturated[:, joint], run.span).mean())
-    how = f"saturated in {100 * cut:.2g} % of the contact" if cut else "never saturated"
+    how = f"saturated in {100 * cut:.2g} % of the contact" if cut else "not saturated in contact"
     time_axis(axis, run, f"({'ef'[joint]}) Joint {joint + 1}, {how}", "torque (N m)")
     legend_above(axis, ["command", "actuator", LIMIT])
 

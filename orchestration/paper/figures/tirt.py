@@ -13,7 +13,7 @@ from orchestration.paper.figures.run import Run
 from orchestration.paper.figures.style import BLACK, BLUE, LIGHT, ORANGE, VERMILLION, legend_above, new_figure
 from orchestration.paper.figures.windows import Windows
 from orchestration.paper.measure import at_ticks, norms
-from orchestration.paper.numbers import PERIOD, SEMI_AXIS, TARGET_INERTIA, TARGET_STIFFNESS
+from orchestration.paper.numbers import TARGET_INERTIA, TARGET_STIFFNESS
 
 OFFSET = r"$(hM/2K)\,\|\dddot{x}_v\|$"  # at which sampling holds the TIRT
 CRITICAL_DAMPING = 2 * math.sqrt(TARGET_INERTIA * TARGET_STIFFNESS)  # N.s/m, of the run
@@ -45,22 +45,7 @@ def _distance(axis: Axes, run: Run, distance: np.ndarray) -> None:
     exact = 1e3 * norms(tirt.difference(run.result, CRITICAL_DAMPING, run.wall_offset, run.depth))
     Curve(run.ticks, np.maximum(distance, LEAST / 10), "sampled", LIGHT, 3.0).draw(axis)
     Curve(run.ticks, np.maximum(exact, LEAST / 10), "by (11)", BLUE).draw(axis)
-    Curve(run.ticks, sampling_offset(run.ticks), OFFSET, VERMILLION, 1.0, dashed=True).draw(axis)
+    Curve(run.ticks, 1e3 * tirt.sampling_offset(run.ticks), OFFSET, VERMILLION, 1.0, dashed=True).draw(axis)
     time_axis(axis, run, r"(d) Their distance $\|x_t - x_v\|$", "distance (mm)")
     axis.set_ylim(LEAST, 1e2)
     legend_above(axis)
-
-
-def sampling_offset(ticks: np.ndarray) -> np.ndarray:
-    """Distance at which the sampled TIRT follows the ellipse in free motion, mm, shape (n_ticks,).
-
-    It is (h/2) (M/K) |d^3 x_v/dt^3|, for the reason that `orchestration.paper.tirt` gives.
-
-    Parameters
-    ----------
-    ticks
-        Times of the ticks, s, with equal distances.
-    """
-    rate = 2 * math.pi / PERIOD
-    jerk = rate**3 * np.hypot(SEMI_AXIS[0] * np.sin(rate * ticks), SEMI_AXIS[1] * np.cos(rate * ticks))
-    return 1e3 * (ticks[1] - ticks[0]) / 2 * TARGET_INERTIA / TARGET_STIFFNESS * jerk

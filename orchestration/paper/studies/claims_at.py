@@ -8,15 +8,16 @@ from itertools import pairwise
 import numpy as np
 
 from orchestration.paper.calibrations import Setting
+from orchestration.paper.claims import cost, judged, saturation, sensor_failure
 from orchestration.paper.claims import criteria as limits
-from orchestration.paper.claims import judged
 from orchestration.paper.claims.criteria import Criterion
+from orchestration.paper.laboratory import Runner
 from orchestration.paper.measure import Summary
 from orchestration.paper.studies import measured
-from orchestration.paper.studies.native_runs import Runner
 from orchestration.paper.studies.raw_rows import Row
 from orchestration.paper.studies.runs_at import FIXED_MASS, FREE, TORQUE_LIMITS, row_at
 from orchestration.paper.studies.summary_measure import summary_of
+from orchestration.paper.troubles import TROUBLES, Errors
 
 SCENARIOS = ("fig5", "fig6", "fig7", "spong-ortega")
 RUNS = (*SCENARIOS, FREE)
@@ -163,6 +164,23 @@ def _clearly_larger(found: Evidence, name: str) -> Values:
     return {limits.CLEARLY_LARGER: ratios}
 
 
+def _without_coriolis(found: Evidence) -> Values:
+    numbers = {name: found.number(name) for name in measured.UNITS if name.startswith(f"{measured.NO_CORIOLIS}.")}
+    without = summary_of(numbers, f"{measured.NO_CORIOLIS}.")
+    return cost.judge_without_coriolis(found.noise["fig7"][:1], [without]).values
+
+
+def _in_trouble(found: Evidence, algorithm: int) -> Values:
+    runs = {trouble: measured.in_trouble(algorithm, trouble) for trouble in TROUBLES}
+    return sensor_failure.judge(
+        {name: [Errors(found.number(f"{run}.e_later"), found.number(f"{run}.e_last"))] for name, run in runs.items()}
+    ).values
+
+
+def _saturated(found: Evidence) -> Values:
+    return dict(zip(saturation.CRITERIA, (found.number(f"fig6.{name}") for name in measured.GROWTH), strict=True))
+
+
 @dataclass(frozen=True)
 class _Asked:
     """A question at a setting.
@@ -199,12 +217,16 @@ _ASKED: Mapping[str, _Asked] = {
     "C9": _Asked(("fig7",), _free_motion),
     "C10": _Asked(PAIR, lambda found: judged.contact_errors(found.noise)),
     "C12b": _Asked(PAIR, _slower, costly=True),
+    "C12c": _Asked(("fig7",), _without_coriolis, costly=True),
     "C13": _Asked(("fig5",), _reference),
     "C14a": _Asked(("fig5",), lambda found: {limits.CRAIG_GROWTH: found.number("fig5.V_growth")}),
     "C14b": _Asked((), _sliding, costly=True),
     "C14c": _Asked((), lambda found: _stiffer(found, "wrong"), costly=True),
     "C16": _Asked(("spong-ortega",), lambda found: judged.fixed_inverse(found.noise)),
     "C17": _Asked(("fig5",), _switching),
+    "C19a": _Asked((), lambda found: _in_trouble(found, 2), costly=True),
+    "C19b": _Asked((), lambda found: _in_trouble(found, 1), costly=True),
+    "C20": _Asked(("fig6",), _saturated, costly=True),
     "C7 clearly": _Asked(("fig5", "fig6"), lambda found: _clearly_larger(found, "fig6"), ("C7",)),
     "C10 clearly": _Asked(PAIR, lambda found: _clearly_larger(found, "fig7"), ("C10",)),
     "C14c true": _Asked((), lambda found: _stiffer(found, "true"), costly=True),

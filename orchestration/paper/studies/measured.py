@@ -6,6 +6,7 @@ from types import MappingProxyType
 import numpy as np
 
 from orchestration.paper import lyapunov, theory
+from orchestration.paper import saturation as saturated
 from orchestration.paper.calibrations import Setting
 from orchestration.paper.lyapunov import SLIDING_COLUMNS, SlidingGains
 from orchestration.paper.measure import (
@@ -20,6 +21,7 @@ from orchestration.paper.measure import (
 from orchestration.paper.numbers import TRUE_M2
 from orchestration.paper.studies.summary_measure import TORQUES
 from orchestration.paper.studies.summary_measure import UNITS as SUMMARY
+from orchestration.paper.troubles import ENDS, TROUBLES, Errors
 from orchestration.results.result import Result
 
 Numbers = dict[str, float]
@@ -27,6 +29,8 @@ Units = Mapping[str, str]
 
 SATURATION = ("saturated_1", "saturated_2")
 DIVISORS = (10, 100)
+NO_CORIOLIS = "fig7-no-coriolis"
+"""Fig. 7 without the term C_x s."""
 K_D_GRID = (30.0, 100.0, 300.0, 1000.0, 3000.0)  # N.s/m
 PROPORTIONAL = "proportional"
 STARTS: Mapping[str, Mapping[str, float]] = MappingProxyType(
@@ -43,6 +47,9 @@ _REFERENCE: Units = {"x_t_before": "m", "x_t_later": "m", "x_t_end": "m"}
 _LYAPUNOV: Units = {"V_growth": "", "V_rise": ""}
 _SWITCHING: Units = {"case_c": "", "gamma_ratio": "", "gamma_ratio_median": ""}
 _SLIDING: Units = {"rise": "", "rms_ratio": "", "largest": "m/s", "ultimate": "", "e_ratio": ""}
+_TROUBLE: Units = {"e_later": "m", "e_last": "m"}
+GROWTH = tuple(f"V_{name}" for name in saturated.GROWTH)
+"""Numbers of `lyapunov_saturated`."""
 OF_NOISY: Units = {**SUMMARY, "force_peak": "N"}
 """Numbers of each run with noise."""
 
@@ -57,17 +64,24 @@ def at_gain(start: str, gain: float) -> str:
     return f"K_d {gain:g} {start}"
 
 
+def in_trouble(algorithm: int, trouble: str) -> str:
+    """Name of a run of an algorithm in which the sensor fails, or the torques are too small."""
+    return f"algorithm {algorithm} {trouble}"
+
+
 _BY_RUN: Mapping[str, Units] = {
     "fig2": {**_CONVENTIONAL, **_SLIDE, **_REFERENCE},
     "fig4": {**_CONVENTIONAL, "force_difference": "N"},
     "fig5": {**OF_NOISY, **_REFERENCE, **_LYAPUNOV, **_SWITCHING},
-    "fig6": {**OF_NOISY, **_SATURATION},
+    "fig6": {**OF_NOISY, **_SATURATION, **dict.fromkeys(GROWTH, "")},
     "fig7": {**OF_NOISY, **_SATURATION},
     "fig7-free": OF_NOISY,
     "spong-ortega": OF_NOISY,
+    NO_CORIOLIS: OF_NOISY,
     "fixed-mass": {"e_start": "m", "touches": ""},
     **{at_divisor(name, divisor): {"e_contact": "m"} for name in ("fig5", "fig7") for divisor in DIVISORS},
     **{at_gain(start, gain): _SLIDING for start in STARTS for gain in K_D_GRID},
+    **{in_trouble(algorithm, trouble): _TROUBLE for algorithm in ENDS for trouble in TROUBLES},
 }
 
 UNITS: Units = {
@@ -166,6 +180,17 @@ def switching(result: Result, noise_bound: float) -> Numbers:
         "gamma_ratio": float(ratio.max()),
         "gamma_ratio_median": float(np.median(ratio)),
     }
+
+
+def lyapunov_saturated(result: Result, setting: Setting, noise_bound: float) -> Numbers:
+    """What V_c does while actuators saturate, (28)."""
+    run = saturated.along(result, saturated.Gains(setting["Psi_1"], setting["Gamma_1"], noise_bound))
+    return dict(zip(GROWTH, saturated.growth(run).values(), strict=True))
+
+
+def trouble(errors: Errors) -> Numbers:
+    """The largest |e| from before the contact on, and that at the end; infinite if the run ended with an error."""
+    return dict(zip(_TROUBLE, (errors.largest, errors.end), strict=True))
 
 
 def sliding(result: Result, gains: SlidingGains) -> Numbers:

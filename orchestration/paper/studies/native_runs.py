@@ -3,7 +3,6 @@
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from threading import Lock
-from typing import Protocol
 
 import numpy as np
 
@@ -17,19 +16,6 @@ from orchestration.system.system import System
 
 Start = Mapping[str, float]
 """Start values by ``component.variable``."""
-
-
-class Runner(Protocol):
-    """Runs jobs, as `orchestration.paper.laboratory.Laboratory` does."""
-
-    def run(self, job: Job, record: Collection[str]) -> Result:
-        """Run one job.
-
-        Raises
-        ------
-        SimulationError
-        """
-        ...
 
 
 @dataclass(frozen=True)

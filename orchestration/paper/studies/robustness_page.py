@@ -1,11 +1,12 @@
 """Writes docs/robustness.md: for each claim the share of settings in which it holds, and the values that decide it."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
 from orchestration.paper.calibrations import CALIBRATIONS, CHOSEN_CALIBRATION
 from orchestration.paper.laboratory import SEEDS
+from orchestration.paper.studies.claims_at import COSTLY as COSTLY_QUESTIONS
 from orchestration.paper.studies.claims_at import RUNS
 from orchestration.paper.studies.open_values import settings
 from orchestration.paper.studies.pages.claims import CLAIMS, claim_section, gains, overview, sensitivity
@@ -19,6 +20,8 @@ from orchestration.paper.studies.seeds import OverSeeds
 from orchestration.paper.studies.shares import share
 from orchestration.paper.studies.survey import COSTLY
 from orchestration.paper.studies.together import Search
+
+COSTLY_CLAIMS = tuple(name for name in CLAIMS if name in COSTLY_QUESTIONS)
 
 
 def page(answers: np.ndarray, search: Search, seeds: Mapping[str, OverSeeds]) -> str:
@@ -72,8 +75,8 @@ The paper leaves many values open. The claims in [claims.md](claims.md) are judg
 A setting gives each open value a number. The study makes the runs of Figs. 2 to 7, and the runs that these depend on,
 at {n:,} settings. The settings are Sobol points, which fill the space of the open values evenly. Each setting has its
 own seed of the noise. The criteria are those of [claims.md](claims.md), asked of one run instead of 30 seeds: a median
-over the seeds becomes the value of this run. C12b, C14b and C14c need many more runs, so they are judged at the first
-{COSTLY} settings. In brackets stands Wilson's interval of each share, at 95 %.
+over the seeds becomes the value of this run. {_listed(COSTLY_CLAIMS)} need many more runs, so
+they are judged at the first {COSTLY} settings. In brackets stands Wilson's interval of each share, at 95 %.
 
     uv run python -m orchestration.paper.studies.robustness --settings {n}
 
@@ -88,6 +91,10 @@ verdicts that differ.
 A share depends on the ranges. A share of 20 % does not say that the claim is 20 % true. It says how much of what the
 paper leaves to its reader supports the claim.
 """
+
+
+def _listed(names: Sequence[str]) -> str:
+    return f"{', '.join(names[:-1])} and {names[-1]}"
 
 
 def _failures(columns: Mapping[str, np.ndarray]) -> str:

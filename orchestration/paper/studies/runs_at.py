@@ -19,7 +19,7 @@ import numpy as np
 from orchestration.errors import SimulationError
 from orchestration.paper import settings
 from orchestration.paper.calibrations import Setting
-from orchestration.paper.laboratory import Job
+from orchestration.paper.laboratory import Job, Runner
 from orchestration.paper.lyapunov import CRAIG_COLUMNS, SlidingGains
 from orchestration.paper.measure import (
     ESTIMATE,
@@ -31,10 +31,11 @@ from orchestration.paper.measure import (
     largest_norm,
     summarize,
 )
+from orchestration.paper.saturation import SATURATION_COLUMNS
 from orchestration.paper.scenarios import UNSATURATED
 from orchestration.paper.studies import measured
-from orchestration.paper.studies.native_runs import Runner
 from orchestration.paper.studies.raw_rows import Row
+from orchestration.paper.troubles import errors_of, troubled_jobs
 from orchestration.results.result import Result
 
 FORCE = ("plant.F_ext[1]", "plant.F_ext[2]")
@@ -67,7 +68,8 @@ def row_at(
     limits
         Start values that limit the torques, if they do not come from Fig. 5 with this seed.
     costly
-        Whether to make the runs at lower rates and at other gains K_d, too.
+        Whether to make the runs at lower rates, at other gains K_d, with a sensor that fails or torques that are too
+        small, and without C_x s, too, and to follow V_c through Fig. 6.
 
     Returns
     -------
@@ -82,6 +84,9 @@ def row_at(
         if costly:
             chain.at_lower_rates()
             chain.at_other_gains()
+            chain.in_trouble()
+            chain.without_coriolis()
+            chain.saturated()
     return Row(chain.numbers, chain.failures)
 
 
@@ -165,6 +170,30 @@ class Chain:
             for gain in measured.K_D_GRID:
                 of = measured.at_gain(start, gain)
                 self._attempt(of, lambda s=start, c=changes, g=gain, of=of: self._take(of, self._sliding(s, c, g)))
+
+    def in_trouble(self) -> None:
+        """Make the runs of both algorithms with a sensor that fails, and with torques far too small."""
+        if self.limits is None:
+            return
+        for algorithm, name in ((1, "fig6"), (2, "fig7")):
+            given, period = self._changes(name), self.setting["sample_time"]
+            jobs = troubled_jobs(algorithm, given, [*self.limits.values()], (self.seed,), period)
+            for trouble, (job,) in jobs.items():
+                self._take(measured.in_trouble(algorithm, trouble), measured.trouble(errors_of(self.laboratory, job)))
+
+    def without_coriolis(self) -> None:
+        """Make the run of Fig. 7 without the term C_x s."""
+        of = measured.NO_CORIOLIS
+        self._attempt(of, lambda: self._summed_up(of, of, self._changes("fig7")))
+
+    def saturated(self) -> None:
+        """Follow V_c through Fig. 6."""
+        if self.limits is not None:
+            self._attempt("fig6", self._saturated)
+
+    def _saturated(self) -> None:
+        result = self._run("fig6", self._changes("fig6"), SATURATION_COLUMNS)
+        self._take("fig6", measured.lyapunov_saturated(result, self.setting, self.bound))
 
     def _true_mass(self) -> Result:
         result = self._run("fig2", settings.place(self.setting), (*TOUCH, *E, *REFERENCE))

@@ -13,11 +13,11 @@ from orchestration.campaigns.study import Study
 from orchestration.paper import settings
 from orchestration.paper.calibrations import Calibration
 from orchestration.paper.effect import paired_effect
+from orchestration.paper.laboratory import Runner
 from orchestration.paper.ready import scenario
 from orchestration.paper.share import Share
 from orchestration.paper.strength import Effect, effect_from
 from orchestration.paper.studies.claims_at import Evidence, verdicts
-from orchestration.paper.studies.native_runs import Runner
 from orchestration.paper.studies.raw_rows import Row
 from orchestration.paper.studies.runs_at import FIXED_MASS, Chain
 from orchestration.paper.studies.summary_measure import ideal_force, summary_measure

@@ -6,9 +6,8 @@ from typing import Any
 import numpy as np
 
 from orchestration.campaigns.measuring.measure import Measure
-from orchestration.paper.laboratory import Job
+from orchestration.paper.laboratory import Job, Runner
 from orchestration.paper.measure import ESTIMATE, RECORDED, Summary, summarize
-from orchestration.paper.studies.native_runs import Runner
 from orchestration.results.result import Result
 
 FORCE = ("plant.F_ext[1]", "plant.F_ext[2]")

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from pathlib import Path
 
-from orchestration.paper import lyapunov, measure, settings, theory
+from orchestration.paper import lyapunov, measure, saturation, settings, theory, troubles
 from orchestration.paper.studies import measured, runs_at, summary_measure
 from orchestration.paper.studies.native_runs import NativeLaboratory
 from orchestration.paper.studies.open_values import setting_at
@@ -11,8 +11,8 @@ from orchestration.paper.studies.open_values import settings as points_of
 from orchestration.paper.studies.raw_rows import Row, Survey, identity_of_files
 
 COSTLY = 256
-"""Number of settings at which the runs at lower rates and at other gains K_d are made, too."""
-_DECIDING = (lyapunov, measure, settings, theory, measured, runs_at, summary_measure)
+"""Number of settings at which the costly runs are made, too."""
+_DECIDING = (lyapunov, measure, saturation, settings, theory, troubles, measured, runs_at, summary_measure)
 
 
 def survey(laboratory: NativeLaboratory) -> Survey:

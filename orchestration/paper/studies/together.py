@@ -11,9 +11,8 @@ import numpy as np
 
 from adaptimp_fmu.files.whole_file import write_whole
 from orchestration.paper.calibrations import FIRST, Setting
-from orchestration.paper.laboratory import SEEDS
+from orchestration.paper.laboratory import SEEDS, Runner
 from orchestration.paper.studies.claims_at import evidence_at, verdicts
-from orchestration.paper.studies.native_runs import Runner
 from orchestration.paper.studies.open_values import CHOSEN, EARLIER, setting_at, settings, settings_near
 from orchestration.paper.studies.robustness_table import COLUMNS
 

@@ -7,12 +7,11 @@ from dataclasses import dataclass
 
 from orchestration.errors import SimulationError
 from orchestration.paper.calibrations import Setting
-from orchestration.paper.laboratory import SEEDS
+from orchestration.paper.laboratory import SEEDS, Runner
 from orchestration.paper.measure import NoContactError
 from orchestration.paper.studies.calibration.objective import broken, cost, excesses
 from orchestration.paper.studies.calibration.space import perturbed
 from orchestration.paper.studies.calibration.trial import Bench
-from orchestration.paper.studies.native_runs import Runner
 
 PERTURBATIONS = 32
 PERTURBED_SEEDS = tuple(range(1, 17))

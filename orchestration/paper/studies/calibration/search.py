@@ -18,13 +18,13 @@ import numpy as np
 
 from orchestration.errors import SimulationError
 from orchestration.paper.calibrations import Setting
+from orchestration.paper.laboratory import Runner
 from orchestration.paper.measure import NoContactError
 from orchestration.paper.studies.calibration.evolution import minimize
 from orchestration.paper.studies.calibration.keeping import Proof, prove
 from orchestration.paper.studies.calibration.objective import broken, cost, excesses, visibly_worse
 from orchestration.paper.studies.calibration.space import rounded, setting_at, starts
 from orchestration.paper.studies.calibration.trial import Bench
-from orchestration.paper.studies.native_runs import Runner
 
 FAILED = 1e3  # cost of a setting at which a run fails
 SEEDS = tuple(range(1, 17))

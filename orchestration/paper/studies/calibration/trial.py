@@ -17,7 +17,7 @@ import numpy as np
 
 from orchestration.paper import settings
 from orchestration.paper.calibrations import Setting
-from orchestration.paper.laboratory import Job
+from orchestration.paper.laboratory import Job, Runner
 from orchestration.paper.measure import (
     ESTIMATE,
     RECORDED,
@@ -28,7 +28,6 @@ from orchestration.paper.measure import (
     summarize,
 )
 from orchestration.paper.scenarios import UNSATURATED
-from orchestration.paper.studies.native_runs import Runner
 from orchestration.paper.studies.runs_at import FORCE, SILENT, TOUCH
 from orchestration.results.result import Result
 

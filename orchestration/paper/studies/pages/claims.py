@@ -24,12 +24,16 @@ SENTENCES: Mapping[str, str] = {
     "C9": "the tracking error of algorithm 2 is very small in free motion, and half of that without adaptation at most",
     "C10": "errors of algorithm 2 in contact are slightly larger than those of algorithm 1 without saturation",
     "C12b": "m2_hat may be updated at a lower rate",
+    "C12c": "the term C_x s of algorithm 2 may be ignored",
     "C13": "the TIRT need only be integrated during contact",
     "C14a": "V_c does not grow during contact (the order of its rises in the sampling period is not asked here)",
     "C14b": "V_s decreases where s is at least delta/k_d, and s and e keep their bounds",
     "C14c": "a larger K_d gives a smaller s, from m2_hat = 2.5 kg on",
     "C16": "the variant with a fixed inverse does the same task",
     "C17": "gamma* of (26) bounds the needed gamma",
+    "C19a": "if the sensor fails, or a large force saturates the actuators, the error of algorithm 2 stays bounded",
+    "C19b": "the same of algorithm 1",
+    "C20": "saturation lets V_c grow no faster than (28) says, and not outside of a region of small errors",
 }
 """What each claim says, in our words; docs/claims.md has the criteria."""
 CLAIMS = tuple(SENTENCES)

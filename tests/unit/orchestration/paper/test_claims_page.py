@@ -96,7 +96,7 @@ def test_records_carry_the_strength() -> None:
 
 def test_a_claim_that_compares_figures_has_its_effect() -> None:
     text = as_markdown([claim("C7", HOLDS), claim("C8", HOLDS)], {}, STRENGTH)
-    line = "- Over 1000 seeds, fig6/fig5 of |e| in contact: median 1.0800 (1.0100 to 1.1300), above 1 at 65.0 %"
+    line = "- Over 1000 seeds, fig6/fig5 of |e| in contact: median 1.080 (1.010 to 1.130), above 1 at 65.0 %"
     assert text.count(line) == 1
     assert text.index(line) < text.index("## C8")
 
@@ -106,3 +106,10 @@ def test_a_bar_in_a_sentence_does_not_end_its_cell() -> None:
     row = next(line for line in text.splitlines() if line.startswith("| [C1]"))
     assert r"| \|e\| is small |" in row
     assert len(re.findall(r"(?<!\\)\|", row)) == 7
+
+
+def test_a_record_names_no_scenario_whose_name_begins_that_of_another() -> None:
+    runs = "sensor-spike-craig, sensor-stuck-craig, seeds 1-3"
+    digests = {"sensor-spike": "a", "sensor-spike-craig": "b", "sensor-stuck-craig": "c"}
+    (record,) = as_records([claim("C19b", NOT_REPRODUCED, runs)], digests, STRENGTH)
+    assert record["scenarios"] == {"sensor-spike-craig": "b", "sensor-stuck-craig": "c"}

@@ -1,11 +1,13 @@
 """What the rows of the claims say beside their verdict follows from their numbers."""
 
+import math
+
 import numpy as np
 import pytest
 
 from orchestration.paper.claims.adaptive import by_how_much, drift, ranges, slight_in_length
 from orchestration.paper.claims.motion import pressed
-from orchestration.paper.claims.theory import bounded, steps
+from orchestration.paper.claims.theory import bounded, order, steps, where_s_is_large
 
 
 @pytest.mark.parametrize(
@@ -18,6 +20,17 @@ from orchestration.paper.claims.theory import bounded, steps
 )
 def test_c14c_names_the_steps_at_which_s_does_not_fall(sizes: list[float], expected: str) -> None:
     assert steps(sizes) == expected
+
+
+def test_c14a_has_an_order_where_v_c_no_longer_rises() -> None:
+    assert order(0.08, 0.02) == 2.0
+    assert order(0.08, 0.0) == math.inf
+    assert math.isnan(order(0.08, math.nan))
+
+
+def test_c14b_says_that_nothing_is_known_of_large_s_if_s_is_small() -> None:
+    assert where_s_is_large(0, 0.0).startswith("no tick has |s| >= delta/k_d")
+    assert where_s_is_large(3, 0.02) == "V_s rises by at most 2.0e-02 of V_s(0) at the 3 ticks with |s| >= delta/k_d"
 
 
 def test_c17_calls_its_bound_true_only_if_it_is() -> None:
@@ -40,6 +53,7 @@ def test_c3b_says_which_force_is_larger() -> None:
         (1.322, "in the median larger by 32.2 %, clearly larger"),
         (1.001, "in the median larger by 0.1 %, not clearly larger"),
         (0.9, "in the median not larger, but smaller by 10.0 %"),
+        (1.0, "in the median neither larger nor smaller"),
     ],
 )
 def test_c7_and_c10_say_by_how_much(ratio: float, expected: str) -> None:

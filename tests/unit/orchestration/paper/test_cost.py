@@ -42,3 +42,9 @@ def test_the_first_result_is_counted_alone() -> None:
     assert counted(function) == Operations(simple=2, costly=2)
     assert without_update(function) == Operations(simple=1, costly=1)
     assert str(counted(function)) == "4 (2)"
+
+
+def test_every_function_is_costly() -> None:
+    x, y = ca.SX.sym("x"), ca.SX.sym("y")
+    functions = [ca.expm1(x), ca.log1p(x), ca.hypot(x, y), ca.remainder(x, y), ca.erf(x), ca.exp(x), ca.atan2(x, y)]
+    assert counted(ca.Function("f", [x, y], functions)) == Operations(simple=0, costly=len(functions))

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.stats import binom
 
-from orchestration.paper.effect import LEVEL, median_interval, paired_effect
+from orchestration.paper.effect import LEVEL, median_interval, paired_effect, shown
 
 
 def test_a_counted_case() -> None:
@@ -31,6 +31,11 @@ def test_the_interval_has_its_confidence_and_no_shorter_one_has_it(n: int) -> No
 @pytest.mark.parametrize("n", [1, 5])
 def test_too_few_pairs_have_no_interval(n: int) -> None:
     assert median_interval(np.arange(n, dtype=float)) == (-np.inf, np.inf)
+
+
+def test_the_ends_of_an_interval_of_too_few_pairs_are_shown() -> None:
+    found = paired_effect([1.1, 1.2], [1.0, 1.0])
+    assert (shown(found.low), shown(found.high), shown(np.nan)) == ("-inf", "inf", "nan")
 
 
 def test_the_interval_covers_the_median_as_often_as_it_says() -> None:

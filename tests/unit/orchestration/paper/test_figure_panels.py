@@ -23,11 +23,11 @@ from orchestration.paper.figures import style
 from orchestration.paper.figures.draw import _figures, draw
 from orchestration.paper.figures.plane import stretched
 from orchestration.paper.figures.run import Run
-from orchestration.paper.figures.tirt import sampling_offset
 from orchestration.paper.laboratory import Job, Laboratory
 from orchestration.paper.measure import at_ticks, contact, norms
 from orchestration.paper.numbers import TARGET_INERTIA, TARGET_STIFFNESS
 from orchestration.paper.scenarios import SCENARIOS
+from orchestration.paper.tirt import sampling_offset
 
 FIGURES = [name for name in SCENARIOS if name.startswith("fig")]
 ELSEWHERE = {"plant.wall_offset": 1.40, "trajectory.wall_offset": 1.40, "trajectory.depth": 20e-3}
@@ -190,7 +190,7 @@ def test_the_offset_of_the_tirt_is_that_of_its_sampling(drawn: Drawn) -> None:
     distance = 1e3 * norms(at_ticks(run.result, "controller.x_t") - run.x_v)
     free = (run.ticks > 0.3) & (run.ticks < 0.7)  # s: settled, before the contact
     lag = 2 * math.sqrt(TARGET_INERTIA / TARGET_STIFFNESS)  # s: B/K of the critically damped target impedance
-    expected = np.interp(run.ticks[free], run.ticks + lag, sampling_offset(run.ticks))
+    expected = np.interp(run.ticks[free], run.ticks + lag, 1e3 * sampling_offset(run.ticks))
     assert expected.max() > 1e-3  # mm
     # At pi rad/s, the amplitude of the impedance is 1/(1 + (pi lag / 2)^2) = 0.995 of the one at rest.
     np.testing.assert_allclose(distance[free], expected, rtol=0.006)
@@ -240,6 +240,7 @@ def test_an_unsaturated_run_shows_no_limit(drawn: Drawn) -> None:
     runs = drawn[0]
     figures = _figures({"fig5": runs["fig5"], "fig6": runs["fig5"], "fig7": runs["fig7"]})
     assert "saturation" not in figures
+    assert panel(figures["fig6"], "e").get_title(loc="left").endswith("not saturated in contact")
     for name, letter in (("torques", "a"), ("fig6", "e")):
         assert not [line for line in panel(figures[name], letter).lines if line.get_linestyle() == ":"]
 

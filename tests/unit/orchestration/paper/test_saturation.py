@@ -142,7 +142,8 @@ def test_sampling_is_blamed_only_if_a_shorter_period_comes_nearer_to_the_bound()
     unsaturated = run([1, 0.5], [1, 1], [0, 0])
     assert "at least a part of the cause" in cause(half, kept)
     assert "do not show that sampling is the cause" in cause(half, half)
-    assert "do not show that sampling is the cause" in cause(half, unsaturated)
+    assert "Without a saturated tick at the shorter period" in cause(half, unsaturated)
+    assert cause(unsaturated, kept) == "So nothing is known of what a shorter period changes"
     assert cause(kept, half) == "dV_c/dt keeps (28) at all saturated ticks of fig6"
 
 

@@ -5,11 +5,12 @@ import pytest
 
 from orchestration.paper.built_fmus import fmus
 from orchestration.paper.claims import criteria as limits
-from orchestration.paper.claims.sensor_failure import HEALTHY, P_MIN, Errors, judge
+from orchestration.paper.claims.sensor_failure import P_MIN, judge
 from orchestration.paper.laboratory import Job, Laboratory
 from orchestration.paper.numbers import PAYLOAD, PERIOD, TRUE_M2
 from orchestration.paper.ready import scenario
 from orchestration.paper.scenarios import WITH_FAILURE, WITH_PAYLOAD
+from orchestration.paper.troubles import HEALTHY, Errors
 
 CRITERIA = (limits.FAILURE_GROWTH, limits.FAILURE_ERROR, limits.FAILURE_END)
 REPORT = ("plant.F_ext[1]", "controller.p_hat[2]", "sensor.F_hat[1]", "sensor.failed", "controller.e[1]")
