@@ -130,6 +130,7 @@ def what_decides(answers: np.ndarray, points: Points) -> str:
 def sensitivity(columns: Answers, points: Points) -> str:
     """C11: which algorithm is less sensitive to its gains."""
     common = points["Psi_2"] <= points["Psi_1"].max()
+    there = {name: values[common] for name, values in points.items()}
     rows = []
     for text, name in (("stable", "stable"), ("stable and accurate", "accurate")):
         one, two = share(columns[f"{name} 1"][common]), share(columns[f"{name} 2"][common])
@@ -143,10 +144,10 @@ space that both algorithms share: Psi_2 lies in the range of Psi_1, which leaves
 gains Gamma have the same range. Algorithm 2 runs without limits of torque here, as algorithm 1 does.
 
 {table(("run", "algorithm 1", "algorithm 2", "less sensitive"), rows)}
-Where algorithm 1 is stable and accurate:
-{what_decides(columns["accurate 1"], points)}
+Where algorithm 1 is stable and accurate, in this part:
+{what_decides(columns["accurate 1"][common], there)}
 Where algorithm 2 is so:
-{what_decides(columns["accurate 2"], points)}"""
+{what_decides(columns["accurate 2"][common], there)}"""
 
 
 def gains(columns: Answers) -> str:

@@ -11,6 +11,7 @@ from orchestration.paper.studies.claims_at import COSTLY as COSTLY_QUESTIONS
 from orchestration.paper.studies.claims_at import QUESTIONS
 from orchestration.paper.studies.fixed_values import FIXED
 from orchestration.paper.studies.open_values import CHOSEN, OPEN_VALUES, settings
+from orchestration.paper.studies.pages.claims import sensitivity
 from orchestration.paper.studies.pages.text import percent
 from orchestration.paper.studies.robustness_page import page
 from orchestration.paper.studies.robustness_table import COLUMNS, NOT_ASKED
@@ -101,6 +102,15 @@ def test_the_page_calls_nothing_impossible_that_some_settings_give(text: str) ->
     assert "together in 256 of 256 settings" in " ".join(text.split())
     assert "no setting gives" not in text.lower()
     assert "such as C7" not in text
+
+
+def test_what_decides_the_sensitivity_is_asked_where_both_algorithms_are_compared() -> None:
+    points = settings(N)
+    columns = dict(zip(COLUMNS, table().T, strict=True))
+    common = points["Psi_2"] <= points["Psi_1"].max()
+    columns["accurate 2"] = common.astype(int)  # accurate in all of the common part, and nowhere else
+    section = sensitivity(columns, points).partition("Where algorithm 2 is so:")[2]
+    assert "The answer is the same at all settings." in section
 
 
 def test_effects(text: str) -> None:
