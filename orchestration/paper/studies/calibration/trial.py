@@ -94,6 +94,7 @@ class Bench:
         bound: float,
         seed: int,
         changes: Mapping[str, float],
+        *,
         span: tuple[float, float] | None = None,
     ) -> Result:
         """A run with noise, with further start values."""
@@ -133,9 +134,8 @@ class Bench:
     def sketch(self, seeds: Sequence[int]) -> Trial:
         """As `trial`, at a fraction of its cost: with noise, only the time around the contact is run.
 
-        Until the tip touches the wall, all seeds are alike. So the runs of a figure begin shortly
-        before the touch, where
-        its run with the first seed is then. They draw other errors than runs from the start do.
+        Until the tip touches the wall, all seeds are alike. So the runs of a figure begin shortly before the touch,
+        where its run with the first seed is then. They draw other errors than runs from the start do.
         """
         bound, ideal = self.noise_bound(), self.ideal_force()
         torque_limits = self.torque_limits(bound)
@@ -145,7 +145,7 @@ class Bench:
         )
         runs = {
             name: [
-                window.summary(self.noisy(name, bound, seed, {**allowed, **window.state}, window.span))
+                window.summary(self.noisy(name, bound, seed, {**allowed, **window.state}, span=window.span))
                 for seed in seeds
             ]
             for name, window, allowed in (
