@@ -9,7 +9,7 @@ from orchestration.paper.share import Share
 from orchestration.paper.studies.claims_at import CLEARLY
 from orchestration.paper.studies.open_values import OPEN_VALUES
 from orchestration.paper.studies.pages.text import percent, table
-from orchestration.paper.studies.shares import best_part, deciding, parts, share
+from orchestration.paper.studies.shares import SURE, best_part, deciding, parts, share
 
 SENTENCES: Mapping[str, str] = {
     "C1": "the TIRT and the virtual trajectory nearly coincide until the wall is hit, and then differ",
@@ -92,6 +92,10 @@ stands the share in which both errors are larger by {100 * (CLEARLY - 1):.0f} % 
 The verdict at the chosen values is that of all seeds at once. Where the worst of all seeds decides, as in C4 to C6,
 more seeds ask for more. [claims.md](claims.md) judges the claims over {len(SEEDS)} seeds, and says in words how
 strongly each of them holds.
+
+Below, a value is said to decide a claim if it alone explains {100 * LEAST_INDEX:.0f} % or more of the variance of the
+answers, and more than chance gives to a value without effect in all but {1000 * (1 - SURE):.0f} of 1,000 cases. At most
+{MOST_VALUES} values are shown.
 """
 
 

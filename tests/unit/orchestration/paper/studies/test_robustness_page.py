@@ -84,6 +84,8 @@ def test_what_decides(text: str) -> None:
     # Of 16 equal parts of the range 8 hold everywhere; chance would give 15 / 255 of the variance.
     assert "0.005 to 0.0117: 100 %; 0.0117 to 0.0183:" in section
     assert "| depth | 94 % |" in section
+    assert "it alone explains 2 % or more of the variance of the answers" in " ".join(text.split())
+    assert "in all but 1 of 1,000 cases" in " ".join(text.split())
     assert "It holds most often where depth is 0.005 to 0.0117: 100.0 %" in section
     assert "The answer is the same at all settings." in text.partition("## C13\n")[2].partition("\n## ")[0]
 
