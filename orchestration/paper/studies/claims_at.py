@@ -21,7 +21,7 @@ from orchestration.paper.troubles import TROUBLES, Errors
 
 SCENARIOS = ("fig5", "fig6", "fig7", "spong-ortega")
 RUNS = (*SCENARIOS, FREE)
-CLEARLY = 1.1  # ratio from which an error is called clearly larger
+CLEARLY = limits.CLEARLY_LARGER.limit  # ratio from which an error is called clearly larger
 Values = Mapping[Criterion, float | Sequence[float] | np.ndarray]
 
 

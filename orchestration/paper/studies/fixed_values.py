@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass
 
+from orchestration.paper.studies.open_values import ADAPTIVE, ALGORITHM_1
+
 
 @dataclass(frozen=True)
 class FixedValue:
@@ -35,30 +37,30 @@ FIXED = (
         "norm of the noise",
         "the Euclidean norm of both components has the bound",
         "(21) bounds the norm; the paper's sentence speaks of a random noise, not of its components",
-        "C4 to C8, C10, C14, C16, C17, C20",
+        ADAPTIVE,
     ),
     FixedValue(
         "peak of the contact force",
         "of Fig. 5 without noise",
         "a peak with noise would depend on the noise whose bound it gives",
-        "C4 to C8, C10, C14, C16, C17, C20",
+        ADAPTIVE,
     ),
     FixedValue(
         "run that gives the largest torque",
         "Fig. 5 with the first seed of the noise",
         '"required in the preceding simulation" is one run',
-        "C7, C8, C20",
+        "C4 to C10, C19, C20",
     ),
-    FixedValue("bound that F_c knows", "the bound of the noise", "(21) calls it known", "C4 to C8, C10, C14, C17, C20"),
+    FixedValue("bound that F_c knows", "the bound of the noise", "(21) calls it known", ALGORITHM_1),
     FixedValue(
         "force in F_c",
         "F_c acts while a force is measured",
         "without contact there is no noise, and F_c chatters",
-        "C4 to C8, C10, C14, C17, C20",
+        ALGORITHM_1,
     ),
-    FixedValue("gains of both axes", "equal", "the plane has no direction of its own but for the wall", "C4 to C11"),
-    FixedValue("parameters adapted", "m2 alone, without projection", "section V adapts m2 alone", "C4 to C11"),
-    FixedValue("integration of m2_hat", "explicit Euler at every tick", "the simplest one", "C4 to C11"),
+    FixedValue("gains of both axes", "equal", "the plane has no direction of its own but for the wall", ADAPTIVE),
+    FixedValue("parameters adapted", "m2 alone, without projection", "section V adapts m2 alone", ADAPTIVE),
+    FixedValue("integration of m2_hat", "explicit Euler at every tick", "the simplest one", ADAPTIVE),
     FixedValue("torque between ticks", "held", "as a digital controller does", "all"),
 )
 """The assumptions without a range."""

@@ -1,4 +1,4 @@
-"""The values that the paper leaves open for Figs. 5 to 7, each with a plausible range and the reason for it.
+"""The values that the paper leaves open for Figs. 2 to 7, each with a plausible range and the reason for it.
 
 A *setting* gives each of them a value. `settings` fills the space of all settings evenly with Sobol points. What is
 assumed without a range stands in `FIXED`.
@@ -13,6 +13,8 @@ import numpy as np
 from orchestration.paper.calibrations import CHOSEN_CALIBRATION, EACH_JOINT, FIRST, LARGEST, NORM, Setting
 
 SOBOL_SEED = 1991
+ADAPTIVE = "all of Figs. 5 to 7"
+ALGORITHM_1, ALGORITHM_2 = "C4 to C8, C10 to C14, C16, C17, C19, C20", "C4 to C6, C8 to C12, C14, C19"
 
 
 @dataclass(frozen=True)
@@ -78,7 +80,7 @@ OPEN_VALUES = (
         (1e-4, 5e-5, 2e-5, 1e-5),
         (
             "10 kHz is fast for the controller of a robot, and 100 kHz is practically continuous for F_c",
-            "all",
+            ADAPTIVE,
         ),
     ),
     OpenValue(
@@ -88,7 +90,7 @@ OPEN_VALUES = (
         1e-3,
         "a draw of the noise is held for this time, rounded to a whole number of ticks: from noise that is white at the"
         " control rate to a force sensor of about 1 kHz",
-        "C4 to C8, C10, C14, C16, C17, C20",
+        ADAPTIVE,
         log=True,
     ),
     OpenValue(
@@ -97,7 +99,7 @@ OPEN_VALUES = (
         0.12,
         0.18,
         'the bound of the noise over the peak force; the paper says "about 15 %"',
-        "C4 to C8, C10, C14, C16, C17, C20",
+        ADAPTIVE,
     ),
     OpenValue(
         "noise_ratio",
@@ -106,7 +108,7 @@ OPEN_VALUES = (
         5.0,
         "the bound of the noise over its standard deviation; the largest of the draws of one contact lies at two to"
         " five standard deviations",
-        "C4 to C8, C10, C14, C16, C17, C20",
+        ADAPTIVE,
     ),
     _choice(
         "contact_gated",
@@ -115,7 +117,7 @@ OPEN_VALUES = (
         (
             "1, in three of four settings: no noise without contact, as in the free motion of the figures; 0: a real"
             " sensor is always noisy",
-            "all of Figs. 5 to 7",
+            ADAPTIVE,
         ),
     ),
     OpenValue(
@@ -140,7 +142,7 @@ OPEN_VALUES = (
         20.0,
         165.0,
         "algorithm 1 needs less than B/M = 170 1/s, eq. (14); below 20 1/s an error outlives the contact",
-        "C4 to C8, C10, C11, C14, C16, C17, C20",
+        ALGORITHM_1,
         log=True,
     ),
     OpenValue(
@@ -149,7 +151,7 @@ OPEN_VALUES = (
         0.5,
         50.0,
         "a decade to either side of the value of the calibration `first`",
-        "C4 to C8, C10, C11, C14, C16, C17, C20",
+        ALGORITHM_1,
         log=True,
     ),
     OpenValue(
@@ -158,7 +160,7 @@ OPEN_VALUES = (
         1.0,
         4.0,
         "eq. (25) asks for more than 1; four times as much needs four times the force",
-        "C4 to C8, C10, C11, C14, C16, C17, C20",
+        ALGORITHM_1,
         log=True,
     ),
     OpenValue(
@@ -167,7 +169,7 @@ OPEN_VALUES = (
         1e-5,
         1e-2,
         "the boundary layer of F_c: from practically none to the size of e* itself",
-        "C4 to C8, C10, C11, C14, C16, C17, C20",
+        ALGORITHM_1,
         log=True,
     ),
     _choice(
@@ -177,7 +179,7 @@ OPEN_VALUES = (
         (
             '"75 % of the maximum torque", read as 0: each joint has 75 % of its own largest torque; 1: both have 75 %'
             " of the larger one; 2: both have 75 % of the largest norm of the two torques",
-            "C4 to C8, C20",
+            "C4 to C10, C19, C20",
         ),
     ),
     OpenValue(
@@ -186,7 +188,7 @@ OPEN_VALUES = (
         20.0,
         300.0,
         "as Psi_1, and algorithm 2 has no upper limit",
-        "C4 to C6, C8 to C11, C14",
+        ALGORITHM_2,
         log=True,
     ),
     OpenValue(
@@ -195,7 +197,7 @@ OPEN_VALUES = (
         0.5,
         50.0,
         "about a decade to either side of the value of the calibration `first`",
-        "C4 to C6, C8 to C11, C14",
+        ALGORITHM_2,
         log=True,
     ),
     OpenValue(
@@ -204,7 +206,7 @@ OPEN_VALUES = (
         10.0,
         1000.0,
         "a decade to either side of the value of the calibration `first`",
-        "C4 to C6, C8 to C11, C14",
+        ALGORITHM_2,
         log=True,
     ),
     OpenValue(
@@ -285,7 +287,7 @@ def settings(n: int) -> Mapping[str, np.ndarray]:
 
     The points are scrambled with a fixed seed. A longer sequence begins with the points of a shorter one.
     """
-    shares = _sobol(n)
+    shares = sobol_points(n, len(OPEN_VALUES))
     return {value.name: value.at(shares[:, i]) for i, value in enumerate(OPEN_VALUES)}
 
 
@@ -297,7 +299,7 @@ def settings_near(setting: Setting, n: int, width: float) -> Mapping[str, np.nda
     width
         Width of the box, as a share of each range; the box ends where a range ends. Choices stay as they are.
     """
-    shares = _sobol(n)
+    shares = sobol_points(n, len(OPEN_VALUES))
     found = {}
     for i, value in enumerate(OPEN_VALUES):
         if value.choices:
@@ -308,11 +310,11 @@ def settings_near(setting: Setting, n: int, width: float) -> Mapping[str, np.nda
     return found
 
 
-def _sobol(n: int) -> np.ndarray:
-    """The first n points of the unit cube, shape (n, n_values)."""
+def sobol_points(n: int, dimensions: int) -> np.ndarray:
+    """The first n Sobol points of the unit cube, shape (n, dimensions), the same on every machine."""
     from scipy.stats import qmc
 
-    sobol = qmc.Sobol(len(OPEN_VALUES), scramble=True, rng=np.random.default_rng(SOBOL_SEED))
+    sobol = qmc.Sobol(dimensions, scramble=True, rng=np.random.default_rng(SOBOL_SEED))
     return sobol.random_base2(max(n - 1, 0).bit_length())[:n]
 
 

@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from orchestration.paper.calibrations import CALIBRATIONS, CHOSEN_CALIBRATION
+from orchestration.paper.laboratory import SEEDS
 from orchestration.paper.studies.claims_at import COSTLY as COSTLY_QUESTIONS
 from orchestration.paper.studies.claims_at import RUNS
 from orchestration.paper.studies.open_values import settings
@@ -46,11 +47,11 @@ def page(answers: np.ndarray, search: Search, seeds: Mapping[str, OverSeeds]) ->
     present = {name: found for name, found in seeds.items() if found.is_of(CALIBRATIONS[name])}
     chosen = present.get(CHOSEN_CALIBRATION.name)
     searched = search.chosen.verdicts if dict(search.chosen.setting) == dict(CHOSEN_CALIBRATION.values) else {}
-    verdicts = {**searched, **(chosen.together if chosen else {})}
+    verdicts, n = ({**searched, **chosen.together}, chosen.n) if chosen else (searched, len(SEEDS))
     parts_of_page = [
         _head(len(answers)),
         open_values(),
-        overview(columns, verdicts),
+        overview(columns, verdicts, n),
         together(columns),
         at_odds(columns),
         best(search),
@@ -82,9 +83,10 @@ they are judged at the first {COSTLY} settings. In brackets stands Wilson's inte
 makes the rows that are missing in the user's cache, the table `docs/robustness.csv` of the verdicts, and this page.
 What was measured at a setting is kept, so other criteria need no new runs. A row is the same on every machine.
 
-The switching of algorithm 1 amplifies every last bit. The rows were made with a noise that differs from that of today
-by rounding, about 1e-15 of each draw. Of 100 rows that were made again (`--verify 100`) 26 have other verdicts, 76 of
-3,100 in all; those that were looked at need Fig. 5 or 6, and turn in both directions.
+The switching of algorithm 1 amplifies every last bit. When the noise was once rounded in another way, by about 1e-15
+of each draw, 26 of 100 rows had other verdicts, 76 of 3,100 in all; those that were looked at need Fig. 5 or 6, and
+turned in both directions. So read the shares, and not single rows. `--verify 100` makes 100 rows again, and counts the
+verdicts that differ.
 
 A share depends on the ranges. A share of 20 % does not say that the claim is 20 % true. It says how much of what the
 paper leaves to its reader supports the claim.

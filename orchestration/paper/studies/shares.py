@@ -12,6 +12,7 @@ from orchestration.paper.share import Share
 from orchestration.paper.studies.open_values import OpenValue
 
 BINS = 16  # of a range, for the first-order index
+SURE = 0.999  # of values that decide nothing, the share whose index is no larger than `index_of_chance`
 
 
 def share(answers: np.ndarray) -> Share:
@@ -71,18 +72,34 @@ def first_order_index(value: OpenValue, points: np.ndarray, answers: np.ndarray)
 def deciding(
     values: Sequence[OpenValue], points: Mapping[str, np.ndarray], answers: np.ndarray, least: float
 ) -> list[tuple[OpenValue, float]]:
-    """The open values whose first-order index is at least `least`, the largest first."""
+    """The open values whose first-order index is at least `least`, and above that of chance, the largest first."""
+    n = len(answers)
     found = [(value, first_order_index(value, points[value.name], answers)) for value in values]
-    return sorted((pair for pair in found if pair[1] >= least), key=lambda pair: -pair[1])
+    return sorted(
+        (pair for pair in found if pair[1] >= max(least, index_of_chance(pair[0], n))), key=lambda pair: -pair[1]
+    )
+
+
+def index_of_chance(value: OpenValue, n: int) -> float:
+    """The first-order index that a value which decides nothing hardly ever exceeds, with n answers.
+
+    The variance between the parts, times n over the variance of the answers, is then a chi-square with one degree of
+    freedom less than there are parts.
+    """
+    from scipy.stats import chi2
+
+    freedom = (len({*value.choices}) or BINS) - 1
+    return float(chi2.ppf(SURE, freedom) - freedom) / max(n, 1)
 
 
 def best_part(
     values: Sequence[OpenValue], points: Mapping[str, np.ndarray], answers: np.ndarray
 ) -> tuple[list[tuple[str, str]], Share]:
-    """The part of the space, given by parts of two open values, in which most answers are yes.
+    """A part of the space, given by parts of one or two open values, in which many answers are yes.
 
     The first value and its part are those with the largest share by the lower end of its interval, and the second ones
-    are those with the largest share within the first part. It is a decision tree of two levels, along its best branch.
+    are those with the largest share within the first part. It is a decision tree of two levels, along its best branch;
+    another pair of parts may have a larger share. Where all answers in the first part are yes, there is no second one.
 
     Returns
     -------
@@ -91,7 +108,7 @@ def best_part(
     """
     where: list[tuple[str, str]] = []
     chosen = np.ones(len(answers), dtype=bool)
-    for _ in range(2):
+    while len(where) < 2 and not (where and answers[chosen].all()):
         found = [
             (value.name, name, chosen & members)
             for value in values

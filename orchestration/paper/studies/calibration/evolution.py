@@ -44,7 +44,7 @@ class _Constants:
         )
 
 
-def minimize(costs: Costs, start: np.ndarray, width: float, offspring: int, generations: int, seed: int) -> None:
+def minimize(costs: Costs, start: np.ndarray, width: float, *, offspring: int, generations: int, seed: int) -> None:
     """Look for small costs in the unit cube, generation by generation; what was found is the caller's to keep.
 
     Parameters

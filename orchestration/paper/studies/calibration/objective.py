@@ -25,10 +25,7 @@ from orchestration.paper.studies.calibration.trial import FIGURES, Trial
 
 EFFECT = 0.5
 TORQUE_UNIT = 0.1
-LEAST_FLUCTUATION = 0.05  # kg, C5: 2 % of the 2.5 kg that panel (b) of the figures must show
-OF_FIXED_MASS = 0.5  # C9: of the error of the same law without adaptation
 TINY = 1e-9  # of a limit: what lies below is as good as none
-CLEARLY = 1.1  # ratio of errors that a reader sees
 
 Excess = Mapping[str, float]
 Value = Callable[[Summary], float]
@@ -49,7 +46,9 @@ def broken(trial: Trial) -> tuple[str, ...]:
 
 def visibly_worse(trial: Trial) -> bool:
     """Whether medians of both errors of Fig. 6 in contact are larger than those of Fig. 5 by 10 % or more."""
-    return all(np.median(ratios) >= CLEARLY for claim, _, ratios in _ratios(trial) if claim == "C7")
+    return all(
+        np.median(ratios) >= criteria.CLEARLY_LARGER.limit for claim, _, ratios in _ratios(trial) if claim == "C7"
+    )
 
 
 def cost(found: Excess) -> float:
@@ -66,7 +65,7 @@ def _estimate(runs: Sequence[Summary]) -> Excess:
         "C4 settled": _worst(runs, lambda s: s.m2_settled, criteria.M2_SETTLED),
         "C4 at contact": _worst(runs, lambda s: s.m2_at_contact, criteria.M2_AT_CONTACT),
         "C5 deviation": _worst(runs, lambda s: s.m2_in_contact, criteria.M2_IN_CONTACT),
-        "C5 fluctuation": _log(LEAST_FLUCTUATION, fluctuation),
+        "C5 fluctuation": _log(criteria.M2_FLUCTUATION.limit, fluctuation),
         "C6 recovery": _worst(runs, lambda s: s.m2_recovery, criteria.M2_RECOVERY),
     }
 
@@ -123,7 +122,7 @@ def _free_motion(trial: Trial) -> Excess:
     start = max(s.e_start for s in trial.runs["fig7"])
     return {
         "C9 start": _log(start, criteria.START_ERROR.limit),
-        "C9 against a fixed mass": _log(start, OF_FIXED_MASS * trial.fixed_mass.e_start),
+        "C9 against a fixed mass": _log(start, criteria.FIXED_MASS_RATIO.limit * trial.fixed_mass.e_start),
         "C9 free": _worst(trial.runs["fig7"], lambda s: s.e_free, criteria.FREE_ERROR),
     }
 

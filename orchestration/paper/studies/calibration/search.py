@@ -177,7 +177,7 @@ def _improve(laboratory: Runner, start: np.ndarray, plan: Plan, pool: Executor, 
         tell(f"tried {len(tried)} settings: least cost {min(one.cost for one in tried):.3f}")
         return [one.cost for one in found]
 
-    minimize(costs, start, SPREAD, plan.offspring, plan.generations, RANDOM_SEED)
+    minimize(costs, start, SPREAD, offspring=plan.offspring, generations=plan.generations, seed=RANDOM_SEED)
     return tried
 
 

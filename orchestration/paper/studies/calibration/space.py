@@ -6,7 +6,7 @@ import numpy as np
 
 from orchestration.paper.calibrations import FIRST, LARGEST, Setting
 from orchestration.paper.numbers import LARGEST_PSI, SEMI_AXIS
-from orchestration.paper.studies.open_values import OPEN_VALUES, SOBOL_SEED
+from orchestration.paper.studies.open_values import OPEN_VALUES, sobol_points
 
 SAMPLE_TIME = 1e-5  # s; with 2e-5 s the chatter of F_c leaves C5 and C6 no room where saturation matters
 NOISE_HOLD = 4e-5  # s, a multiple of all sampling periods that are compared
@@ -61,7 +61,7 @@ def perturbed(setting: Setting, n: int) -> Iterator[Setting]:
     distance from the origin says nothing about how long the contact lasts.
     """
     names = [value.name for value in OPEN_VALUES if not value.choices]
-    for row in _sobol(n, len(names)):
+    for row in sobol_points(n, len(names)):
         factors = 1 + PERTURBATION * (2 * row - 1)
         found = dict(setting)
         for name, factor in zip(names, factors.tolist(), strict=True):
@@ -82,9 +82,9 @@ def starts(near: Sequence[Setting], anywhere: int, around: int, width: float) ->
         Width of the box around a setting, as a share of each range.
     """
     given = np.array([shares_of(setting) for setting in near])
-    box = _sobol(around, len(SEARCHED)) - 0.5
+    box = sobol_points(around, len(SEARCHED)) - 0.5
     boxes = [np.clip(middle + width * box, 0, 1) for middle in given]
-    return np.vstack([given, *boxes, _sobol(anywhere, len(SEARCHED))])
+    return np.vstack([given, *boxes, sobol_points(anywhere, len(SEARCHED))])
 
 
 def _share(name: str, number: float) -> float:
@@ -96,11 +96,3 @@ def _share(name: str, number: float) -> float:
 
 def _round(number: float) -> float:
     return float(f"{number:.{DIGITS}g}")
-
-
-def _sobol(n: int, dimensions: int) -> np.ndarray:
-    """The first n points of the unit cube, shape (n, dimensions)."""
-    from scipy.stats import qmc
-
-    sobol = qmc.Sobol(dimensions, scramble=True, rng=np.random.default_rng(SOBOL_SEED))
-    return sobol.random_base2(max(n - 1, 0).bit_length())[:n]

@@ -28,12 +28,10 @@ from orchestration.paper.measure import (
     summarize,
 )
 from orchestration.paper.scenarios import UNSATURATED
+from orchestration.paper.studies.runs_at import FORCE, SILENT, TOUCH
 from orchestration.results.result import Result
 
-FORCE = ("plant.F_ext[1]", "plant.F_ext[2]")
-TOUCH = (*FORCE, "plant.x[1]", "plant.x[2]")
-SILENT = {"sensor.noise_std": 0.0, "sensor.noise_bound": 0.0, "controller.noise_bound": 0.0}
-FIXED_MASS = {"controller.Gamma[2]": 0.0}
+WITHOUT_ADAPTATION = {"controller.Gamma[2]": 0.0}
 FIGURES = ("fig5", "fig6", "fig7")
 FIRST_SEED = 1
 STATE = ("plant.q[1]", "plant.q[2]", "plant.dq[1]", "plant.dq[2]")
@@ -96,6 +94,7 @@ class Bench:
         bound: float,
         seed: int,
         changes: Mapping[str, float],
+        *,
         span: tuple[float, float] | None = None,
     ) -> Result:
         """A run with noise, with further start values."""
@@ -129,15 +128,14 @@ class Bench:
             ]
             for name, allowed in plan.items()
         }
-        fixed = summarize(self.noisy("fig7", bound, FIRST_SEED, {**limits, **FIXED_MASS}), ideal)
+        fixed = summarize(self.noisy("fig7", bound, FIRST_SEED, {**limits, **WITHOUT_ADAPTATION}), ideal)
         return Trial(runs, fixed, bound, torque_limits)
 
     def sketch(self, seeds: Sequence[int]) -> Trial:
         """As `trial`, at a fraction of its cost: with noise, only the time around the contact is run.
 
-        Until the tip touches the wall, all seeds are alike. So the runs of a figure begin shortly
-        before the touch, where
-        its run with the first seed is then. They draw other errors than runs from the start do.
+        Until the tip touches the wall, all seeds are alike. So the runs of a figure begin shortly before the touch,
+        where its run with the first seed is then. They draw other errors than runs from the start do.
         """
         bound, ideal = self.noise_bound(), self.ideal_force()
         torque_limits = self.torque_limits(bound)
@@ -147,7 +145,7 @@ class Bench:
         )
         runs = {
             name: [
-                window.summary(self.noisy(name, bound, seed, {**allowed, **window.state}, window.span))
+                window.summary(self.noisy(name, bound, seed, {**allowed, **window.state}, span=window.span))
                 for seed in seeds
             ]
             for name, window, allowed in (
@@ -157,7 +155,7 @@ class Bench:
             )
         }
         runs["spong-ortega"] = [summarize(self.noisy("spong-ortega", bound, FIRST_SEED, UNSATURATED), ideal)]
-        fixed = summarize(self.noisy("fig7", bound, FIRST_SEED, {**limits, **FIXED_MASS}), ideal)
+        fixed = summarize(self.noisy("fig7", bound, FIRST_SEED, {**limits, **WITHOUT_ADAPTATION}), ideal)
         return Trial(runs, fixed, bound, torque_limits)
 
     def _run(

@@ -4,12 +4,12 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from orchestration.paper.laboratory import SEEDS
 from orchestration.paper.share import Share
-from orchestration.paper.strength import strength_word
 from orchestration.paper.studies.claims_at import CLEARLY
 from orchestration.paper.studies.open_values import OPEN_VALUES
 from orchestration.paper.studies.pages.text import percent, table
-from orchestration.paper.studies.shares import best_part, deciding, parts, share
+from orchestration.paper.studies.shares import SURE, best_part, deciding, parts, share
 
 SENTENCES: Mapping[str, str] = {
     "C1": "the TIRT and the virtual trajectory nearly coincide until the wall is hit, and then differ",
@@ -61,24 +61,41 @@ def clear_space(claim: str, columns: Answers) -> Share:
     return space(f"{claim} clearly" if claim in COMPARED else claim, columns)
 
 
-def overview(columns: Answers, chosen: Mapping[str, bool]) -> str:
-    """The table of all claims."""
+def overview(columns: Answers, chosen: Mapping[str, bool], n: int) -> str:
+    """The table of all claims.
+
+    Parameters
+    ----------
+    chosen
+        Verdicts at the chosen values, over n seeds at once.
+    """
     rows = []
     for claim in CLAIMS:
         found = space(claim, columns)
         here = "not judged here" if claim not in chosen else "holds" if chosen[claim] else "fails"
-        word = strength_word(chosen[claim], clear_space(claim, columns)) if claim in chosen else ""
-        rows.append([f"[{claim}](#{claim.lower()})", SENTENCES[claim], here, percent(found), f"{found.n:,}", word])
-    heads = ("claim", "sentence", "at the chosen values", "share of the settings", "settings", "in words")
+        clear = percent(clear_space(claim, columns)) if claim in COMPARED else ""
+        rows.append([f"[{claim}](#{claim.lower()})", SENTENCES[claim], percent(found), clear, f"{found.n:,}", here])
+    heads = (
+        "claim",
+        "sentence",
+        "share of the settings",
+        "clearly",
+        "settings",
+        f"{n:,} seeds at the chosen values",
+    )
     return f"""## The claims
 
 {table(heads, rows)}
-The verdict at the chosen values is that of all seeds at once, below.
+C7 and C10 compare errors of two figures, and with one seed either may be larger by chance. In the column *clearly*
+stands the share in which both errors are larger by {100 * (CLEARLY - 1):.0f} % or more.
 
-C7 and C10 compare errors of two figures, and with one seed either
-may be larger by chance. They are said to hold elsewhere if the errors are clearly larger there, by
-{100 * (CLEARLY - 1):.0f} % or more. The words are those of [claims.md](claims.md): a claim *holds* if it does so at the
-chosen values and in at least 5 % of the settings.
+The verdict at the chosen values is that of all seeds at once. Where the worst of all seeds decides, as in C4 to C6,
+more seeds ask for more. [claims.md](claims.md) judges the claims over {len(SEEDS)} seeds, and says in words how
+strongly each of them holds.
+
+Below, a value is said to decide a claim if it alone explains {100 * LEAST_INDEX:.0f} % or more of the variance of the
+answers, and more than chance gives to a value without effect in all but {1000 * (1 - SURE):.0f} of 1,000 cases. At most
+{MOST_VALUES} values are shown.
 """
 
 
@@ -109,14 +126,15 @@ def what_decides(answers: np.ndarray, points: Points) -> str:
     ]
     shown = table(("deciding value", "explains", "share where the value is"), rows) if rows else ""
     where, best = best_part(OPEN_VALUES, given, answers)
-    said = " and ".join(f"{name} is {part}" for name, part in where)
+    said = ", and there where ".join(f"{name} is {part}" for name, part in where)
     alone = "" if rows else "No single value decides it.\n"
-    return f"\n{alone}{shown}\nOf all pairs of parts the best is where {said}: there it holds in {percent(best)}.\n"
+    return f"\n{alone}{shown}\nIt holds most often where {said}: {percent(best)}.\n"
 
 
 def sensitivity(columns: Answers, points: Points) -> str:
     """C11: which algorithm is less sensitive to its gains."""
     common = points["Psi_2"] <= points["Psi_1"].max()
+    there = {name: values[common] for name, values in points.items()}
     rows = []
     for text, name in (("stable", "stable"), ("stable and accurate", "accurate")):
         one, two = share(columns[f"{name} 1"][common]), share(columns[f"{name} 2"][common])
@@ -130,10 +148,10 @@ space that both algorithms share: Psi_2 lies in the range of Psi_1, which leaves
 gains Gamma have the same range. Algorithm 2 runs without limits of torque here, as algorithm 1 does.
 
 {table(("run", "algorithm 1", "algorithm 2", "less sensitive"), rows)}
-Where algorithm 1 is stable and accurate:
-{what_decides(columns["accurate 1"], points)}
+Where algorithm 1 is stable and accurate, in this part:
+{what_decides(columns["accurate 1"][common], there)}
 Where algorithm 2 is so:
-{what_decides(columns["accurate 2"], points)}"""
+{what_decides(columns["accurate 2"][common], there)}"""
 
 
 def gains(columns: Answers) -> str:

@@ -5,10 +5,12 @@ from itertools import combinations
 
 import numpy as np
 
+from orchestration.paper.laboratory import SEEDS
 from orchestration.paper.studies.claims_at import CLEARLY
 from orchestration.paper.studies.open_values import OPEN_VALUES
 from orchestration.paper.studies.pages.claims import COMPARED
 from orchestration.paper.studies.pages.text import listed, percent, table
+from orchestration.paper.studies.pages.values import name_of
 from orchestration.paper.studies.shares import share
 from orchestration.paper.studies.together import CANDIDATES, NEIGHBOURS, SECTION_V, STARTS, WIDTH, Search
 
@@ -55,14 +57,14 @@ def at_odds(columns: Answers) -> str:
     heads = ("claims", "settings in which both hold", "expected if they were independent")
     rare = table(heads, shown) if shown else "There is no such pair.\n"
     clear_and_cheap = int(((columns["C7 clearly"] == 1) & (columns["C8"] == 1)).sum())
-    return f"""## What no setting gives at once
+    return f"""## What rarely holds at once
 
 Two claims are at odds if they hold together in less than {100 * RARE:.0f} % of the settings that one would expect of
 independent claims with their shares.
 
 {rare}
 A Fig. 6 that is visibly worse than Fig. 5 (C7 clearly) and a Fig. 7 that needs a quarter less torque (C8) stand
-together in {clear_and_cheap:,} of {n:,} settings. C13 holds in {int((columns["C13"] == 1).sum())} of them.
+together in {clear_and_cheap:,} of {n:,} settings. C13 holds in {int((columns["C13"] == 1).sum())} of {n:,}.
 """
 
 
@@ -75,7 +77,7 @@ def best(search: Search) -> str:
         if not missing
         else f"so they do not hold together; what fails is {listed(missing)}"
     )
-    values = [[f"{v.name}, {v.unit}" if v.unit else v.name, f"{first.setting[v.name]:.4g}"] for v in OPEN_VALUES]
+    values = [[name_of(v), f"{first.setting[v.name]:.4g}"] for v in OPEN_VALUES]
     others = [
         [
             judged.origin,
@@ -92,12 +94,17 @@ def best(search: Search) -> str:
 looks at {search.looked_at:,} settings of the table, and takes the {STARTS} at which most of the seven claims hold. It
 tries {NEIGHBOURS} neighbours of each, in a box of {100 * WIDTH:.0f} % of each range, {search.tried} settings in all.
 With one seed all seven hold at {search.all_hold} settings, counting the table and the neighbours. The best {CANDIDATES}
-are judged over 30 seeds. So are the chosen values, those of the calibration `first`, and a setting that independent
-code has found by an optimization of its own. Over 30 seeds {first.held} of the seven claims hold at the best setting,
-{outcome}. The search takes the bound of the noise and the limits as they come, not rounded as the calibrations have
-them, so a claim at its limit, such as C7 at the chosen values, may turn.
+are judged over {len(SEEDS)} seeds. So are the chosen values, those of the calibration `first`, and a setting that
+independent code has found by an optimization of its own. Over {len(SEEDS)} seeds {_number_of(first.held)} hold at the
+best setting, {outcome}. The search takes the bound of the noise and the limits as they come, not rounded as the
+calibrations have them, so a claim at its limit may turn.
 
-{table(("origin", "hold over 30 seeds", "fail", "errors clearly larger"), others)}
+{table(("origin", f"hold over {len(SEEDS)} seeds", "fail", "errors clearly larger"), others)}
 The best setting ({first.origin}):
 
 {table(("value", "best"), values)}"""
+
+
+def _number_of(held: int) -> str:
+    """How many of the claims of Section V, in words."""
+    return "all seven claims" if held == len(SECTION_V) else f"{held} of the seven claims"

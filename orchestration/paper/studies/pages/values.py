@@ -1,4 +1,4 @@
-"""The part of the page that says what the paper leaves open."""
+"""Says what the paper leaves open, with ranges and reasons."""
 
 from orchestration.paper.studies.fixed_values import FIXED
 from orchestration.paper.studies.open_values import OPEN_VALUES, OpenValue
@@ -7,7 +7,7 @@ from orchestration.paper.studies.pages.text import table
 
 def open_values() -> str:
     """What is open, with ranges, and what is assumed without a range."""
-    rows = [[_name(v), f"{v.chosen:g}", _range(v), v.reason, v.claims] for v in OPEN_VALUES]
+    rows = [[name_of(v), f"{v.chosen:g}", range_of(v), v.reason, v.claims] for v in OPEN_VALUES]
     fixed = [[v.name, v.value, v.reason, v.claims] for v in FIXED]
     return f"""## What is open
 
@@ -20,11 +20,13 @@ The paper does not say the following either. It is assumed, and no study varies 
 {table(("assumption", "what is assumed", "reason", "takes part in"), fixed)}"""
 
 
-def _name(value: OpenValue) -> str:
+def name_of(value: OpenValue) -> str:
+    """The name of a value, with its unit if it has one."""
     return f"{value.name}, {value.unit}" if value.unit else value.name
 
 
-def _range(value: OpenValue) -> str:
+def range_of(value: OpenValue) -> str:
+    """The range of a value as text."""
     if value.choices:
         return " or ".join(f"{choice:g}" for choice in dict.fromkeys(value.choices))
     return f"{value.low:g} to {value.high:g}{', log' if value.log else ''}"

@@ -1,5 +1,6 @@
 """The table of the robustness study and its page: the same rows wherever they are made, refused if foreign."""
 
+import re
 from collections.abc import Callable
 from pathlib import Path
 
@@ -8,7 +9,7 @@ import pytest
 
 from orchestration.paper.strength import read_strength
 from orchestration.paper.studies.claims_at import COSTLY as COSTLY_QUESTIONS
-from orchestration.paper.studies.open_values import settings
+from orchestration.paper.studies.open_values import ADAPTIVE, OPEN_VALUES, settings
 from orchestration.paper.studies.raw_rows import Row
 from orchestration.paper.studies.robustness import PAGE, SEEDS, TABLE, laboratory, text
 from orchestration.paper.studies.robustness_table import (
@@ -72,3 +73,28 @@ def test_a_file_of_another_kind_is_refused(tmp_path: Path, change: Callable[[str
     path.write_text(change(path.read_text(encoding="utf-8")), encoding="utf-8")
     with pytest.raises(TableError, match=match):
         read_table(path)
+
+
+def test_values_decide_only_claims_that_they_are_said_to_take_part_in() -> None:
+    """What the table of open values says of each value agrees with what decides at the settings of the study."""
+    values = {value.name: value for value in OPEN_VALUES}
+    for claim, found in strength_of(read_table(DOCS / TABLE), {}).claims.items():
+        number = re.match(r"C(\d+)", claim)
+        if number is None:
+            continue
+        for name, index in found.deciding:
+            assert int(number[1]) in claims_in(values[name].claims), f"{name} decides {claim} by {index:.0%}"
+
+
+def test_values_are_said_to_take_part_in_the_claims_whose_runs_have_them() -> None:
+    said = {value.name: claims_in(value.claims) for value in OPEN_VALUES}
+    assert not said["sample_time"] & {1, 2, 3}, "Figs. 2 to 4 have a sampling period of their own"
+    assert {12, 13} <= said["Psi_1"] & said["noise_hold"], "they are asked of Fig. 5"
+
+
+def claims_in(said: str) -> set[int]:
+    """Numbers of the claims that a text such as "C4 to C8, C10" names."""
+    if said in ("all", ADAPTIVE):
+        return set(range(1 if said == "all" else 4, 21))
+    ends = [[int(end) for end in re.findall(r"C(\d+)", part)] for part in said.split(", ")]
+    return {number for pair in ends for number in range(pair[0], pair[-1] + 1)}

@@ -66,7 +66,27 @@ def test_index_of_chance_is_about_nothing() -> None:
     assert first_order_index(LOG, points()["b"], coin) < 4 * 5.5 / N
 
 
-def test_the_best_pair_of_parts() -> None:
+def test_what_chance_gives_decides_nothing() -> None:
+    few = 256
+    random = np.random.default_rng(6)
+    given = {f"v{i}": random.random(few) for i in range(20)}
+    values = [OpenValue(name, "", 0.0, 1.0, "", "") for name in given]
+    coin = random.integers(0, 2, few)
+    # 15 degrees of freedom over 256 answers: the index of chance has a deviation of 5.5 / 256, and some are above 2 %.
+    assert max(first_order_index(value, given[value.name], coin) for value in values) > 0.02
+    assert deciding(values, given, coin, 0.02) == []
+    half = (given["v3"] < 0.5).astype(int)
+    assert [value.name for value, _ in deciding(values, given, half, 0.02)] == ["v3"]
+
+
+def test_one_part_is_enough_where_all_answers_are_yes() -> None:
+    given = points()
+    where, found = best_part([LINEAR, CHOICE, LOG], given, (given["b"] > 100).astype(int))
+    assert where == [("b", "100 to 1e+03")]
+    assert found.value == 1.0
+
+
+def test_the_best_part_of_one_value_and_in_it_of_another() -> None:
     given = points()
     answers = ((given["b"] > 100) & (given["c"] == 1)).astype(int)
     where, found = best_part([LINEAR, CHOICE, LOG], given, answers)

@@ -64,6 +64,12 @@ def test_the_sentence_on_the_sampling_period_has_the_numbers_of_the_record(recor
     assert sentence in " ".join(page(moved).split())
 
 
+def test_small_moves_of_the_torque_limits_are_not_shown_as_none(record: Record) -> None:
+    moved = replace(record, nudges=replace(record.nudges, moved=(1.6e-6, 0.02)))
+    sentence = "differ from those above by up to 1.6e-06 and 2.0e-02 of their size"
+    assert sentence in " ".join(page(moved).split())
+
+
 def test_paragraphs_have_lines_of_even_length() -> None:
     given = (
         "# Title\n\nOne\ntwo.\n\n    code\n    code\n| a |\n| b |\n- item\n  goes on\n- next\n1. first\n   goes on\n"
