@@ -224,9 +224,9 @@ class Result(PredictedColumns, Mapping[str, np.ndarray]):
         >>> from orchestration import scenario, simulate
         >>> result = simulate(scenario("fig2"), record=["plant.F_ext", "controller.e"])
         >>> round(result.measure("max(norm(plant.F_ext))"))  # N
-        557
+        633
         >>> round(result.measure("duration(norm(plant.F_ext) > 0)"), 2)  # s
-        0.12
+        0.15
         >>> result.measure("rms(norm(controller.e), where=norm(plant.F_ext) > 0)") < 1e-3  # m
         True
         """
