@@ -270,7 +270,7 @@ class Result(PredictedColumns, Mapping[str, np.ndarray]):
         >>> data["plant.x"].dims, data["plant.x"].attrs["units"]
         (('time', 'plant.x_1'), 'm')
         >>> data["plant.F_ext"].sel(time=1.0, method="nearest").values.round(1).tolist()  # N
-        [-17.2, 0.0]
+        [-54.2, 0.0]
         """
         from orchestration.results.exchange import to_xarray
 
