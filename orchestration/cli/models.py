@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING
 from orchestration.cli.model_hints import NUMPY_HINT, hinted, numpy_on_symbols
 from orchestration.cli.output import output
 from orchestration.errors import SystemDescriptionError
+from orchestration.fmi.names import suggestion
 
 if TYPE_CHECKING:
     from adaptimp_fmu import Model
@@ -49,6 +50,10 @@ def _models(path: Path) -> "list[Model]":
 
     if str(path) in MODELS or str(path) in VARIANTS:
         return [model(str(path))]
+    if not path.suffix and path.name == str(path) and not path.exists():
+        near = suggestion(path.name, [*MODELS, *VARIANTS])
+        msg = f"{path}: there is no such shipped model, and build takes Python files by their whole name; {near}"
+        raise SystemDescriptionError(msg)
     if path.suffix != ".py" or not path.is_file():
         known = "files that declare models, names of shipped models, or none for all FMUs"
         msg = f"{path}: there is no such Python file; build takes {known}."

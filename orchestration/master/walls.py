@@ -10,11 +10,12 @@ however many: two arms in one system may have walls of their own.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from orchestration.errors import printable, warn_caller
 from orchestration.fmi.codes import REAL
-from orchestration.system.component import Component
+from orchestration.fmi.description import Variable
+from orchestration.system.component import Component, unit_scale
 from orchestration.system.system import System
 
 WALLS = ("wall_normal", "wall_offset", "wall_normal2", "wall_offset2")
@@ -49,9 +50,9 @@ class DifferentWalls:
     components
         Names of both components.
     values
-        Value of each component, one number for each element of the parameter.
+        Value of each component in `unit`, one number for each element of the parameter.
     unit
-        Unit of the values; empty if there is none.
+        Unit of the parameter in the first component; empty if there is none.
     """
 
     name: str
@@ -109,23 +110,38 @@ def different_walls(system: System) -> list[DifferentWalls]:
         for name in WALLS:
             having = [member for member in group if name in told[member]]
             for other in having[1:]:
-                (one, unit), (another, _) = told[having[0]][name], told[other][name]
-                if not _same(one, another):
-                    found.append(DifferentWalls(name, (having[0], other), (one, another), unit))
+                first, second = told[having[0]][name], told[other][name]
+                another = second.in_unit_of(first)
+                if another is not None and not _same(first.values, another):
+                    names, unit = (having[0], other), first.variable.unit
+                    found.append(DifferentWalls(name, names, (first.values, another), unit))
     return found
 
 
-def _told(component: Component) -> dict[str, tuple[tuple[float, ...], str]]:
-    """Value and unit of each parameter of a component that tells where a wall is."""
-    values: dict[str, list[float]] = {}
-    units: dict[str, str] = {}
+@dataclass(frozen=True)
+class _Told:
+    """Values, in the unit of its first element, of a parameter that tells a component where a wall is."""
+
+    component: Component
+    variable: Variable
+    values: tuple[float, ...]
+
+    def in_unit_of(self, other: "_Told") -> tuple[float, ...] | None:
+        """The values in the unit of another component; None if both units have different dimensions."""
+        scale = unit_scale(self.component, self.variable, other.component, other.variable)
+        return None if scale is None else tuple(scale(value) for value in self.values)
+
+
+def _told(component: Component) -> dict[str, _Told]:
+    """What tells a component where a wall is, by the name of the parameter."""
+    found: dict[str, _Told] = {}
     for variable in component.description.of_causality("parameter"):
         name = variable.name.partition("[")[0]
         value = component.start.get(variable.name, variable.start)
         if name in WALLS and variable.type == REAL and value is not None:
-            values.setdefault(name, []).append(float(value))
-            units[name] = variable.unit
-    return {name: (tuple(numbers), units[name]) for name, numbers in values.items()}
+            before = found.get(name, _Told(component, variable, ()))
+            found[name] = replace(before, values=(*before.values, float(value)))
+    return found
 
 
 def _connected(system: System) -> Iterator[list[str]]:

@@ -50,9 +50,14 @@ class Prediction:
 
     @classmethod
     def of_json(cls, text: str) -> "Prediction":
-        """The prediction that `as_json` made a text of."""
-        found = json.loads(text)
-        return cls(found["stable"], found["text"])
+        """The prediction that `as_json` made a text of; of another text it is the text, without a verdict."""
+        try:
+            found = json.loads(text)
+        except json.JSONDecodeError:
+            return cls(None, text)
+        if isinstance(found, dict) and found.keys() == {"stable", "text"}:
+            return cls(found["stable"], str(found["text"]))
+        return cls(None, text)
 
 
 @dataclass(frozen=True, eq=False)

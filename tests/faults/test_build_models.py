@@ -27,6 +27,10 @@ state = model.state("z", 1.0)
 WRONG = {
     "none.py": (None, r"none\.py: there is no such Python file; build takes files that declare models"),
     "model.txt": (GAIN, r"model\.txt: there is no such Python file"),
+    "FailingForceSensr": (
+        None,
+        r"FailingForceSensr: there is no such shipped model, .*; did you mean FailingForceSensor",
+    ),
     "empty.py": ("x = 1\n", r"empty\.py names no model at its top level; declare one, such as model = "),
     "typo.py": ("x = 1\n\ny = z\n", r"typo\.py, line 3: NameError: name 'z' is not defined"),
     "syntax.py": ("x = 1\ny = (\n", r"syntax\.py, line 2: SyntaxError: '\(' was never closed$"),

@@ -100,6 +100,13 @@ def test_numbers_from_elsewhere_have_no_verdict(late: System, tmp_path: Path) ->
     assert Result(np.array([0.0]), ("a.x",), np.array([[1.0]])).verdict is None
 
 
+@pytest.mark.parametrize("text", ["it went well", "3", '{"stable": true}'])
+def test_words_of_somebody_else_are_no_verdict(text: str) -> None:
+    result = Result(np.array([0.0]), ("a.x",), np.array([[1.0]]), metadata={VERDICT: text})
+    assert result.verdict == Prediction(None, text)
+    assert repr(result).endswith("no verdict on stability>")
+
+
 def test_a_result_that_was_sent_elsewhere_can_be_judged(late: System) -> None:
     result = pickle.loads(pickle.dumps(simulate(late, stop_time=2 * LATE, algorithm="jacobi")))  # noqa: S301 - our own
     assert result.verdict is not None

@@ -1,16 +1,21 @@
 """Evidence that a run warns of walls that differ between connected components, and of nothing else."""
 
 import math
+import re
 import warnings
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from orchestration import DifferentWallsWarning, Factor, Study, System, diagnose, scenario, simulate
 from orchestration.master.walls import different_walls
+from orchestration.paper.built_fmus import built
 from orchestration.paper.scenarios import SCENARIOS, VARIANTS
+from tests.unit.orchestration.checked import edited
 
 WALL = float(np.max(scenario("fig2")["plant"]["wall_offset"]))  # m, of the paper's runs
+MILLIMETRE = '<Unit name="mm"><BaseUnit m="1" factor="0.001"/></Unit>'
 
 
 def said_by(system: System) -> list[str]:
@@ -52,6 +57,23 @@ def test_rounding_is_no_difference() -> None:
 def test_numbers_of_a_model_of_the_plant_may_differ() -> None:
     wrong = {"controller.l": [1.1, 0.9], "controller.gravity": 9.81}
     assert different_walls(scenario("fig2").set(wrong)) == []
+
+
+def in_millimetres(description: str) -> str:
+    """A description of VirtualTrajectory whose wall_offset is in mm."""
+    units = description.replace("<UnitDefinitions>", f"<UnitDefinitions>{MILLIMETRE}")
+    place = r'(<ScalarVariable name="wall_offset".*?<Real) declaredType="Length" unit="m" start="[^"]*"'
+    return re.sub(place, r'\1 unit="mm" start="1450.0"', units, flags=re.DOTALL)
+
+
+def test_walls_are_compared_and_told_in_one_unit(tmp_path: Path) -> None:
+    foreign = edited(built("VirtualTrajectory"), tmp_path, in_millimetres)
+    system = scenario("fig2").replace("trajectory", foreign)
+    assert np.isclose(system["trajectory"]["wall_offset"], 1000 * WALL)  # mm
+    assert different_walls(system) == []
+    (found,) = different_walls(system.set({"trajectory.wall_offset": 1400.0}))
+    assert found.told == ("trajectory.wall_offset = 1400 mm", f"plant.wall_offset = {1000 * WALL:g} mm")
+    assert different_walls(system.set(found.agreed)) == []
 
 
 def test_components_without_a_connection_may_have_walls_of_their_own() -> None:
