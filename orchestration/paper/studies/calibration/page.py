@@ -99,7 +99,7 @@ the search. Seeds that had no part in the choice are among the many of [robustne
 
 def _search(record: Record) -> str:
     found, seeds = record.found, len(search.SEEDS)
-    rows = "".join(f"| {_place(proof)} | {_proved(proof)} |\n" for proof in found.proofs)
+    rows = "".join(f"| {_name(proof.setting)} | {_place(proof)} | {_proved(proof)} |\n" for proof in found.proofs)
     return f"""## Search
 
 {COMMAND} --search
@@ -111,8 +111,8 @@ def _search(record: Record) -> str:
 2. *Improve*: an evolution strategy (CMA-ES) from the best of these on, {search.GENERATIONS}
    generations of {search.OFFSPRING}, over the same seeds.
    {found.tried} settings were tried over all seeds. All parts hold at {found.held} of them.
-3. *Prove*: the best {search.PROVED} that differ, rounded to {space.DIGITS} digits, and the known ones at which
-   all parts hold, over {len(ROW_SEEDS)} seeds each judged alone, and
+3. *Prove*: the best {search.PROVED} that differ, rounded to {space.DIGITS} digits, and the known ones as they
+   are, over {len(ROW_SEEDS)} seeds each judged alone, and
    with every continuous value changed by up to {space.PERTURBATION:.0%}. Each change is judged over
    {len(PERTURBED_SEEDS)} seeds. Of the wall, the distance is changed that the ellipse reaches behind it.
    The table below has them in the order of the smaller of two shares: that of the seeds and that of the changes
@@ -125,9 +125,15 @@ The search varies {", ".join(space.SEARCHED)}.
 compared.
 Both joints have one limit, 75 % of the larger torque.
 
-| Psi_1, Gamma_1, margin, eps | Psi_2, Gamma_2, K_d | wall, depth | bound/sigma | cost | seeds | changes |
-|---|---|---|---|---|---|---|
+| setting | Psi_1, Gamma_1, margin, eps | Psi_2, Gamma_2, K_d | wall, depth | bound/sigma | cost | seeds | changes |
+|---|---|---|---|---|---|---|---|
 {rows}"""
+
+
+def _name(setting: Setting) -> str:
+    """The name of a known setting, or that the search has found it."""
+    known = {**{f"`{c.name}`": c.values for c in CALIBRATIONS.values()}, "by others": EARLIER}
+    return next((name for name, values in known.items() if dict(values) == dict(setting)), "found")
 
 
 def _period(record: Record) -> str:

@@ -5,7 +5,7 @@
 2. *Improve*: an evolution strategy from the best of these on, over the same seeds. A setting that
    breaks much with one seed is not tried with more.
 3. *Prove*: the best settings that differ from one another, rounded, over 30 seeds and with all values changed by up to
-   5 %. So are the known ones at which all sentences hold. The one that keeps all sentences most often is the first.
+   5 %. So are the known ones, as they are. The one that keeps all sentences most often is the first.
 
 Every step is seeded, so the search gives the same setting everywhere.
 """
@@ -141,8 +141,7 @@ def search(laboratory: Runner, known: Sequence[Setting], pool: Executor, tell: T
     start = min(begun, key=lambda one: one.cost)
     tell(f"tried {len(begun)} of them over {len(SEEDS)} seeds: least cost {start.cost:.3f}")
     tried = begun + [one for one in _improve(laboratory, start.shares, plan, pool, tell) if one.cost < SCREENED]
-    held = [one.shares for one in begun[: len(known)] if one.cost <= 0]
-    proofs = _proofs(laboratory, [*held, *_apart(tried, plan.proved)], pool)
+    proofs = _proofs(laboratory, [*known, *(rounded(setting_at(at)) for at in _apart(tried, plan.proved))], pool)
     tell(f"put {len(proofs)} settings to the proof: the best keeps all sentences in {proofs[0].kept:.0%}")
     return Found(
         looked_at=len(first),
@@ -158,13 +157,10 @@ def search(laboratory: Runner, known: Sequence[Setting], pool: Executor, tell: T
     )
 
 
-def _proofs(laboratory: Runner, points: Sequence[np.ndarray], pool: Executor) -> list[Proof]:
-    """Each point, rounded and put to the proof, the best first."""
-    settings: list[Setting] = []
-    for shares in points:
-        setting = rounded(setting_at(shares))
-        settings += [setting] if setting not in settings else []
-    return sorted((prove(laboratory, setting, pool) for setting in settings), key=lambda proof: -proof.kept)
+def _proofs(laboratory: Runner, settings: Sequence[Setting], pool: Executor) -> list[Proof]:
+    """Each setting that differs from those before it, put to the proof, the best first."""
+    different = [setting for i, setting in enumerate(settings) if dict(setting) not in map(dict, settings[:i])]
+    return sorted((prove(laboratory, setting, pool) for setting in different), key=lambda proof: -proof.kept)
 
 
 def _improve(laboratory: Runner, start: np.ndarray, plan: Plan, pool: Executor, tell: Tell) -> list[Tried]:
