@@ -51,7 +51,7 @@ def test_the_comparison_has_noise_slow_updates_and_saturation() -> None:
     with Bench(system, N_STEPS) as b:
         ours = b.records(b.time_ours, N_STEPS)
         column = b.assembly.columns.index
-        draws = round(N_STEPS * system.step / find_scenario("fig5").values["sensor.noise_period"].number)
+        draws = round(N_STEPS * system.run_step() / find_scenario("fig5").values["sensor.noise_period"].number)
         assert len(np.unique(ours[1:, column("sensor.F_hat[1]")])) == draws > N_STEPS / 8
         assert set(ours[:, column("actuator.saturated[1]")]) == {0.0, 1.0}
         changes = np.flatnonzero(np.diff(ours[:, column("controller.p_hat[2]")]))
