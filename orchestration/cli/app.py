@@ -15,6 +15,8 @@ from orchestration.cli import completion
 from orchestration.cli.codes import ExitCode, exit_code_of
 from orchestration.cli.doctor_command import EPILOG, doctor
 from orchestration.cli.isolation import IsolatingCommand
+from orchestration.cli.new_command import EPILOG as NEW_EPILOG
+from orchestration.cli.new_command import new
 from orchestration.cli.options import (
     ALGORITHM,
     CARE,
@@ -318,36 +320,7 @@ def build(
     build_fmus(files or [], out or Path("build/reals" if reals else "build/fmus"), platform or [], reals=reals)
 
 
-@app.command(
-    cls=Command,
-    epilog=closing("adaptimp new controller Mine", "adaptimp new controller Softer \\\n    --from craig -o softer"),
-)
-@with_messages
-def new(
-    kind: Annotated[
-        str,
-        typer.Argument(metavar="KIND", help="What to begin: 'controller'.", autocompletion=completion.kinds),
-    ],
-    name: Annotated[
-        str, typer.Argument(metavar="NAME", help="Name of the model and of its file; an identifier such as Mine.")
-    ],
-    source: Annotated[
-        str | None,
-        typer.Option(
-            "--from",
-            metavar="LAW",
-            help="Law to begin with: craig, hogan, slotine-li or spong-ortega.",
-            show_default="a spring and a damper",
-            autocompletion=completion.laws,
-        ),
-    ] = None,
-    out: Annotated[Path, typer.Option("--out", "-o", metavar="FOLDER", help="Folder for the two files.")] = Path("."),
-    force: Annotated[bool, typer.Option("--force", help="Replace files that are there already.")] = False,
-) -> None:
-    """Begin a controller of your own: a short model in Python, and a test that passes."""
-    from orchestration.cli.new_controller import create
-
-    create(kind, name, source, out, force=force)
+app.command(cls=Command, epilog=NEW_EPILOG)(with_messages(new))
 
 
 @app.command(
