@@ -12,6 +12,8 @@ from typing import Annotated
 import typer
 
 from orchestration.cli import completion
+from orchestration.cli.cache_command import EPILOG as CACHE_EPILOG
+from orchestration.cli.cache_command import cache
 from orchestration.cli.codes import ExitCode, exit_code_of
 from orchestration.cli.doctor_command import EPILOG, doctor
 from orchestration.cli.isolation import IsolatingCommand
@@ -321,6 +323,7 @@ def build(
 
 
 app.command(cls=Command, epilog=NEW_EPILOG)(with_messages(new))
+app.command(cls=Command, epilog=CACHE_EPILOG)(with_messages(cache))
 
 
 @app.command(

@@ -60,6 +60,18 @@ def laws(incomplete: str) -> list[str]:
     return _beginning(incomplete, BEGINNINGS)
 
 
+def cache_actions(incomplete: str) -> list[str]:
+    """What ``adaptimp cache`` can do."""
+    return _beginning(incomplete, ["clear"])
+
+
+def cache_kinds(incomplete: str) -> list[str]:
+    """Kinds of content of the cache."""
+    from adaptimp_fmu.files.cache_contents import KINDS
+
+    return _beginning(incomplete, KINDS)
+
+
 def subjects(incomplete: str) -> list[str]:
     """All that ``adaptimp info`` can look at."""
     from fmus.catalog import MODELS, VARIANTS

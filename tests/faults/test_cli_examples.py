@@ -62,7 +62,11 @@ def type_in(adaptimp: Command, line: str) -> None:
 
 
 @pytest.mark.parametrize("command", [None, *COMMANDS])
-def test_examples_of_the_help(prepared: Command, command: str | None) -> None:
+def test_examples_of_the_help(
+    prepared: Command, command: str | None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    if command == "cache":  # other processes of this machine are not to lose theirs
+        monkeypatch.setenv("ADAPTIMP_CACHE", str(tmp_path / "cache"))
     lines = lines_of_help(prepared(*([command] if command else []), "--help").out)
     assert len(lines) == 2
     for line in lines:
