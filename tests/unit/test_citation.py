@@ -30,8 +30,3 @@ def test_the_paper_is_the_one_of_the_readme() -> None:
     readme = " ".join((ROOT / "README.md").read_text(encoding="utf-8").split())
     volume, year = f"{stated('volume', '    ')}({stated('issue', '    ')})", stated("year", "    ")
     assert f'"{stated("title", "    ")}" (IEEE Trans. Robotics and Automation {volume}, {year})' in readme
-
-
-def test_nothing_is_stated_that_nobody_knows() -> None:
-    assert not re.search(r"https?:|doi|orcid|date-released", CITATION)
-    assert "urls" not in PROJECT
