@@ -90,7 +90,6 @@ def test_what_there_is_not_is_refused(
     assert not cache.exists()
 
 
-@pytest.mark.skipif(sys.platform == "win32", reason="there the other process would have to open the files")
 def test_another_process_goes_on(adaptimp: Command, cache: Path) -> None:
     """It has read a package, whose FMU lies in the cache, and runs it after the cache was cleared."""
     assert adaptimp("build", "Gain.py", "-o", ".").code == 0

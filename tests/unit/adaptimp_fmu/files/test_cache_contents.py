@@ -103,7 +103,6 @@ def test_folders_of_other_programs_are_removed_if_they_were_made_here(cache: Pat
     assert clear(cache, KINDS["matplotlib"]) == Amount()
 
 
-@pytest.mark.skipif(sys.platform == "win32", reason="there the other process would have to open the files")
 def test_what_a_living_process_works_with_stays(cache: Path) -> None:
     (cache / "fmus" / OTHER).mkdir()
     (cache / "fmus" / OTHER / "Gain.fmu").write_bytes(b"123")
@@ -115,7 +114,6 @@ def test_what_a_living_process_works_with_stays(cache: Path) -> None:
     assert list((cache / cache_use.FOLDER).glob("*.list")) == []
 
 
-@pytest.mark.skipif(sys.platform == "win32", reason="there the other process would have to open the files")
 def test_an_fmu_in_the_cache_stays_as_long_as_the_process_that_asked_for_it(cache: Path, tmp_path: Path) -> None:
     model = SampledModel("Gain", "Multiplies")
     model.output("y", 2 * model.input("u", 1.0, description="In"), description="Out")
