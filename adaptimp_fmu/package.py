@@ -25,6 +25,7 @@ from adaptimp_fmu.codegen import (
 from adaptimp_fmu.description import model_description
 from adaptimp_fmu.documentation import documentation
 from adaptimp_fmu.files.cache_folder import cache_folder
+from adaptimp_fmu.files.cache_use import use
 from adaptimp_fmu.files.whole_file import write_whole
 from adaptimp_fmu.icon import png
 from adaptimp_fmu.model import Model
@@ -115,6 +116,7 @@ def build(
     content = archive(entries)
     if folder is None:
         folder = cached(cache, ("fmus", hashlib.sha256(content).hexdigest()[:32]), f"{model.name}.fmu")
+        use(cache or cache_folder(), *folder.parts[-2:])
     path = folder / f"{model.name}.fmu"
     if not path.exists() or path.read_bytes() != content:
         write_whole(path, content)

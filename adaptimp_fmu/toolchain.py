@@ -13,7 +13,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from adaptimp_fmu.errors import ToolchainError
-from adaptimp_fmu.files.cache_folder import writable_cache
+from adaptimp_fmu.files.cache_folder import cache_folder, tagged_cache
+from adaptimp_fmu.files.cache_use import use
 
 FLAGS = (
     "-std=c11",
@@ -140,7 +141,9 @@ def _compiler_cache() -> dict[str, str]:
             own.mkdir(parents=True, exist_ok=True)
             tempfile.TemporaryFile(dir=own).close()
             return {}
-    return {_COMPILER_CACHE: str(writable_cache("zig"))}
+    own = tagged_cache("zig")
+    use(cache_folder(), own.name)
+    return {_COMPILER_CACHE: str(own)}
 
 
 def compile_library(

@@ -44,6 +44,7 @@ QUICK = ("golden/*", "property/*", "unit/*", "faults/*", "conformance/*")
 """Files whose tests are quick unless they have to do with processes or are in `SLOW`."""
 
 SLOW = (
+    "faults/test_all_scenarios.py",
     "faults/test_cli_examples.py",
     "faults/test_doctor_command.py",
     "faults/test_sweep_command.py",

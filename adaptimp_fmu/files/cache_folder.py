@@ -9,6 +9,7 @@ import stat
 import sys
 import tempfile
 import warnings
+from contextlib import suppress
 from pathlib import Path
 
 import platformdirs
@@ -16,6 +17,9 @@ import platformdirs
 from adaptimp_fmu.files.temporary_folder import folder_until_exit
 
 VARIABLE = "ADAPTIMP_CACHE"
+TAG = "CACHEDIR.TAG"
+"""Name of the file that marks a folder as a cache, by which programs for backups know it (bford.info/cachedir)."""
+TAG_TEXT = b"Signature: 8a477f597d28d172789f06886806bc55\n# This folder was made by adaptimp.\n"
 
 
 class TemporaryCacheWarning(UserWarning):
@@ -57,6 +61,18 @@ def writable_cache(*parts: str) -> Path:
     return made
 
 
+def tagged_cache(name: str) -> Path:
+    """Return a folder in the cache for the files of another program; errors and warnings as of `writable_cache`.
+
+    A folder that is new is marked, so that it can be told from one that the other program has made.
+    """
+    folder = writable_cache(name)
+    with suppress(OSError):  # the mark matters only to who clears the cache
+        if not any(folder.iterdir()):
+            (folder / TAG).write_bytes(TAG_TEXT)
+    return folder
+
+
 def is_trusted(path: Path) -> bool:
     """Return whether a file or folder is there and belongs to this user or to the administrator.
 
@@ -84,15 +100,38 @@ def _written_to(folder: Path) -> Path:
 
 def _temporary() -> Path:
     """Folder below that for temporary files, which no other user can write to: machine code is run from it."""
-    user = os.getuid() if hasattr(os, "getuid") else "cache"
-    folder = Path(tempfile.gettempdir()) / f"adaptimp-{user}"
     try:
-        folder.mkdir(mode=0o700, exist_ok=True)
-        status = folder.lstat()
+        _stand_in().mkdir(mode=0o700, exist_ok=True)
     except OSError:
         return folder_until_exit()
-    own = stat.S_ISDIR(status.st_mode) and status.st_uid == user and not status.st_mode & 0o022
-    return folder if own or user == "cache" else folder_until_exit()
+    return temporary_cache() or folder_until_exit()
+
+
+def temporary_cache() -> Path | None:
+    """Return the temporary cache of this user; None if it is not there, or another user could write to it.
+
+    Examples
+    --------
+    >>> from adaptimp_fmu.files.cache_folder import temporary_cache
+    >>> folder = temporary_cache()
+    >>> folder is None or folder.name.startswith("adaptimp-")
+    True
+    """
+    folder = _stand_in()
+    try:
+        status = folder.lstat()
+    except OSError:
+        return None
+    if not hasattr(os, "getuid"):
+        return folder
+    own = stat.S_ISDIR(status.st_mode) and status.st_uid == os.getuid() and not status.st_mode & 0o022
+    return folder if own else None
+
+
+def _stand_in() -> Path:
+    """Where the temporary cache of this user is, if there is one."""
+    user = os.getuid() if hasattr(os, "getuid") else "cache"
+    return Path(tempfile.gettempdir()) / f"adaptimp-{user}"
 
 
 def let_matplotlib_write() -> None:
@@ -106,4 +145,4 @@ def let_matplotlib_write() -> None:
         for variable, default in (("XDG_CONFIG_HOME", ".config"), ("XDG_CACHE_HOME", ".cache")):
             _written_to(Path(os.environ.get(variable) or Path.home() / default) / "matplotlib")
     except (OSError, RuntimeError):  # without a home there is no such folder either
-        os.environ["MPLCONFIGDIR"] = str(writable_cache("matplotlib"))
+        os.environ["MPLCONFIGDIR"] = str(tagged_cache("matplotlib"))

@@ -12,9 +12,13 @@ from typing import Annotated
 import typer
 
 from orchestration.cli import completion
+from orchestration.cli.cache_command import EPILOG as CACHE_EPILOG
+from orchestration.cli.cache_command import cache
 from orchestration.cli.codes import ExitCode, exit_code_of
 from orchestration.cli.doctor_command import EPILOG, doctor
 from orchestration.cli.isolation import IsolatingCommand
+from orchestration.cli.new_command import EPILOG as NEW_EPILOG
+from orchestration.cli.new_command import new
 from orchestration.cli.options import (
     ALGORITHM,
     CARE,
@@ -316,6 +320,10 @@ def build(
     from orchestration.cli.commands import build_fmus
 
     build_fmus(files or [], out or Path("build/reals" if reals else "build/fmus"), platform or [], reals=reals)
+
+
+app.command(cls=Command, epilog=NEW_EPILOG)(with_messages(new))
+app.command(cls=Command, epilog=CACHE_EPILOG)(with_messages(cache))
 
 
 @app.command(

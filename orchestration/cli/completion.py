@@ -48,6 +48,30 @@ def controllers(incomplete: str) -> list[str]:
     return _beginning(incomplete, [*shipped, *variants, *_files(incomplete, FILES[:1])])
 
 
+def kinds(incomplete: str) -> list[str]:
+    """What ``adaptimp new`` can begin."""
+    return _beginning(incomplete, ["controller"])
+
+
+def laws(incomplete: str) -> list[str]:
+    """Laws that a new controller can begin with."""
+    from orchestration.cli.new_controller import BEGINNINGS
+
+    return _beginning(incomplete, BEGINNINGS)
+
+
+def cache_actions(incomplete: str) -> list[str]:
+    """What ``adaptimp cache`` can do."""
+    return _beginning(incomplete, ["clear"])
+
+
+def cache_kinds(incomplete: str) -> list[str]:
+    """Kinds of content of the cache."""
+    from adaptimp_fmu.files.cache_contents import KINDS
+
+    return _beginning(incomplete, KINDS)
+
+
 def subjects(incomplete: str) -> list[str]:
     """All that ``adaptimp info`` can look at."""
     from fmus.catalog import MODELS, VARIANTS

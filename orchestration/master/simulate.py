@@ -158,6 +158,9 @@ def simulate(
     if not (isinstance(progress, bool) or callable(progress)):
         msg = f"progress is {shown(progress)}; give True for a bar, or a function of two numbers."
         raise SystemDescriptionError(msg)
+    if not isinstance(verdict, bool | np.bool_):
+        msg = f"verdict is {shown(verdict)}; give True to predict the stability before the run, or False."
+        raise SystemDescriptionError(msg)
     with ExitStack() as stack:
         show = stack.enter_context(progress_bar()) if progress is True else progress or None
         given = {

@@ -13,6 +13,7 @@ from contextlib import suppress
 from pathlib import Path
 
 from adaptimp_fmu.files.cache_folder import cache_folder, is_trusted, writable_cache
+from adaptimp_fmu.files.cache_use import use
 from adaptimp_fmu.files.sealed_file import read_sealed, write_sealed
 from adaptimp_fmu.files.temporary_folder import temporary_folder
 from orchestration.sandbox.archive import file_hash, unpack
@@ -37,9 +38,11 @@ def unpacked_package(path: Path) -> tuple[Path, bool]:
     """
     name = file_hash(path)[:32]
     kept = cache_folder() / FOLDER / name
+    use(cache_folder(), FOLDER, name)
     if _is_intact(kept):
         return kept / FILES, False
     writable = writable_cache(FOLDER) / name
+    use(cache_folder(), FOLDER, name)
     if writable != kept and _is_intact(writable):
         return writable / FILES, False
     return writable / FILES, _unpack(path, writable)

@@ -105,16 +105,16 @@ def _scalars(name: str, known: Sequence[str]) -> list[str]:
 
 def _start(old: Component, new: Component, mapping: Mapping[str, str]) -> tuple[dict[str, float | str], list[str]]:
     """Start values in the units of the new FMU, and notices of dropped and of unconverted values."""
-    start, notices, lost, diagonal, model = {}, [], [], [], new.description.model_name
+    start, notices, lost, moved, model = {}, [], [], [], new.description.model_name
     known = new.description.variables
     for name, value in old.start.items():
-        place = name if name in known else _on_diagonal(name)
+        place = name if name in known else _other_form(name)
         variable = known.get(place)
         if variable is None or not variable.can_start:
             lost.append(name)
             continue
         if place != name:
-            diagonal.append(f"{name} to {place}")
+            moved.append(f"{name} to {place}")
         before = old.variable(name)
         if isinstance(value, str):
             start[place] = value
@@ -128,17 +128,22 @@ def _start(old: Component, new: Component, mapping: Mapping[str, str]) -> tuple[
             # The gains of two adaptation laws have different dimensions; a replacement must not switch a law off.
             notices.append(f"{new.name}: start value of {name} = {value:g} kept, but {units}; set a new value.")
         start[place] = value if scale is None else scale(value)
-    if diagonal:
-        notices.insert(0, f"{new.name}: start values moved to diagonals of {model}: {', '.join(diagonal)}.")
+    if moved:
+        notices.insert(0, f"{new.name}: start values moved to diagonals of {model}: {', '.join(moved)}.")
     if lost:
         notices.insert(0, f"{new.name}: start values dropped, {model} has no {', '.join(lost)}.")
     return start, notices
 
 
-def _on_diagonal(name: str) -> str:
-    """Name of the element of a matrix that stands for an element of its diagonal: ``M[2,2]`` for ``M[2]``."""
+def _other_form(name: str) -> str:
+    """Name in the other form of a gain: ``M[2,2]`` of a matrix for ``M[2]`` of its diagonal, and the other way."""
     base, bracket, index = name.removesuffix("]").rpartition("[")
-    return f"{base}[{index},{index}]" if bracket and index.isdecimal() else name
+    row, comma, column = index.partition(",")
+    if not bracket or not row.isdecimal():
+        return name
+    if not comma:
+        return f"{base}[{row},{row}]"
+    return f"{base}[{row}]" if row == column else name
 
 
 def _rescaled(connection: Connection, system: "System", old: Component, new: Component) -> Connection:

@@ -62,7 +62,11 @@ def type_in(adaptimp: Command, line: str) -> None:
 
 
 @pytest.mark.parametrize("command", [None, *COMMANDS])
-def test_examples_of_the_help(prepared: Command, command: str | None) -> None:
+def test_examples_of_the_help(
+    prepared: Command, command: str | None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    if command == "cache":  # other processes of this machine are not to lose theirs
+        monkeypatch.setenv("ADAPTIMP_CACHE", str(tmp_path / "cache"))
     lines = lines_of_help(prepared(*([command] if command else []), "--help").out)
     assert len(lines) == 2
     for line in lines:
@@ -70,8 +74,12 @@ def test_examples_of_the_help(prepared: Command, command: str | None) -> None:
         type_in(prepared, line)
 
 
-@pytest.mark.parametrize(("page", "number"), [("README.md", 8), ("docs/command-line.md", 9)])
-def test_command_lines_of_pages(prepared: Command, page: str, number: int) -> None:
+@pytest.mark.parametrize(("page", "number"), [("README.md", 8), ("docs/command-line.md", 9), ("docs/caches.md", 3)])
+def test_command_lines_of_pages(
+    prepared: Command, page: str, number: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    if page == "docs/caches.md":  # other processes of this machine are not to lose theirs
+        monkeypatch.setenv("ADAPTIMP_CACHE", str(tmp_path / "cache"))
     lines = lines_of_page(page)
     assert len(lines) >= number, lines
     for line in lines:

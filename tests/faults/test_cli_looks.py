@@ -354,6 +354,10 @@ def test_characters_that_a_stream_lacks_are_escaped(
         ("adaptimp run her", {"here.ssp"}),
         ("adaptimp info Pl", {"Plant", "Plant3R", *(name for name in MODEL_VARIANTS if name.startswith("Plant"))}),
         ("adaptimp run broken.ssp --set a", set()),
+        ("adaptimp new c", {"controller"}),
+        ("adaptimp new controller Mine --from s", {"slotine-li", "spong-ortega"}),
+        ("adaptimp cache c", {"clear"}),
+        ("adaptimp cache clear ker", {"kernel"}),
     ],
 )
 def test_completion(

@@ -9,7 +9,8 @@ from pathlib import Path
 
 from adaptimp_fmu.binary import binary
 from adaptimp_fmu.errors import ToolchainError
-from adaptimp_fmu.files.cache_folder import is_trusted, writable_cache
+from adaptimp_fmu.files.cache_folder import cache_folder, is_trusted, writable_cache
+from adaptimp_fmu.files.cache_use import use
 from adaptimp_fmu.files.whole_file import write_whole
 from adaptimp_fmu.toolchain import Platform, host_platform
 from adaptimp_fmu.toolchain import identity as toolchain_identity
@@ -112,7 +113,9 @@ def _platform() -> Platform:
 
 def _file(identity: str, content: bytes) -> Path:
     """The library as a file in the cache, where nobody but this user can change it."""
-    path = writable_cache(NAME, identity[:32]) / f"{NAME}{_platform().extension}"
+    folder = writable_cache(NAME, identity[:32])
+    use(cache_folder(), NAME, folder.name)
+    path = folder / f"{NAME}{_platform().extension}"
     if not (is_trusted(path) and path.read_bytes() == content):
         write_whole(path, content)
     return path

@@ -14,7 +14,8 @@ from pathlib import Path
 
 import numpy as np
 
-from adaptimp_fmu.files.cache_folder import writable_cache
+from adaptimp_fmu.files.cache_folder import cache_folder, writable_cache
+from adaptimp_fmu.files.cache_use import use
 from orchestration.campaigns.engines.engine import Outcomes
 from orchestration.campaigns.store.keys import KEY_LENGTH
 from orchestration.campaigns.store.row_table import KEY, MESSAGE, NUMBER, RowColumns
@@ -74,7 +75,9 @@ class Survey:
 
 def kept_store() -> Store:
     """The store of rows in the user's cache."""
-    return Store.open(writable_cache() / "robustness")
+    folder = writable_cache() / "robustness"
+    use(cache_folder(), folder.name)
+    return Store.open(folder)
 
 
 def make_rows(survey: Survey, settings: Sequence[Numbers], store: Store, workers: int, tell: Tell) -> list[Row]:

@@ -11,7 +11,7 @@ from tests.faults.cli import Command, runner
 
 @pytest.fixture
 def left_over(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[], list[str]]:
-    """Files and folders outside of ``given`` that a test has left; compiled code of ours does not count."""
+    """Files and folders outside of ``given`` that a test has left, but for our compiled code and the cache's users."""
     for name in ("given", "temporary", "cache", "work"):
         (tmp_path / name).mkdir()
     monkeypatch.setattr(tempfile, "tempdir", str(tmp_path / "temporary"))
@@ -20,8 +20,8 @@ def left_over(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[], l
     allowed = {tmp_path / name for name in ("given", "temporary", "cache", "cache/ssp", "work")}
 
     def found() -> list[str]:
-        given, ours = tmp_path / "given", tmp_path / "cache" / "kernel"
-        paths = (p for p in tmp_path.rglob("*") if p not in allowed and not p.is_relative_to(ours))
+        given, ours = tmp_path / "given", [tmp_path / "cache" / name for name in ("kernel", "users")]
+        paths = (p for p in tmp_path.rglob("*") if p not in allowed and not any(map(p.is_relative_to, ours)))
         return sorted(str(p.relative_to(tmp_path)) for p in paths if not (p.is_relative_to(given) and p.is_file()))
 
     return found

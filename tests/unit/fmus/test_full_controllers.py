@@ -188,3 +188,19 @@ def test_without_its_coriolis_term_algorithm_2_lacks_c_x_s_and_nothing_else(open
     assert np.linalg.norm(dropped) > 0.01  # N.m
     # The rounding of either torque, of some 100 N.m.
     assert np.abs((other_tau - tau) - dropped).max() <= pose.rounding(p_hat) * 100
+
+
+def test_a_swap_hands_diagonals_on_in_both_directions() -> None:
+    """From the plain controller to the variant and back; only what is off the diagonal is dropped, and that is said."""
+    plain = scenario("fig5").set({"controller.K": [4000.0, 500.0], "controller.Psi": [90.0, 110.0]})
+    full = plain.replace("controller", built(CRAIG))
+    assert full["controller"].start["K[2,2]"] == 500.0
+    assert "K[2] to K[2,2]" in full.notices[-1]
+    coupled = full.set({"controller.K[1,2]": 30.0, "controller.K[2,1]": 30.0})
+    back = coupled.replace("controller", built("CraigAdaptiveImpedance"))
+    assert back["controller"].start == plain["controller"].start
+    dropped, moved = back.notices[len(coupled.notices) :]
+    assert dropped == "controller: start values dropped, CraigAdaptiveImpedance has no K[1,2], K[2,1]."
+    assert moved.startswith("controller: start values moved to diagonals of CraigAdaptiveImpedance: M[1,1] to M[1], ")
+    assert "K[2,2] to K[2]" in moved
+    assert back.set({"controller.K[2]": 4000.0, "controller.K[1]": 4000.0})["controller"].start["Psi[2]"] == 110.0

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from adaptimp_fmu.files import sealed_file, temporary_folder, whole_file
+from adaptimp_fmu.files import cache_contents, cache_folder, cache_use, sealed_file, temporary_folder, whole_file
 from tests.unit.examples import failures
 
 EXAMPLES = {
@@ -18,6 +18,11 @@ EXAMPLES = {
         temporary_folder.sweep,
         sealed_file.write_sealed,
         sealed_file.read_sealed,
+        cache_use.use,
+        cache_contents.places,
+        cache_contents.amount,
+        cache_contents.clear,
+        cache_folder.temporary_cache,
     )
 }
 

@@ -4,11 +4,12 @@ import pickle
 import warnings
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
-from orchestration import Result, StabilityWarning, System, prepare, scenario, simulate
+from orchestration import Result, StabilityWarning, System, SystemDescriptionError, prepare, scenario, simulate
 from orchestration.analysis.stability import verdict
 from orchestration.results.prediction import VERDICT, Prediction
 
@@ -129,3 +130,18 @@ def test_what_cannot_be_judged_has_no_verdict_but_a_reason(late: System, monkeyp
     assert result.verdict.stable is None
     assert str(result.verdict).startswith("no verdict on stability: it would take long with 20 connections")
     assert repr(result).endswith("no verdict on stability>")
+
+
+@pytest.mark.parametrize("wrong", ["no", 1, None])
+def test_a_wish_that_is_neither_true_nor_false_is_refused(late: System, unasked: list[str], wrong: Any) -> None:
+    with pytest.raises(SystemDescriptionError, match=rf"^verdict is {wrong!r}; give True to predict the stability"):
+        simulate(late, stop_time=2 * LATE, verdict=wrong)
+    assert unasked == []
+
+
+def test_a_result_with_a_prediction_differs_by_its_metadata(late: System) -> None:
+    without = simulate(late, stop_time=2 * LATE)
+    result = simulate(late, stop_time=2 * LATE, verdict=np.True_)  # pyright: ignore[reportArgumentType]
+    assert result != without
+    assert set(result.metadata) - set(without.metadata) == {VERDICT}
+    assert all(np.array_equal(result[name], without[name]) for name in without)

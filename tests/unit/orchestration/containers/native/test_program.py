@@ -9,6 +9,7 @@ from threading import Timer
 import numpy as np
 import pytest
 
+from adaptimp_fmu.files.cache_contents import KINDS, clear
 from orchestration import ContainerError, SimulationError, System, SystemDescriptionError, scenario
 from orchestration.containers.native.library import Failure, Outcome
 from orchestration.containers.native.program import STOPPED, NativeProgram, Stop
@@ -101,6 +102,7 @@ def test_a_library_comes_from_the_cache_and_is_made_anew_if_it_was_altered(
     monkeypatch.setattr(library, "_LOADED", {})
     assert library.loaded("a", files, ["runs.c"]).native_runs() == 2
     assert loaded[0] == loaded[1]
+    assert clear(tmp_path, KINDS["native"]).files == 0  # this process works with it
 
 
 def test_a_machine_without_a_platform_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:

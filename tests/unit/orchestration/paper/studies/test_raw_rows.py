@@ -6,8 +6,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from adaptimp_fmu.files.cache_contents import KINDS, Amount, amount, clear
 from orchestration.campaigns.store.store import Store
-from orchestration.paper.studies.raw_rows import CHUNK, Row, Survey, identity_of_files, kept_rows, make_rows
+from orchestration.paper.studies.raw_rows import CHUNK, Row, Survey, identity_of_files, kept_rows, kept_store, make_rows
 
 SETTINGS = [{"x": float(i), "y": 0.1 * i} for i in range(3 * CHUNK)]
 
@@ -80,3 +81,11 @@ def test_an_identity_tells_files_apart(tmp_path: Path) -> None:
     found = {identity_of_files(files, more) for files, more in cases}
     assert len(found) == 4
     assert identity_of_files([one], []) == identity_of_files([one], [])
+
+
+def test_the_kept_store_is_not_removed_under_a_study(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("ADAPTIMP_CACHE", str(tmp_path))
+    store = kept_store()
+    assert store.folder == tmp_path / "robustness"
+    assert amount(tmp_path, KINDS["robustness"]).files == 1
+    assert clear(tmp_path, KINDS["robustness"]) == Amount(used=1)
