@@ -23,6 +23,7 @@ from orchestration.cli.options import (
     AllowNan,
     At,
     Controller,
+    Dark,
     Exchange,
     FmuStopTime,
     FmuTolerance,
@@ -34,6 +35,7 @@ from orchestration.cli.options import (
     Mapping,
     Order,
     Pace,
+    Plot,
     ProgramAlgorithm,
     ProgramPlatform,
     SampleTime,
@@ -59,6 +61,7 @@ from orchestration.cli.program import (
     closing,
     with_messages,
 )
+from orchestration.cli.results_commands import COMPARE_EPILOG, PLOT_EPILOG, compare, plot_
 from orchestration.cli.sweep_command import EPILOG as SWEEP_EPILOG
 from orchestration.cli.sweep_command import SweepCommand, sweep
 
@@ -183,6 +186,8 @@ def run(
         ),
     ] = None,
     every: Annotated[int, typer.Option(metavar="N", help="Record every n-th step.", rich_help_panel=ROWS)] = 1,
+    plot: Plot = None,
+    dark: Dark = False,
     input_: Input = None,
     at: At = None,
     pace: Pace = None,
@@ -209,6 +214,7 @@ def run(
     """Run a system, and print or write what it did."""
     from orchestration.cli.algorithms import AlgorithmRequest
     from orchestration.cli.outside import OutsideRequest
+    from orchestration.cli.pictures import PictureRequest
     from orchestration.cli.run import RunRequest, run_system
     from orchestration.cli.systems import SystemRequest
 
@@ -235,6 +241,7 @@ def run(
             fmu_stop_time=fmu_stop_time,
             json=json,
             outside=OutsideRequest(tuple(input_ or ()), tuple(at or ()), pace),
+            picture=PictureRequest(plot, dark, option="--plot"),
         )
     )
 
@@ -349,6 +356,8 @@ def check(
 
 
 app.command(cls=IsolatingCommand, epilog=EPILOG)(with_messages(doctor))
+app.command("plot", cls=Command, epilog=PLOT_EPILOG)(with_messages(plot_))
+app.command(cls=Command, epilog=COMPARE_EPILOG)(with_messages(compare))
 app.command(cls=SweepCommand, epilog=SWEEP_EPILOG)(with_messages(sweep))
 
 

@@ -1,0 +1,63 @@
+"""Defines the commands on results that are recorded already: ``adaptimp plot`` and ``adaptimp compare``."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from orchestration.cli.codes import ExitCode
+from orchestration.cli.options import Dark, Json
+from orchestration.cli.program import closing
+
+PLOT_EPILOG = closing(
+    "adaptimp plot fig5.parquet -o fig5.svg",
+    "adaptimp plot craig.parquet slotine.parquet --dark",
+    "adaptimp plot fig5.parquet plant.x controller.e",
+)
+COMPARE_EPILOG = closing(
+    "adaptimp compare before.parquet after.parquet",
+    "adaptimp compare before.parquet after.csv --json",
+    codes={
+        ExitCode.SUCCESS: "all bits of all columns agree",
+        ExitCode.FAILED: "the results differ, or a file is unusable",
+        ExitCode.REFUSED: "the results cannot be compared, or a file is none of a result",
+    },
+)
+
+
+def plot_(
+    words: Annotated[
+        list[str],
+        typer.Argument(
+            metavar="RESULT... [NAME]...",
+            help="Results, .csv or .parquet; then columns, arrays or patterns. Without names: path, torques or"
+            " estimate, error and force of the paper's loop; of other systems a panel for each unit.",
+        ),
+    ],
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            "--out",
+            "-o",
+            metavar="FILE",
+            help="File for the picture, .png, .svg or .pdf.",
+            show_default="name of the first result, .png",
+        ),
+    ] = None,
+    dark: Dark = False,
+) -> None:
+    """Draw one or several results into a picture."""
+    from orchestration.cli.pictures import plot_results
+
+    plot_results(words, out, dark=dark)
+
+
+def compare(
+    first: Annotated[Path, typer.Argument(metavar="A", help="A result, .csv or .parquet.")],
+    second: Annotated[Path, typer.Argument(metavar="B", help="The result that is measured against it.")],
+    json: Json = False,
+) -> None:
+    """Compare two results, column by column: how far they differ, and from where on."""
+    from orchestration.cli.compare import compare_files
+
+    raise typer.Exit(compare_files(first, second, json=json))
