@@ -70,6 +70,8 @@ def verdict_of(found: Comparison, rows: Sequence[int]) -> str:
             apart.append(f"only the {which} has {listed}")
     if set(rows) != {found.n_rows}:
         apart.append(f"{found.n_rows} rows are common to the {rows[0]} and {rows[1]} of the two")
+    if apart and found.differences and not differing:
+        apart.append("in what both have, all bits agree")
     if apart:
         return f"The results differ: {'; '.join(apart)}."
     return f"The results agree in all bits: {len(found.differences)} columns, {found.n_rows} rows."

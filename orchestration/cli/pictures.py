@@ -40,15 +40,25 @@ class PictureRequest:
     names: Sequence[str] = ()
     option: str = "--out"
 
-    def prepare(self) -> None:
-        """Refuse a suffix that no picture has, and make the folder; errors are those of `require_folder`."""
+    def require(self) -> None:
+        """Refuse a path that no picture can have.
+
+        Raises
+        ------
+        SystemDescriptionError
+            If the suffix is not that of a format, or the path is a folder.
+        """
         if self.path is None:
             return
         require_picture(self.path, SystemDescriptionError)
         if self.path.is_dir():
             msg = f"{self.path} is a folder; a file for the picture is needed."
             raise SystemDescriptionError(msg)
-        require_folder(self.path.parent, self.option)
+
+    def make_folder(self) -> None:
+        """Make the folder of the file; errors are those of `require_folder`."""
+        if self.path is not None:
+            require_folder(self.path.parent, self.option)
 
     def draw(self, results: Mapping[str, Result]) -> None:
         """Draw results by their labels, and say what was written.
@@ -88,7 +98,7 @@ class PictureRequest:
         if not self.names and first is None:
             return overlay_figure(results, DARK_PAGE if self.dark else LIGHT_PAGE, title)
         if not self.names and first is not None:
-            columns = " and ".join(lacking[first])
+            columns = " and ".join(filter(None, (", ".join(lacking[first][:-1]), lacking[first][-1])))
             output.remark(f"Notice: {first} has no {columns} of the paper's loop, so each unit has a panel.")
         return figure_by_unit(results, self.names, title)
 
@@ -115,10 +125,12 @@ def plot_results(words: Sequence[str], out: Path | None, *, dark: bool) -> None:
         msg = f"{len(files)} results were given, and colours tell {MOST_RESULTS} apart; draw fewer in one picture."
         raise SystemDescriptionError(msg)
     picture = PictureRequest(out or Path(f"{files[0].stem}.png"), dark, names)
-    picture.prepare()
+    picture.require()
     with watched() as line:
         line.begin("drawing")
-        picture.draw({label: Result.read(file) for label, file in zip(labels(files), files, strict=True)})
+        results = {label: Result.read(file) for label, file in zip(labels(files), files, strict=True)}
+        picture.make_folder()
+        picture.draw(results)
 
 
 def labels(files: Sequence[Path]) -> list[str]:

@@ -6,21 +6,20 @@ from typing import Annotated
 import typer
 
 from orchestration.cli.codes import ExitCode
-from orchestration.cli.options import Dark, Json
+from orchestration.cli.options import Json
 from orchestration.cli.program import closing
 
 PLOT_EPILOG = closing(
-    "adaptimp plot fig5.parquet -o fig5.svg",
-    "adaptimp plot craig.parquet slotine.parquet --dark",
-    "adaptimp plot fig5.parquet plant.x controller.e",
+    "adaptimp plot fig2.parquet plant.x controller.e -o tip.svg",
+    "adaptimp plot fig2.parquet fig5.parquet --dark",
 )
 COMPARE_EPILOG = closing(
-    "adaptimp compare before.parquet after.parquet",
-    "adaptimp compare before.parquet after.csv --json",
+    "adaptimp compare fig2.parquet fig5.parquet",
+    "adaptimp compare fig2.parquet fig5.parquet --json",
     codes={
         ExitCode.SUCCESS: "all bits of all columns agree",
         ExitCode.FAILED: "the results differ, or a file is unusable",
-        ExitCode.REFUSED: "the results cannot be compared, or a file is none of a result",
+        ExitCode.REFUSED: "the results cannot be compared",
     },
 )
 
@@ -29,7 +28,7 @@ def plot_(
     words: Annotated[
         list[str],
         typer.Argument(
-            metavar="RESULT... [NAME]...",
+            metavar="RESULT|NAME",
             help="Results, .csv or .parquet; then columns, arrays or patterns. Without names: path, torques or"
             " estimate, error and force of the paper's loop; of other systems a panel for each unit.",
         ),
@@ -44,7 +43,7 @@ def plot_(
             show_default="name of the first result, .png",
         ),
     ] = None,
-    dark: Dark = False,
+    dark: Annotated[bool, typer.Option("--dark", help="Draw for a dark page.")] = False,
 ) -> None:
     """Draw one or several results into a picture."""
     from orchestration.cli.pictures import plot_results

@@ -78,11 +78,12 @@ def run_system(request: RunRequest) -> None:
     try:
         with watched() as line, _told(report):
             destination = Destination.of(request.out)
+            request.picture.require()
             simulation = _prepared(request, report, line)
             if simulation is None:
                 return
             destination.make_folder()
-            request.picture.prepare()
+            request.picture.make_folder()
             if destination.streamed is not None:
                 simulation.stream_to(destination.streamed)
             result = _run(simulation, destination, report, line, judged=request.verdict)

@@ -1,7 +1,8 @@
 """A quick look at a result: columns over time, those of one unit in one panel."""
 
-from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -19,6 +20,8 @@ if TYPE_CHECKING:
 
 WIDTH, HEIGHT = 8.0, 2.4  # inches of a panel
 LEGEND = 2.0  # inches beside a panel
+WIDTH_OF_LINE, WIDER = 1.2, 0.9  # points: of the last of several results, and by how much each before it is wider
+DASHES = ("-", "--", ":", "-.")
 MOST_LABELS = 12
 
 
@@ -72,12 +75,20 @@ def figure_by_unit(results: Mapping[str, "Result"], names: Sequence[str], title:
     figure.suptitle(title, x=0.01, ha="left")
     for panel, unit in zip(panels, units, strict=False):
         for label, result in results.items():
-            _draw(panel, result, columns[label].get(unit, []), unit, f"{label}: " if len(results) > 1 else "")
+            several = partial(_looks, label, list(results)) if len(results) > 1 else None
+            _draw(panel, result, columns[label].get(unit, []), unit, several)
         if len(panel.get_lines()) <= MOST_LABELS:
             panel.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))  # where it hides nothing
     _limit_time(panels[0], list(results.values()))
     panels[-1].set_xlabel("time (s)")
     return figure
+
+
+def _looks(label: str, labels: Sequence[str], place: int) -> dict[str, Any]:
+    """A colour for each column, dashes for each result; of equal curves the wider ones below are still seen."""
+    run = labels.index(label)
+    width = WIDTH_OF_LINE + WIDER * (len(labels) - 1 - run)
+    return {"prefix": f"{label}: ", "color": f"C{place}", "ls": DASHES[run % len(DASHES)], "lw": width}
 
 
 def _by_unit(result: "Result", names: Sequence[str]) -> dict[str, list[str]]:
@@ -105,13 +116,21 @@ def _new_panels(number: int) -> np.ndarray:
     return plt.subplots(number, 1, sharex=True, squeeze=False, figsize=size, layout="constrained")[1][:, 0]
 
 
-def _draw(ax: "Axes", result: "Result", columns: Sequence[str], unit: str, prefix: str = "") -> None:
-    """Draw columns of one unit; a row of a sampled component shows the value that was held until its time."""
-    for column in columns:
-        held = column.partition(".")[0] in result.sample_times
-        ax.plot(
-            result.time, result[column], label=prefix + column, lw=1.2, drawstyle="steps-pre" if held else "default"
-        )
+def _draw(
+    ax: "Axes",
+    result: "Result",
+    columns: Sequence[str],
+    unit: str,
+    looks: Callable[[int], dict[str, Any]] | None = None,
+) -> None:
+    """Draw columns of one unit; a row of a sampled component shows the value that was held until its time.
+
+    The looks of a curve follow from the place of its column, and from its label; without them the colours differ.
+    """
+    for place, column in enumerate(columns):
+        held = "steps-pre" if column.partition(".")[0] in result.sample_times else "default"
+        look = {"lw": WIDTH_OF_LINE} if looks is None else looks(place)
+        ax.plot(result.time, result[column], label=look.pop("prefix", "") + column, drawstyle=held, **look)
     shared = {column.rpartition("[")[0] or column for column in columns}
     quantity = shared.pop() if len(shared) == 1 else ""
     ax.set_ylabel(f"{quantity} ({unit})" if unit and quantity else f"({unit})" if unit else quantity)

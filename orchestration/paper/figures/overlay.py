@@ -6,6 +6,7 @@ plant are its states at the communication points.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -18,7 +19,7 @@ from orchestration.paper.figures.style import BINS, ROW, envelope, legend_above,
 from orchestration.paper.figures.theme import DASHES, Theme
 from orchestration.paper.measure import ESTIMATE, norms
 from orchestration.paper.numbers import WALL_NORMAL
-from orchestration.results.result import Result
+from orchestration.results.result import Result, TicksMissingError
 
 TIP, GAP, COMMANDED, ERROR, FORCE = "plant.x", "plant.gap", "trajectory.x_v", "controller.e", "plant.F_ext"
 MEASURED = "sensor.F_hat"
@@ -28,6 +29,7 @@ NEEDED = (TIP, ERROR, FORCE)
 SMALLEST_SPAN = 1e-9  # kg: an estimate that moves less is constant, and the torques are drawn
 COLUMNS_OF_LEGEND = 4
 TALL = 195  # points: height of a panel
+LINE, WIDER = 1.3, 0.9  # points: width of the last run, and by how much each run before it is wider
 
 
 @dataclass(frozen=True)
@@ -49,10 +51,11 @@ class _Overlay:
         """Whether there is one run only, so that colours can tell the components of a vector."""
         return len(self.runs) == 1
 
-    def looks(self, run: int, component: int) -> dict[str, str]:
-        """Colour and dashes of a curve."""
+    def looks(self, run: int, component: int) -> dict[str, Any]:
+        """Colour, dashes and width of a curve; of equal curves the wider ones below are still seen."""
         colour = self.theme.curves[component if self.alone else run]
-        return {"color": colour, "ls": "-" if self.alone else DASHES[component % len(DASHES)]}
+        width = LINE + WIDER * (len(self.runs) - 1 - run)
+        return {"color": colour, "ls": "-" if self.alone else DASHES[component % len(DASHES)], "lw": width}
 
 
 def missing_columns(result: Result) -> list[str]:
@@ -74,6 +77,8 @@ def overlay_figure(runs: Mapping[str, Result], theme: Theme, title: str) -> Figu
     drawn = _Overlay(runs, theme, [phases(result) for result in runs.values()])
     rows = -(-len(runs) // COLUMNS_OF_LEGEND) if len(runs) > 1 else 0
     figure, axes = new_figure(2, 2, title, row=ROW + 0.25 * bool(rows), head=(0.25 + 0.2 * rows) * bool(rows))
+    if rows:
+        figure.subplots_adjust(hspace=0.6)
     _paths(axes[0, 0], drawn)
     _torques_or_estimate(axes[0, 1], drawn)
     _vectors(axes[1, 0], drawn, ERROR, 1e3, "e")
@@ -88,20 +93,22 @@ def overlay_figure(runs: Mapping[str, Result], theme: Theme, title: str) -> Figu
 
 def _paths(axis: Axes, drawn: _Overlay) -> None:
     """The plane of motion, to scale."""
-    corners = []
+    points = []
     for place, result in enumerate(drawn.runs.values()):
         tip = result[TIP]
         if COMMANDED in result:
-            commanded = result.at_ticks(COMMANDED)
-            corners += [commanded.min(axis=0, initial=np.inf), commanded.max(axis=0, initial=-np.inf)]
+            commanded = _ticks(result, COMMANDED)[1]
+            points.append(commanded)
             axis.plot(*thinned(commanded), "--", color=drawn.theme.ink, lw=1.0, label="virtual $x_v$")
-        corners += [tip.min(axis=0), tip.max(axis=0)]
-        axis.plot(*thinned(tip), color=drawn.looks(place, 0)["color"], label="tip $x$")
+        points.append(tip)
+        axis.plot(*thinned(tip), label="tip $x$" if drawn.alone else "", **drawn.looks(place, 0))
         axis.plot(*tip[0], "s", color=drawn.theme.curves[2], ms=5, zorder=6, label="start")
         if GAP in result:
             offset = float(tip[0] @ np.array(WALL_NORMAL) - result[GAP][0])
             axis.axvspan(-10, -offset, facecolor=drawn.theme.wall, lw=0, zorder=0, label="wall")
-    low, high = np.min(corners, axis=0) - ROOM, np.max(corners, axis=0) + ROOM
+    whole = np.concatenate(points)
+    whole = whole[np.isfinite(whole).all(axis=1)]
+    low, high = (whole.min(axis=0) - ROOM, whole.max(axis=0) + ROOM) if len(whole) else ((-1, -1), (1, 1))
     axis.set_xlim(low[0], high[0])
     axis.set_ylim(low[1], high[1])
     axis.set_aspect("equal", adjustable="box", anchor="W")
@@ -118,7 +125,7 @@ def _torques_or_estimate(axis: Axes, drawn: _Overlay) -> None:
         for place, result in enumerate(runs):
             if ESTIMATE in result:
                 label = r"$\hat m_2$" if drawn.alone else ""
-                _held(axis, result, ESTIMATE, result.at_ticks(ESTIMATE), label=label, **drawn.looks(place, 0))
+                _steps(axis, result, *_ticks(result, ESTIMATE), label=label, **drawn.looks(place, 0))
         _finish(axis, drawn, "(b) Estimated $m_2$", "mass (kg)")
         return
     _vectors(axis, drawn, torque, 1.0, r"\tau")
@@ -129,9 +136,10 @@ def _torques_or_estimate(axis: Axes, drawn: _Overlay) -> None:
 def _vectors(axis: Axes, drawn: _Overlay, name: str, factor: float, letter: str) -> None:
     """The components of a vector at the ticks, each with a line of its own."""
     for place, result in enumerate(drawn.runs.values()):
-        for component, values in enumerate(factor * result.at_ticks(name).T):
+        times, vectors = _ticks(result, name)
+        for component, values in enumerate(factor * vectors.T):
             looks = drawn.looks(place, component)
-            _held(axis, result, name, values, label=f"${letter}_{component + 1}$" if drawn.alone else "", **looks)
+            _steps(axis, result, times, values, label=f"${letter}_{component + 1}$" if drawn.alone else "", **looks)
     if not drawn.alone:
         for component in range(next(iter(drawn.runs.values()))[name].shape[1]):
             label = f"${letter}_{component + 1}$"
@@ -141,21 +149,30 @@ def _vectors(axis: Axes, drawn: _Overlay, name: str, factor: float, letter: str)
 def _forces(axis: Axes, drawn: _Overlay) -> None:
     for place, result in enumerate(drawn.runs.values()):
         if drawn.alone and MEASURED in result:
-            measured = norms(result.at_ticks(MEASURED))
-            _held(axis, result, MEASURED, measured, label="measured", color=drawn.theme.curves[4], ls="-", lw=0.7)
+            times, measured = _ticks(result, MEASURED)
+            _steps(axis, result, times, norms(measured), label="measured", color=drawn.theme.curves[4], ls="-", lw=0.7)
         label = r"$\|F_{ext}\|$" if drawn.alone else ""
         axis.plot(*envelope(result.time, norms(result[FORCE])), label=label, **drawn.looks(place, 0))
     _finish(axis, drawn, "(d) Contact force", "force (N)")
 
 
-def _held(axis: Axes, result: Result, name: str, values: np.ndarray, **looks: str | float) -> None:
-    """A column of a sampled component, which holds each value until its next tick."""
-    times = result.tick_times(name)
-    sampled = name.partition(".")[0] in result.sample_times
-    if sampled and len(times):
+def _ticks(result: Result, name: str) -> tuple[np.ndarray, np.ndarray]:
+    """Instants, s, and values of a column at the ticks, where a sampled component takes its values.
+
+    Of a run that does not record every tick, these are the rows, each with the value of the step before it.
+    """
+    try:
+        return result.tick_times(name), result.at_ticks(name)
+    except TicksMissingError:
+        return result.time, result[name]
+
+
+def _steps(axis: Axes, result: Result, times: np.ndarray, values: np.ndarray, **looks: Any) -> None:
+    """A column that holds each value until the next instant, of which a line is drawn where steps cannot be seen."""
+    if 0 < len(times) < len(result.time) and result.sample_times:
         times, values = np.append(times, result.time[-1]), np.append(values, values[-1])
-    steps = sampled and len(times) <= 2 * BINS  # of more ticks the steps are narrower than the line
-    axis.plot(*envelope(times, values), drawstyle="steps-post" if steps else "default", **looks)  # type: ignore[arg-type]
+    steps = bool(result.sample_times) and len(times) <= 2 * BINS
+    axis.plot(*envelope(times, values), drawstyle="steps-post" if steps else "default", **looks)
 
 
 def _finish(axis: Axes, drawn: _Overlay, title: str, ylabel: str) -> None:

@@ -12,6 +12,7 @@ from orchestration.results.result import Result
 
 FORCE, SATURATED = "plant.F_ext", "actuator.saturated"
 CONTACT, FLIGHT, LIMITED = "in contact", "in flight", "saturated"
+SEEN = 0.8  # points: width at which saturation of a single tick is seen
 STRIP, STRIPS = 0.03, 0.13  # of the height of a panel: a strip of one run of several, and all strips at most
 
 
@@ -72,6 +73,7 @@ def draw_phases(axis: Axes, found: Sequence[Mapping[str, np.ndarray]], theme: Th
 def _band(axis: Axes, name: str, spans: np.ndarray, extent: tuple[float, float], theme: Theme) -> None:
     colour = {CONTACT: theme.contact, FLIGHT: theme.flight, LIMITED: theme.saturated}[name]
     bars = [(begin, end - begin) for begin, end in spans]
+    width = SEEN if name == LIMITED else 0.0
     transform = blended_transform_factory(axis.transData, axis.transAxes)
-    bands = axis.broken_barh(bars, extent, transform=transform, facecolor=colour, lw=0, zorder=0, label=name)
+    bands = axis.broken_barh(bars, extent, transform=transform, color=colour, lw=width, zorder=0, label=name)
     bands.set_clip_on(extent[0] < 1)

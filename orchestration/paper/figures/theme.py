@@ -57,7 +57,7 @@ DARK_PAGE = Theme(
     (SKY, ORANGE, GREEN, PURPLE, VERMILLION, YELLOW, "#FFFFFF"),
     "#5A5A5A",
     "#3C3C3C",
-    "#1E3A4A",
+    "#27566E",
     YELLOW,
 )
 MOST_RUNS = len(LIGHT_PAGE.curves)
