@@ -129,7 +129,7 @@ def _draw(
     """
     for place, column in enumerate(columns):
         held = "steps-pre" if column.partition(".")[0] in result.sample_times else "default"
-        look = {"lw": WIDTH_OF_LINE} if looks is None else looks(place)
+        look: dict[str, Any] = {"lw": WIDTH_OF_LINE} if looks is None else looks(place)
         ax.plot(result.time, result[column], label=look.pop("prefix", "") + column, drawstyle=held, **look)
     shared = {column.rpartition("[")[0] or column for column in columns}
     quantity = shared.pop() if len(shared) == 1 else ""
