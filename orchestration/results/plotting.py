@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 WIDTH, HEIGHT = 8.0, 2.4  # inches of a panel
 LEGEND = 2.0  # inches beside a panel
 WIDTH_OF_LINE, WIDER = 1.2, 0.9  # points: of the last of several results, and by how much each before it is wider
+FAINT = 0.45  # opacity of all results but the last
 DASHES = ("-", "--", ":", "-.")
 MOST_LABELS = 12
 
@@ -88,7 +89,14 @@ def _looks(label: str, labels: Sequence[str], place: int) -> dict[str, Any]:
     """A colour for each column, dashes for each result; of equal curves the wider ones below are still seen."""
     run = labels.index(label)
     width = WIDTH_OF_LINE + WIDER * (len(labels) - 1 - run)
-    return {"prefix": f"{label}: ", "color": f"C{place}", "ls": DASHES[run % len(DASHES)], "lw": width}
+    alpha = 1.0 if run == len(labels) - 1 else FAINT
+    return {
+        "prefix": f"{label}: ",
+        "color": f"C{place}",
+        "ls": DASHES[run % len(DASHES)],
+        "lw": width,
+        "alpha": alpha,
+    }
 
 
 def _by_unit(result: "Result", names: Sequence[str]) -> dict[str, list[str]]:

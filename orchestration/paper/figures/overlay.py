@@ -183,5 +183,10 @@ def _finish(axis: Axes, drawn: _Overlay, title: str, ylabel: str) -> None:
     axis.set_xlabel("t (s)", labelpad=1)
     axis.set_ylabel(ylabel, labelpad=2)
     begin = min(float(result.time[0]) for result in drawn.runs.values())
-    axis.set_xlim(begin, max(float(result.time[-1]) for result in drawn.runs.values()))
-    legend_above(axis, gap=gap)
+    end = max(float(result.time[-1]) for result in drawn.runs.values())
+    if end > begin:  # a run that failed in its first step has one row
+        axis.set_xlim(begin, end)
+    # One legend names the phases: that of the error has room for them, however many joints there are.
+    bands = [] if "error" in ylabel else [name for run in drawn.bands for name in run]
+    curves = [label for label in axis.get_legend_handles_labels()[1] if label not in bands]
+    legend_above(axis, curves, gap=gap)

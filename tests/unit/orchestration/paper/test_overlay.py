@@ -69,13 +69,14 @@ def test_the_estimate_takes_the_place_of_the_torques_if_it_moves(runs: dict[str,
 
 
 def test_no_legend_covers_a_panel(runs: dict[str, Result]) -> None:
-    for chosen in ({"free": runs["free"]}, runs):
+    for chosen in ({"free": runs["free"]}, {"limited": runs["limited"]}, runs):
         figure = drawn(chosen)
         frames = [axis.get_window_extent() for axis in figure.axes]
         legends = [legend for axis in figure.axes if (legend := axis.get_legend())] + figure.legends
         assert len(legends) == 4 + (len(chosen) > 1)
         for legend in legends:
             box = legend.get_window_extent()
+            assert box.x1 <= figure.bbox.x1, "the legend is cut"
             assert not any(box.y0 < frame.y1 - 1 and box.y1 > frame.y0 and box.overlaps(frame) for frame in frames)
 
 
