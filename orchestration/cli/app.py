@@ -27,6 +27,7 @@ from orchestration.cli.options import (
     AllowNan,
     At,
     Controller,
+    Dark,
     Exchange,
     FmuStopTime,
     FmuTolerance,
@@ -38,6 +39,7 @@ from orchestration.cli.options import (
     Mapping,
     Order,
     Pace,
+    Plot,
     ProgramAlgorithm,
     ProgramPlatform,
     SampleTime,
@@ -63,6 +65,7 @@ from orchestration.cli.program import (
     closing,
     with_messages,
 )
+from orchestration.cli.results_commands import COMPARE_EPILOG, PLOT_EPILOG, compare, plot_
 from orchestration.cli.sweep_command import EPILOG as SWEEP_EPILOG
 from orchestration.cli.sweep_command import SweepCommand, sweep
 
@@ -187,6 +190,8 @@ def run(
         ),
     ] = None,
     every: Annotated[int, typer.Option(metavar="N", help="Record every n-th step.", rich_help_panel=ROWS)] = 1,
+    plot: Plot = None,
+    dark: Dark = False,
     input_: Input = None,
     at: At = None,
     pace: Pace = None,
@@ -213,6 +218,7 @@ def run(
     """Run a system, and print or write what it did."""
     from orchestration.cli.algorithms import AlgorithmRequest
     from orchestration.cli.outside import OutsideRequest
+    from orchestration.cli.pictures import PictureRequest
     from orchestration.cli.run import RunRequest, run_system
     from orchestration.cli.systems import SystemRequest
 
@@ -239,6 +245,7 @@ def run(
             fmu_stop_time=fmu_stop_time,
             json=json,
             outside=OutsideRequest(tuple(input_ or ()), tuple(at or ()), pace),
+            picture=PictureRequest(plot, dark, option="--plot"),
         )
     )
 
@@ -357,6 +364,8 @@ def check(
 
 
 app.command(cls=IsolatingCommand, epilog=EPILOG)(with_messages(doctor))
+app.command("plot", cls=Command, epilog=PLOT_EPILOG)(with_messages(plot_))
+app.command(cls=Command, epilog=COMPARE_EPILOG)(with_messages(compare))
 app.command(cls=SweepCommand, epilog=SWEEP_EPILOG)(with_messages(sweep))
 
 

@@ -1,5 +1,6 @@
 """Options and arguments that several commands of ``adaptimp`` have, and the sections of the help."""
 
+from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -153,6 +154,15 @@ Json = Annotated[
         "--json", help="Print one JSON object, and nothing else on standard output.", rich_help_panel=MESSAGES
     ),
 ]
+Plot = Annotated[
+    Path | None,
+    typer.Option(
+        metavar="FILE",
+        help="Draw the run into this file, .png, .svg or .pdf ('adaptimp plot' draws recorded rows).",
+        rich_help_panel=ROWS,
+    ),
+]
+Dark = Annotated[bool, typer.Option("--dark", help="Draw for a dark page.", rich_help_panel=ROWS)]
 Strict = Annotated[
     bool,
     typer.Option(

@@ -6,8 +6,13 @@ from pathlib import Path
 from orchestration.errors import OrchestrationError
 
 
-def require_folder(folder: Path) -> None:
+def require_folder(folder: Path, option: str = "--out") -> None:
     """Make a folder for results; a folder that nothing can be written to is refused before any work is done.
+
+    Parameters
+    ----------
+    option
+        Option that the folder comes from, which an error names.
 
     Raises
     ------
@@ -19,7 +24,7 @@ def require_folder(folder: Path) -> None:
         with tempfile.TemporaryFile(dir=folder):
             pass
     except OSError as error:
-        msg = f"--out: nothing can be written to {folder}: {error.strerror}; choose another place."
+        msg = f"{option}: nothing can be written to {folder}: {error.strerror}; choose another place."
         raise OrchestrationError(msg) from error
 
 

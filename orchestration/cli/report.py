@@ -5,13 +5,14 @@ docs/command-line.md describes the object; a number that is missing is null.
 
 import json
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass, field, fields
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, field, fields
 from importlib.metadata import version
 from pathlib import Path
 
 from orchestration.cli.codes import ExitCode, exit_code_of
 from orchestration.cli.signals import signal_record
+from orchestration.paper.run_numbers import RunNumber
 from orchestration.results.columns import COMPLETE, FAILED, INTERRUPTED
 from orchestration.results.extremes import Extremes
 
@@ -47,6 +48,8 @@ class RunReport:
         File with the rows, and whether there was one of that name before.
     extremes
         Values of the signals.
+    numbers
+        Measures of a run of the paper's loop, by name.
     """
 
     system: str
@@ -69,6 +72,7 @@ class RunReport:
     file: Path | None = None
     replaced: bool = False
     extremes: Extremes | None = None
+    numbers: Mapping[str, RunNumber] = field(default_factory=dict)
 
     def ended_by(self, error: BaseException) -> None:
         """Take the status from an exception."""
@@ -79,10 +83,11 @@ class RunReport:
     def json(self) -> str:
         """The report as a JSON object."""
         signals = {} if self.extremes is None else signal_record(self.extremes)
-        own = {f.name: _known(getattr(self, f.name)) for f in fields(self) if f.name != "extremes"}
+        own = {f.name: _known(getattr(self, f.name)) for f in fields(self) if f.name not in ("extremes", "numbers")}
         own |= {"file": None if self.file is None else str(self.file), "order": list(self.order)}
         own["messages"] = list(self.messages)
         about = {"version": version("adaptimp")}
+        own["numbers"] = {name: asdict(number) for name, number in self.numbers.items()}
         return json.dumps({**about, **own, "signals": signals}, indent=2, allow_nan=False)
 
 

@@ -12,6 +12,7 @@ from orchestration.cli.assumptions import print_assumptions
 from orchestration.cli.isolation import isolation_of
 from orchestration.cli.output import output, watched, width
 from orchestration.cli.outside import OutsideRequest
+from orchestration.cli.pictures import PictureRequest
 from orchestration.cli.report import RunReport
 from orchestration.cli.rows import Destination
 from orchestration.cli.settings import listed, numbers, start_value
@@ -31,11 +32,14 @@ from orchestration.master.options import Crossings
 from orchestration.master.progress import RUNNING, ProgressLine
 from orchestration.master.simulate import Options, prepare
 from orchestration.master.simulation import Simulation
+from orchestration.paper.run_numbers import columns_needed, run_numbers, sentences
 from orchestration.results.columns import ENDED
 from orchestration.results.result import Result
+from orchestration.results.some_columns import read_some_columns
 from orchestration.system.system import System
 
 LONG_COMPILATION = 1.0  # s, from which on it is said
+MOST_MEASURED = 1_000_000  # rows; the numbers of more rows would take a noticeable part of the run
 MOST_NAMED = 20  # components whose order is told whole
 
 
@@ -64,6 +68,7 @@ class RunRequest:
     json: bool = False
     isolate: Sequence[str] = ()
     outside: OutsideRequest = field(default_factory=OutsideRequest)
+    picture: PictureRequest = field(default_factory=PictureRequest)
 
 
 def run_system(request: RunRequest) -> None:
@@ -73,13 +78,16 @@ def run_system(request: RunRequest) -> None:
     try:
         with watched() as line, _told(report):
             destination = Destination.of(request.out)
+            request.picture.require()
             simulation = _prepared(request, report, line)
             if simulation is None:
                 return
             destination.make_folder()
+            request.picture.make_folder()
             if destination.streamed is not None:
                 simulation.stream_to(destination.streamed)
-            _run(simulation, destination, report, line, judged=request.verdict)
+            result = _run(simulation, destination, report, line, judged=request.verdict)
+            _evaluate(result, destination, report, request.picture)
     except (OrchestrationError, OSError, KeyboardInterrupt) as error:
         report.ended_by(error)
         if request.json:
@@ -89,7 +97,20 @@ def run_system(request: RunRequest) -> None:
         output.data(report.json())
     elif request.out is None and report.extremes is not None:
         output.say(signal_table(signal_record(report.extremes), width()))
+    for sentence in sentences(report.numbers):
+        output.say(sentence)
     output.say(_duration(report))
+
+
+def _evaluate(result: Result, destination: Destination, report: RunReport, picture: PictureRequest) -> None:
+    """Compute the numbers of the run, and draw its picture; rows that were streamed are read from their file."""
+    if destination.streamed is not None and picture.path is not None:
+        result = Result.read(destination.streamed)
+    elif destination.streamed is not None and report.rows <= MOST_MEASURED:
+        result = read_some_columns(destination.streamed, columns_needed())
+    if report.rows <= MOST_MEASURED:
+        report.numbers = run_numbers(result)
+    picture.draw({report.system: result})
 
 
 def _prepared(request: RunRequest, report: RunReport, line: ProgressLine) -> Simulation | None:
@@ -149,8 +170,11 @@ def _options(request: RunRequest, system: System, line: ProgressLine) -> Options
 
 def _run(
     simulation: Simulation, destination: Destination, report: RunReport, line: ProgressLine, *, judged: bool
-) -> None:
-    """Make the steps, and write the rows before the FMUs are called for the last time: they may crash then."""
+) -> Result:
+    """Make the steps, and write the rows before the FMUs are called for the last time: they may crash then.
+
+    Returns the rows; those that were streamed are in their file only.
+    """
     saved = False
     try:
         with simulation:
@@ -177,6 +201,7 @@ def _run(
         output.remark("Interrupted: the run was stopped.")
         destination.partial(interrupt.result, report, "before that")
         raise
+    return result
 
 
 def _tell_messages(result: RecordedRows | None, report: RunReport) -> None:

@@ -28,6 +28,7 @@ READY: Mapping[str, tuple[str, str]] = {
     "max_e_contact": (f"max({_E}, where={_TOUCHING})", "largest error in contact"),
     "rms_e_contact": (f"rms({_E}, where={_TOUCHING})", "root mean square of the error in contact"),
     "max_e_free": (f"max({_E}, where=not {_TOUCHING})", "largest error out of contact"),
+    "rms_e_free": (f"rms({_E}, where=not {_TOUCHING})", "root mean square of the error out of contact"),
     "max_e_before": (f"max({_E}, where={_BEFORE})", "largest error before the first contact"),
     "max_deviation": ("max(norm(plant.x - trajectory.x_v))", "largest distance of the tip from the commanded path"),
     "end_error": ("norm(final(plant.x) - initial(plant.x))", "distance of the tip at the end from where it began"),

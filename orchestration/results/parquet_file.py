@@ -73,7 +73,7 @@ def read_parquet(path: Path) -> Columns:
     from pyarrow.parquet import ParquetFile
 
     with path.open("rb") as file, ParquetFile(file) as source:
-        return _described(columns_of(source.read()), source)
+        return described(columns_of(source.read()), source)
 
 
 def parquet_parts(path: Path) -> Iterator[Columns]:
@@ -82,13 +82,13 @@ def parquet_parts(path: Path) -> Iterator[Columns]:
 
     with path.open("rb") as file, ParquetFile(file) as source:
         if source.num_row_groups == 0:
-            yield _described(columns_of(source.read()), source)
+            yield described(columns_of(source.read()), source)
         for i in range(source.num_row_groups):
-            yield _described(columns_of(source.read_row_group(i)), source)
+            yield described(columns_of(source.read_row_group(i)), source)
 
 
-def _described(columns: Columns, source: "ParquetFile") -> Columns:
-    """Columns with the units and the metadata of their file."""
+def described(columns: Columns, source: "ParquetFile") -> Columns:
+    """Return columns with the units and the metadata of their file."""
     raw, schema = source.metadata.metadata or {}, source.schema_arrow
     prefix = PREFIX.encode()
     found = {k.removeprefix(prefix).decode(): v.decode() for k, v in raw.items() if k.startswith(prefix)}

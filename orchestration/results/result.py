@@ -26,6 +26,10 @@ TICK_TOLERANCE = 1e-9
 """By which a row may miss a tick, in sampling periods."""
 
 
+class TicksMissingError(OrchestrationError):
+    """A result does not have the rows of all ticks of a sampled component."""
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class Result(PredictedColumns, Mapping[str, np.ndarray]):
     """Recorded columns by name; a mapping from ``component.variable`` to an array over time.
@@ -150,7 +154,7 @@ class Result(PredictedColumns, Mapping[str, np.ndarray]):
 
         Raises
         ------
-        OrchestrationError
+        TicksMissingError
             If ticks were not recorded.
         """
         component = name.partition(".")[0]
@@ -164,7 +168,7 @@ class Result(PredictedColumns, Mapping[str, np.ndarray]):
         expected = (self.time[-1] - self.time[0]) / period
         if len(rows) < np.ceil(expected - TICK_TOLERANCE * max(1.0, expected)):
             msg = f"{name}: not every tick of {period:g} s is recorded; record every step."
-            raise OrchestrationError(msg)
+            raise TicksMissingError(msg)
         return rows
 
     @property

@@ -40,7 +40,7 @@ def lines_of_page(page: str) -> list[str]:
 
 @pytest.fixture
 def prepared(adaptimp: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Command:
-    """The command line in a folder with a model of the user's own; the paper, which takes minutes, is not measured."""
+    """The command line in a folder with a model and results of the user's own; the paper is not measured."""
 
     def reproduce(folder: Path, *_: object, **__: object) -> Report:
         (folder / "claims.json").write_text("[]")
@@ -49,6 +49,8 @@ def prepared(adaptimp: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
     monkeypatch.setattr(report, "reproduce", reproduce)
     (tmp_path / "mine.py").write_text(MINE, encoding="utf-8")
     assert adaptimp("build", "mine.py", "--out", ".").code == 0
+    for name in ("fig2", "fig5"):  # results that examples take for granted
+        assert adaptimp("run", name, "--stop", 0.01, "-o", f"{name}.parquet").code == 0
     return adaptimp
 
 
@@ -56,7 +58,7 @@ def type_in(adaptimp: Command, line: str) -> None:
     """Run a command line of which a shell would take the comment and the redirection away."""
     command, _, _ = line.partition(" >")
     outcome = adaptimp(*shlex.split(command, comments=True)[1:])
-    examines = command.startswith(("adaptimp check", "adaptimp doctor"))
+    examines = command.startswith(("adaptimp check", "adaptimp doctor", "adaptimp compare"))
     found_something = examines and outcome.code == 1 and outcome.err == ""
     assert outcome.code == 0 or found_something, f"{line}\n{outcome.out}{outcome.err}"
 

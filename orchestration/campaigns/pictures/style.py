@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from adaptimp_fmu.files.cache_folder import let_matplotlib_write
-from adaptimp_fmu.files.whole_file import whole_file
 from orchestration.campaigns.view import View
 from orchestration.errors import StudyError
+from orchestration.results import picture_file
+from orchestration.results.picture_file import HASH_SALT
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -23,18 +24,12 @@ GOOD, BAD, FAILED, GREY = COLOURS[0], COLOURS[4], COLOURS[1], "0.35"
 SCALE = "viridis"
 """Colours of values: their lightness increases, so the picture can be read in grey, too."""
 HATCH = "////"
-FORMATS = (".png", ".svg", ".pdf")
-_METADATA: dict[str, Any] = {
-    ".png": {"Software": None},
-    ".svg": {"Creator": None, "Date": None},
-    ".pdf": {"Creator": None, "Producer": None, "CreationDate": None},
-}
 _RC: Any = {
     "font.size": 9,
     "axes.titlesize": 9.5,
     "legend.fontsize": 8.5,
     "savefig.dpi": 150,
-    "svg.hashsalt": "adaptimp",
+    "svg.hashsalt": HASH_SALT,
 }
 _LETTERS, _HANDLE = 15, 8  # letters of a legend in an inch, and how many the sign before a text takes
 _DECADES = 2.0  # decades of values from which on their axis is logarithmic
@@ -67,17 +62,8 @@ def save(figure: "Figure", path: Path) -> None:
     StudyError
         If the suffix is unknown, or the file cannot be written.
     """
-    suffix = path.suffix.lower()
-    if suffix not in FORMATS:
-        msg = f"{path}: a picture cannot have the suffix {path.suffix or 'of nothing'}; choose {', '.join(FORMATS)}."
-        raise StudyError(msg)
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        with settings(), whole_file(path) as file:
-            figure.savefig(file, format=suffix[1:], metadata=_METADATA[suffix])
-    except OSError as error:
-        msg = f"{path}: the picture cannot be written: {error.strerror or error}; choose another place."
-        raise StudyError(msg) from error
+    with settings():
+        picture_file.save(figure, path, StudyError)
 
 
 def looks(view: View) -> "list[tuple[str, View, dict[str, Any]]]":

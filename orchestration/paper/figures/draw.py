@@ -6,19 +6,19 @@ from pathlib import Path
 import matplotlib as mpl
 from matplotlib.figure import Figure
 
-from adaptimp_fmu.files.whole_file import whole_file
 from orchestration.paper.figures.control import control_figure
 from orchestration.paper.figures.manipulator import manipulator_figure
 from orchestration.paper.figures.run import Run
 from orchestration.paper.figures.saturated import saturated_figure
 from orchestration.paper.figures.saturation import saturation_figure
-from orchestration.paper.figures.style import METADATA, STYLE
+from orchestration.paper.figures.style import STYLE
 from orchestration.paper.figures.tirt import tirt_figure
 from orchestration.paper.figures.torques import torque_figure
 from orchestration.paper.figures.windows import Windows, windows_of
 from orchestration.paper.numbers import TRUE_M2
 from orchestration.paper.saturation import Gains
 from orchestration.paper.scenarios import SCENARIOS
+from orchestration.results.picture_file import save
 from orchestration.results.result import Result
 
 GROUPS = (("fig2", "fig3", "fig4"), ("fig5", "fig6", "fig7"))  # runs whose figures have the same axes
@@ -43,8 +43,7 @@ def draw(results: Mapping[str, Result], folder: Path, image: str = "png") -> lis
     with mpl.rc_context(STYLE):
         drawn = _figures({name: Run(result) for name, result in results.items()})
         for name, figure in drawn.items():
-            with whole_file(folder / f"{name}.{image}") as file:
-                figure.savefig(file, format=image, metadata=METADATA[image])
+            save(figure, folder / f"{name}.{image}")
     return [folder / f"{name}.{image}" for name in drawn]
 
 

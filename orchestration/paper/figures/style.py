@@ -11,6 +11,8 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
+from orchestration.results.picture_file import HASH_SALT
+
 if TYPE_CHECKING:
     from matplotlib.typing import RcKeyType
 
@@ -35,39 +37,43 @@ STYLE: "dict[RcKeyType, Any]" = {
     "legend.handletextpad": 0.45,
     "lines.linewidth": 1.3,
     "savefig.dpi": 150,
-    "svg.hashsalt": "adaptimp",
+    "svg.hashsalt": HASH_SALT,
     "svg.fonttype": "none",
 }
-METADATA = {"png": {"Software": None}, "svg": {"Creator": None, "Date": None}}  # same input, same bytes
 BINS = 1000  # of a time axis: more than the pixels on which it is drawn
 LEGEND_WIDTH = 1.3  # of a line in a legend, at least
 WIDTH, ROW, HEAD, FOOT = 9.0, 3.55, 0.72, 0.5  # in: of a figure, of a row of panels, and above and below the panels
 
 
-def new_figure(rows: int, columns: int, title: str, row: float = ROW) -> tuple[Figure, np.ndarray]:
-    """An empty figure with a title, and its axes, shape (rows, columns); a row is so many inches high."""
-    height = rows * row + 0.2
+def new_figure(rows: int, columns: int, title: str, row: float = ROW, head: float = 0.0) -> tuple[Figure, np.ndarray]:
+    """An empty figure with a title, and its axes, shape (rows, columns); a row is so many inches high.
+
+    Below the title so many inches `head` are left free.
+    """
+    height = rows * row + 0.2 + head
     figure = Figure(figsize=(WIDTH, height))
     FigureCanvasAgg(figure)
     # Fixed: a computed layout draws every figure twice.
     figure.subplots_adjust(
-        left=0.085, right=0.98, bottom=FOOT / height, top=1 - HEAD / height, hspace=0.42, wspace=0.21
+        left=0.085, right=0.98, bottom=FOOT / height, top=1 - (HEAD + head) / height, hspace=0.42, wspace=0.21
     )
     figure.suptitle(title, x=0.01, y=1 - 0.09 / height, ha="left", va="top", fontsize=12)
     return figure, figure.subplots(rows, columns, squeeze=False)
 
 
-def legend_above(axis: Axes, labels: Sequence[str] | None = None) -> None:
+def legend_above(axis: Axes, labels: Sequence[str] | None = None, *, gap: float = 0.0) -> None:
     """Put the legend in one row between the title of an axis and its frame, where it covers no data.
 
     Parameters
     ----------
     labels
         Labels to show; all if None.
+    gap
+        Free height between the frame and the legend, of the height of the axis.
     """
     handles, found = axis.get_legend_handles_labels()
     shown = {label: handle for handle, label in zip(handles, found, strict=True) if labels is None or label in labels}
-    place = {"loc": "lower left", "bbox_to_anchor": (0, 1), "ncols": max(1, len(shown))}
+    place = {"loc": "lower left", "bbox_to_anchor": (0, 1 + gap), "ncols": max(1, len(shown))}
     for line in axis.legend(list(shown.values()), list(shown), **place).get_lines():
         line.set_linewidth(max(LEGEND_WIDTH, line.get_linewidth()))
 

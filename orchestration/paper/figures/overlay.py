@@ -1,0 +1,192 @@
+"""Draws the paper's four panels for any runs of the paper's loop, several of them in one figure.
+
+Columns of sampled components are drawn as they are held: from the instant of a tick until the next one. Columns of the
+plant are its states at the communication points.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from orchestration.paper.figures.phases import draw_phases, height_of_strips, phases
+from orchestration.paper.figures.plane import ROOM
+from orchestration.paper.figures.style import BINS, ROW, envelope, legend_above, new_figure, thinned
+from orchestration.paper.figures.theme import DASHES, Theme
+from orchestration.paper.measure import ESTIMATE, norms
+from orchestration.paper.numbers import WALL_NORMAL
+from orchestration.results.result import Result, TicksMissingError
+
+TIP, GAP, COMMANDED, ERROR, FORCE = "plant.x", "plant.gap", "trajectory.x_v", "controller.e", "plant.F_ext"
+MEASURED = "sensor.F_hat"
+TORQUES = ("actuator.tau", "controller.tau_cmd")
+"""The torque of the actuators, or else the command."""
+NEEDED = (TIP, ERROR, FORCE)
+SMALLEST_SPAN = 1e-9  # kg: an estimate that moves less is constant, and the torques are drawn
+COLUMNS_OF_LEGEND = 4
+TALL = 195  # points: height of a panel
+LINE, WIDER = 1.3, 0.9  # points: width of the last run, and by how much each run before it is wider
+
+
+@dataclass(frozen=True)
+class _Overlay:
+    """Runs by their labels, and how they look.
+
+    Attributes
+    ----------
+    runs
+        Results of the paper's loop.
+    """
+
+    runs: Mapping[str, Result]
+    theme: Theme
+    bands: Sequence[Mapping[str, np.ndarray]] = field(default_factory=tuple)
+
+    @property
+    def alone(self) -> bool:
+        """Whether there is one run only, so that colours can tell the components of a vector."""
+        return len(self.runs) == 1
+
+    def looks(self, run: int, component: int) -> dict[str, Any]:
+        """Colour, dashes and width of a curve; of equal curves the wider ones below are still seen."""
+        colour = self.theme.curves[component if self.alone else run]
+        width = LINE + WIDER * (len(self.runs) - 1 - run)
+        return {"color": colour, "ls": "-" if self.alone else DASHES[component % len(DASHES)], "lw": width}
+
+
+def missing_columns(result: Result) -> list[str]:
+    """Names of columns that the four panels need and the run lacks; empty for a run of the paper's loop."""
+    lacking = [name for name in NEEDED if name not in result or result[name].shape[1:] != (2,)]
+    if not any(name in result for name in (*TORQUES, ESTIMATE)):
+        lacking.append(TORQUES[0])
+    return lacking
+
+
+def overlay_figure(runs: Mapping[str, Result], theme: Theme, title: str) -> Figure:
+    """Draw the path of the tip, torques or the estimate, the tracking error, and the contact force.
+
+    Parameters
+    ----------
+    runs
+        Results by their labels, at most `orchestration.paper.figures.theme.MOST_RUNS`, without `missing_columns`.
+    """
+    drawn = _Overlay(runs, theme, [phases(result) for result in runs.values()])
+    rows = -(-len(runs) // COLUMNS_OF_LEGEND) if len(runs) > 1 else 0
+    figure, axes = new_figure(2, 2, title, row=ROW + 0.25 * bool(rows), head=(0.25 + 0.2 * rows) * bool(rows))
+    if rows:
+        figure.subplots_adjust(hspace=0.6)
+    _paths(axes[0, 0], drawn)
+    _torques_or_estimate(axes[0, 1], drawn)
+    _vectors(axes[1, 0], drawn, ERROR, 1e3, "e")
+    _finish(axes[1, 0], drawn, "(c) Tracking error $e = x - x_t$", "error (mm)")
+    _forces(axes[1, 1], drawn)
+    if rows:
+        handles = [Line2D([], [], color=colour, lw=2) for colour in theme.curves[: len(runs)]]
+        place = {"loc": "upper left", "bbox_to_anchor": (0.005, 1 - 0.33 / figure.get_figheight())}
+        figure.legend(handles, list(runs), ncols=COLUMNS_OF_LEGEND, **place)
+    return figure
+
+
+def _paths(axis: Axes, drawn: _Overlay) -> None:
+    """The plane of motion, to scale."""
+    points = []
+    for place, result in enumerate(drawn.runs.values()):
+        tip = result[TIP]
+        if COMMANDED in result:
+            commanded = _ticks(result, COMMANDED)[1]
+            points.append(commanded)
+            axis.plot(*thinned(commanded), "--", color=drawn.theme.ink, lw=1.0, label="virtual $x_v$")
+        points.append(tip)
+        axis.plot(*thinned(tip), label="tip $x$" if drawn.alone else "", **drawn.looks(place, 0))
+        axis.plot(*tip[0], "s", color=drawn.theme.curves[2], ms=5, zorder=6, label="start")
+        if GAP in result:
+            offset = float(tip[0] @ np.array(WALL_NORMAL) - result[GAP][0])
+            axis.axvspan(-10, -offset, facecolor=drawn.theme.wall, lw=0, zorder=0, label="wall")
+    whole = np.concatenate(points)
+    whole = whole[np.isfinite(whole).all(axis=1)]
+    low, high = (whole.min(axis=0) - ROOM, whole.max(axis=0) + ROOM) if len(whole) else ((-1, -1), (1, 1))
+    axis.set_xlim(low[0], high[0])
+    axis.set_ylim(low[1], high[1])
+    axis.set_aspect("equal", adjustable="box", anchor="W")
+    axis.set_title("(a) Path of the tip")
+    axis.set_xlabel("$x_1$ (m)", labelpad=1)
+    axis.set_ylabel("$x_2$ (m)", labelpad=1)
+    legend_above(axis)
+
+
+def _torques_or_estimate(axis: Axes, drawn: _Overlay) -> None:
+    runs = drawn.runs.values()
+    torque = next((name for name in TORQUES if all(name in result for result in runs)), None)
+    if torque is None or any(ESTIMATE in result and np.ptp(result[ESTIMATE]) > SMALLEST_SPAN for result in runs):
+        for place, result in enumerate(runs):
+            if ESTIMATE in result:
+                label = r"$\hat m_2$" if drawn.alone else ""
+                _steps(axis, result, *_ticks(result, ESTIMATE), label=label, **drawn.looks(place, 0))
+        _finish(axis, drawn, "(b) Estimated $m_2$", "mass (kg)")
+        return
+    _vectors(axis, drawn, torque, 1.0, r"\tau")
+    which = "Control torques" if torque == TORQUES[0] else "Commanded torques"
+    _finish(axis, drawn, f"(b) {which}", "torque (N m)")
+
+
+def _vectors(axis: Axes, drawn: _Overlay, name: str, factor: float, letter: str) -> None:
+    """The components of a vector at the ticks, each with a line of its own."""
+    for place, result in enumerate(drawn.runs.values()):
+        times, vectors = _ticks(result, name)
+        for component, values in enumerate(factor * vectors.T):
+            looks = drawn.looks(place, component)
+            _steps(axis, result, times, values, label=f"${letter}_{component + 1}$" if drawn.alone else "", **looks)
+    if not drawn.alone:
+        for component in range(next(iter(drawn.runs.values()))[name].shape[1]):
+            label = f"${letter}_{component + 1}$"
+            axis.plot([], [], color=drawn.theme.ink, ls=DASHES[component % len(DASHES)], label=label)
+
+
+def _forces(axis: Axes, drawn: _Overlay) -> None:
+    for place, result in enumerate(drawn.runs.values()):
+        if drawn.alone and MEASURED in result:
+            times, measured = _ticks(result, MEASURED)
+            _steps(axis, result, times, norms(measured), label="measured", color=drawn.theme.curves[4], ls="-", lw=0.7)
+        label = r"$\|F_{ext}\|$" if drawn.alone else ""
+        axis.plot(*envelope(result.time, norms(result[FORCE])), label=label, **drawn.looks(place, 0))
+    _finish(axis, drawn, "(d) Contact force", "force (N)")
+
+
+def _ticks(result: Result, name: str) -> tuple[np.ndarray, np.ndarray]:
+    """Instants, s, and values of a column at the ticks, where a sampled component takes its values.
+
+    Of a run that does not record every tick, these are the rows, each with the value of the step before it.
+    """
+    try:
+        return result.tick_times(name), result.at_ticks(name)
+    except TicksMissingError:
+        return result.time, result[name]
+
+
+def _steps(axis: Axes, result: Result, times: np.ndarray, values: np.ndarray, **looks: Any) -> None:
+    """A column that holds each value until the next instant, of which a line is drawn where steps cannot be seen."""
+    if 0 < len(times) < len(result.time) and result.sample_times:
+        times, values = np.append(times, result.time[-1]), np.append(values, values[-1])
+    steps = bool(result.sample_times) and len(times) <= 2 * BINS
+    axis.plot(*envelope(times, values), drawstyle="steps-post" if steps else "default", **looks)
+
+
+def _finish(axis: Axes, drawn: _Overlay, title: str, ylabel: str) -> None:
+    """Bands, names and limits of a panel over time."""
+    draw_phases(axis, drawn.bands, drawn.theme)
+    gap = height_of_strips(len(drawn.runs))
+    axis.set_title(title, pad=21 + TALL * gap)
+    axis.set_xlabel("t (s)", labelpad=1)
+    axis.set_ylabel(ylabel, labelpad=2)
+    begin = min(float(result.time[0]) for result in drawn.runs.values())
+    end = max(float(result.time[-1]) for result in drawn.runs.values())
+    if end > begin:  # a run that failed in its first step has one row
+        axis.set_xlim(begin, end)
+    # One legend names the phases: that of the error has room for them, however many joints there are.
+    bands = [] if "error" in ylabel else [name for run in drawn.bands for name in run]
+    curves = [label for label in axis.get_legend_handles_labels()[1] if label not in bands]
+    legend_above(axis, curves, gap=gap)

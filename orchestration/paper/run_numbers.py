@@ -1,0 +1,97 @@
+"""The numbers of a run that are looked at first: contact, tracking error, estimate and saturation.
+
+Each of them is a measure of `orchestration.paper.ready_measures`. A number is left out if the run lacks its columns.
+"""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from orchestration.paper.ready_measures import READY
+from orchestration.results.measures.parser import parse_formula
+from orchestration.results.result import Result
+
+CHOSEN = (
+    "peak_force",
+    "first_contact",
+    "last_contact",
+    "max_e_free",
+    "rms_e_free",
+    "max_e_contact",
+    "rms_e_contact",
+    "m2_hat",
+    "share_saturated",
+)
+"""Names of the measures."""
+
+
+@dataclass(frozen=True)
+class RunNumber:
+    """A measure of a run.
+
+    Attributes
+    ----------
+    value
+        None if there is none, such as the time of the first contact in a run without a contact.
+    unit
+        Empty for a pure number, and where a file has no units.
+    """
+
+    value: float | None
+    unit: str
+
+
+def columns_needed() -> tuple[str, ...]:
+    """Return the names of the columns and arrays that the numbers are computed from."""
+    formulas = [parse_formula(READY[name][0]) for name in CHOSEN]
+    return tuple(dict.fromkeys(column for formula in formulas for column in formula.columns))
+
+
+def run_numbers(result: Result) -> dict[str, RunNumber]:
+    """Compute the numbers of a run whose columns were recorded, by the names of `CHOSEN`."""
+    found: dict[str, RunNumber] = {}
+    for name in CHOSEN:
+        formula = parse_formula(READY[name][0])
+        if len(result.time) and all(column in result for column in formula.columns):
+            value = formula.evaluate(result)
+            found[name] = RunNumber(value if math.isfinite(value) else None, formula.unit(result.unit))
+    return found
+
+
+def sentences(numbers: Mapping[str, RunNumber]) -> list[str]:
+    """Say the numbers in a few lines, without those that there are not."""
+    return [line for line in (_force(numbers), *_errors(numbers), _estimate(numbers), _saturated(numbers)) if line]
+
+
+def _force(numbers: Mapping[str, RunNumber]) -> str:
+    if "peak_force" not in numbers:
+        return ""
+    if numbers["first_contact"].value is None:
+        return "contact: none"
+    times = " to ".join(_said(numbers[name]) for name in ("first_contact", "last_contact"))
+    return f"contact: from {times}, peak force {_said(numbers['peak_force'])}"
+
+
+def _errors(numbers: Mapping[str, RunNumber]) -> list[str]:
+    places = {"free": "in free motion", "contact": "in contact"}
+    return [
+        f"tracking error {where}: at most {_said(largest)}, rms {_said(numbers[f'rms_e_{place}'])}"
+        for place, where in places.items()
+        if (largest := numbers.get(f"max_e_{place}")) is not None and largest.value is not None
+    ]
+
+
+def _estimate(numbers: Mapping[str, RunNumber]) -> str:
+    return f"estimate of m2 at the end: {_said(numbers['m2_hat'])}" if "m2_hat" in numbers else ""
+
+
+def _saturated(numbers: Mapping[str, RunNumber]) -> str:
+    share = numbers.get("share_saturated")
+    if share is None or share.value is None:
+        return ""
+    return f"actuators saturated: {100 * share.value:.3g} % of the ticks"
+
+
+def _said(number: RunNumber) -> str:
+    value = "no number" if number.value is None else f"{number.value:.4g}"
+    return f"{value} {number.unit}".rstrip()
