@@ -12,6 +12,8 @@ from typing import Annotated
 import typer
 
 from orchestration.cli import completion
+from orchestration.cli.build_command import EPILOG as BUILD_EPILOG
+from orchestration.cli.build_command import build
 from orchestration.cli.cache_command import EPILOG as CACHE_EPILOG
 from orchestration.cli.cache_command import cache
 from orchestration.cli.codes import ExitCode, exit_code_of
@@ -285,50 +287,7 @@ def export(
     export_system(ExportRequest(asked, out, form, step, order, algorithm, tuple(platform or ())))
 
 
-@app.command(cls=Command, epilog=closing("adaptimp build -o fmus_built", "adaptimp build mine.py -o built --verbose"))
-@with_messages
-def build(
-    files: Annotated[
-        list[Path] | None,
-        typer.Argument(
-            metavar="FILE.py",
-            help="Python files that declare models, or names of shipped models and their variants.",
-            show_default="every model",
-        ),
-    ] = None,
-    out: Annotated[
-        Path | None,
-        typer.Option(
-            "--out",
-            "-o",
-            metavar="FOLDER",
-            help="Folder for the .fmu files.",
-            show_default="build/fmus; build/reals with --reals",
-        ),
-    ] = None,
-    platform: Annotated[
-        list[str] | None,
-        typer.Option(
-            metavar="NAME",
-            help="Platform of the binaries, repeatable; 'all' for every one.",
-            show_default="this machine",
-        ),
-    ] = None,
-    reals: Annotated[
-        bool,
-        typer.Option(
-            "--reals",
-            help="Make Booleans Reals of 0 and 1, and Integers Reals of whole numbers, for tools that know Reals only;"
-            " the files have the same names.",
-        ),
-    ] = False,
-) -> None:
-    """Build the FMUs of the catalog or of your own models; binaries that exist already come from the cache."""
-    from orchestration.cli.commands import build_fmus
-
-    build_fmus(files or [], out or Path("build/reals" if reals else "build/fmus"), platform or [], reals=reals)
-
-
+app.command(cls=Command, epilog=BUILD_EPILOG)(with_messages(build))
 app.command(cls=Command, epilog=NEW_EPILOG)(with_messages(new))
 app.command(cls=Command, epilog=CACHE_EPILOG)(with_messages(cache))
 

@@ -1,4 +1,4 @@
-"""README.md leads from a clone to a run with a swapped-in, re-tuned controller in six commands, typed here."""
+"""README.md leads from a clone to the picture of a run with a re-tuned controller, in six commands typed here."""
 
 import re
 import subprocess
@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from matplotlib.image import imread
 
 from orchestration import Result, scenario, simulate
 
@@ -59,3 +60,9 @@ def test_the_run_is_that_of_the_shipped_law_with_other_gains(clone: Path) -> Non
     n = len(stiffer.time)
     assert np.array_equal(found["plant.x"][:n], stiffer["plant.x"])
     assert not np.array_equal(found["plant.x"][:n], softer["plant.x"])
+
+
+def test_the_picture_shows_more_than_an_empty_panel(clone: Path) -> None:
+    picture = imread(clone / "mine" / "fig5.png")
+    assert min(picture.shape[:2]) > 500  # pixels
+    assert len(np.unique(picture.reshape(-1, picture.shape[2]), axis=0)) > 50  # colours
