@@ -8,6 +8,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from orchestration.errors import OrchestrationError
+
 TIME = "time"
 """Name of the first column of every file, which holds the communication points."""
 
@@ -19,6 +21,10 @@ MESSAGES = "messages"
 
 COMPLETE, ENDED, FAILED, INTERRUPTED = "complete", "ended", "failed", "interrupted"
 """What became of the run that recorded the numbers."""
+
+
+class TicksMissingError(OrchestrationError):
+    """A result does not have the rows of all ticks of a sampled component."""
 
 
 @dataclass(frozen=True)

@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from orchestration.errors import OrchestrationError, UnknownNameError
+from orchestration.errors import UnknownNameError
 from orchestration.fmi.given import shown
 from orchestration.fmi.names import arrays, suggestion
 from orchestration.results import csv_file, formats, parquet_file
-from orchestration.results.columns import LATENESS, MESSAGES, TIME, Columns
+from orchestration.results.columns import LATENESS, MESSAGES, TIME, Columns, TicksMissingError
 from orchestration.results.prediction import PredictedColumns
 from orchestration.results.texts import same_texts, text_column
 
@@ -24,10 +24,6 @@ if TYPE_CHECKING:
 
 TICK_TOLERANCE = 1e-9
 """By which a row may miss a tick, in sampling periods."""
-
-
-class TicksMissingError(OrchestrationError):
-    """A result does not have the rows of all ticks of a sampled component."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)

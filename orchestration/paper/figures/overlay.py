@@ -19,7 +19,8 @@ from orchestration.paper.figures.style import BINS, ROW, envelope, legend_above,
 from orchestration.paper.figures.theme import DASHES, Theme
 from orchestration.paper.measure import ESTIMATE, norms
 from orchestration.paper.numbers import WALL_NORMAL
-from orchestration.results.result import Result, TicksMissingError
+from orchestration.results.columns import TicksMissingError
+from orchestration.results.result import Result
 
 TIP, GAP, COMMANDED, ERROR, FORCE = "plant.x", "plant.gap", "trajectory.x_v", "controller.e", "plant.F_ext"
 MEASURED = "sensor.F_hat"
