@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from cycler import cycler
+from matplotlib.rcsetup import cycler
 
 from orchestration.paper.figures.style import BLACK, BLUE, GREEN, GREY, ORANGE, SHADE, SKY, STYLE, VERMILLION, WALL
 
