@@ -1,7 +1,7 @@
 """How strongly each claim holds: shares of the space of open values and of the seeds, and the values that decide.
 
 The numbers are those of the studies in `orchestration.paper.studies.robustness`, which writes them to the data file of
-this package. Measuring them takes hours, so they come with the package.
+this package. Measuring them takes about an hour, so they come with the package.
 """
 
 import json

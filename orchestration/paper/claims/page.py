@@ -32,7 +32,7 @@ measures the verdicts, and writes this page and claims.json. The shares of the s
     uv run python -m orchestration.paper.studies.robustness --settings {settings}
     uv run python -m orchestration.paper.studies.robustness --seeds {seeds}
 
-which take hours, so they come with the program. In brackets stands Wilson's interval of a share, at 95 %.
+which take about an hour, so they come with the program. In brackets stands Wilson's interval of a share, at 95 %.
 
 | words | meaning |
 |---|---|
