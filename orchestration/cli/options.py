@@ -158,7 +158,8 @@ Plot = Annotated[
     Path | None,
     typer.Option(
         metavar="FILE",
-        help="Draw the run into this file, .png, .svg or .pdf ('adaptimp plot' draws recorded rows).",
+        help="Draw the run into this file, .png, .svg or .pdf, or the arm in motion, .webp or .gif"
+        " ('adaptimp plot' draws recorded rows).",
         rich_help_panel=ROWS,
     ),
 ]

@@ -10,11 +10,13 @@ from orchestration.cli.output import output, watched
 from orchestration.cli.places import require_folder, written
 from orchestration.errors import SystemDescriptionError
 from orchestration.results.formats import READERS
-from orchestration.results.picture_file import require_picture
+from orchestration.results.picture_file import FORMATS, MOVING, require_picture
 from orchestration.results.result import Result
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+    from orchestration.paper.figures.theme import Theme
 
 MOST_RESULTS = 7  # that colours can tell apart
 
@@ -50,10 +52,17 @@ class PictureRequest:
         """
         if self.path is None:
             return
-        require_picture(self.path, SystemDescriptionError)
+        require_picture(self.path, SystemDescriptionError, (*FORMATS, *MOVING))
+        if self._moves and self.names:
+            msg = f"{self.path}: a moving picture shows the arm and no chosen columns; leave {self.names[0]} out."
+            raise SystemDescriptionError(msg)
         if self.path.is_dir():
             msg = f"{self.path} is a folder; a file for the picture is needed."
             raise SystemDescriptionError(msg)
+
+    @property
+    def _moves(self) -> bool:
+        return self.path is not None and self.path.suffix.lower() in MOVING
 
     def make_folder(self) -> None:
         """Make the folder of the file; errors are those of `require_folder`."""
@@ -78,9 +87,24 @@ class PictureRequest:
 
         existed = self.path.exists()
         theme = DARK_PAGE if self.dark else LIGHT_PAGE
+        _require_rows(results)
         with rc_context(theme.settings()):
-            save(self._figure(results), self.path)
+            if self._moves:
+                self._move(results, theme, self.path)
+            else:
+                save(self._figure(results), self.path)
         output.say(written(self.path, existed=existed))
+
+    @staticmethod
+    def _move(results: Mapping[str, Result], theme: "Theme", path: Path) -> None:
+        """The arm of one run, moving."""
+        from orchestration.paper.figures.moving import moving_picture
+
+        if len(results) > 1:
+            msg = f"{path}: a moving picture shows one result, and {len(results)} were given."
+            raise SystemDescriptionError(msg)
+        for label, result in results.items():
+            moving_picture(label, result, theme, path)
 
     def _figure(self, results: Mapping[str, Result]) -> "Figure":
         """The panels of the paper, or else panels by unit, which is said."""
@@ -88,10 +112,6 @@ class PictureRequest:
         from orchestration.paper.figures.theme import DARK_PAGE, LIGHT_PAGE
         from orchestration.results.plotting import figure_by_unit
 
-        for label, result in results.items():
-            if not len(result.time):
-                msg = f"{label}: the result has no rows, so there is nothing to draw; record at least one step."
-                raise SystemDescriptionError(msg)
         title = ", ".join(dict.fromkeys(result.metadata.get("system", label) for label, result in results.items()))
         lacking = {label: missing_columns(result) for label, result in results.items()}
         first = next((label for label, names in lacking.items() if names), None)
@@ -101,6 +121,13 @@ class PictureRequest:
             columns = " and ".join(filter(None, (", ".join(lacking[first][:-1]), lacking[first][-1])))
             output.remark(f"Notice: {first} has no {columns} of the paper's loop, so each unit has a panel.")
         return figure_by_unit(results, self.names, title)
+
+
+def _require_rows(results: Mapping[str, Result]) -> None:
+    for label, result in results.items():
+        if not len(result.time):
+            msg = f"{label}: the result has no rows, so there is nothing to draw; record at least one step."
+            raise SystemDescriptionError(msg)
 
 
 def plot_results(words: Sequence[str], out: Path | None, *, dark: bool) -> None:

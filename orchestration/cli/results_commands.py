@@ -39,7 +39,7 @@ def plot_(
             "--out",
             "-o",
             metavar="FILE",
-            help="File for the picture, .png, .svg or .pdf.",
+            help="File for the picture, .png, .svg or .pdf; .webp or .gif for the arm in motion.",
             show_default="name of the first result, .png",
         ),
     ] = None,

@@ -1,5 +1,6 @@
 """Writes pictures to files: which formats there are, and how the same picture becomes the same bytes."""
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -16,12 +17,24 @@ METADATA: dict[str, dict[str, Any]] = {
     ".pdf": {"Creator": None, "Producer": None, "CreationDate": None},
 }
 """What matplotlib leaves out of a file, by its suffix: dates and versions, which differ between equal pictures."""
+MOVING: dict[str, dict[str, Any]] = {
+    ".webp": {"quality": 70, "method": 4, "minimize_size": True},
+    ".gif": {"optimize": True, "disposal": 1},
+}
+"""Options of Pillow for moving pictures, by their suffix."""
 HASH_SALT = "adaptimp"
 """Makes the names of parts of an SVG file the same in every file."""
 
 
-def require_picture(path: Path, error: type[OrchestrationError] = OrchestrationError) -> str:
+def require_picture(
+    path: Path, error: type[OrchestrationError] = OrchestrationError, formats: Sequence[str] = FORMATS
+) -> str:
     """Return the suffix of a file for a picture, in lower case.
+
+    Parameters
+    ----------
+    formats
+        Suffixes that may be chosen, in lower case.
 
     Raises
     ------
@@ -29,8 +42,9 @@ def require_picture(path: Path, error: type[OrchestrationError] = OrchestrationE
         Of the type `error`, if no picture is written with this suffix.
     """
     suffix = path.suffix.lower()
-    if suffix not in FORMATS:
-        msg = f"{path}: a picture cannot have the suffix {path.suffix or 'of nothing'}; choose {', '.join(FORMATS)}."
+    if suffix not in formats:
+        found = f"cannot have the suffix {path.suffix}" if path.suffix else "needs a suffix"
+        msg = f"{path}: a picture {found}; choose {', '.join(formats)}."
         raise error(msg)
     return suffix
 

@@ -14,7 +14,8 @@ SHORT = ("--stop", "0.01", "--no-verdict")
 
 def kind_of(path: Path) -> str:
     beginning = path.read_bytes()[:5]
-    return {b"\x89PNG\r": "png", b"<?xml": "svg", b"%PDF-": "pdf"}[beginning]
+    known = {b"\x89PNG\r": "png", b"<?xml": "svg", b"%PDF-": "pdf", b"RIFF": "webp", b"GIF8": "gif"}
+    return next(kind for begin, kind in known.items() if beginning.startswith(begin))
 
 
 @pytest.fixture
@@ -32,6 +33,13 @@ def test_a_run_is_drawn(adaptimp: Command, tmp_path: Path, suffix: str, rows: st
     outcome = adaptimp("run", "fig2", *SHORT, "--plot", f"new/x.{suffix}", *(["-o", rows] if rows else []))
     assert (outcome.code, outcome.err) == (0, "")
     assert f"wrote {Path('new') / f'x.{suffix}'}\n" in outcome.out
+    assert kind_of(tmp_path / "new" / f"x.{suffix}") == suffix
+
+
+@pytest.mark.parametrize("suffix", ["webp", "gif"])
+def test_the_arm_moves_in_a_picture(results: Command, tmp_path: Path, suffix: str) -> None:
+    outcome = results("plot", "a.parquet", "-o", f"new/x.{suffix}")
+    assert (outcome.code, outcome.out, outcome.err) == (0, f"wrote {Path('new') / f'x.{suffix}'}\n", "")
     assert kind_of(tmp_path / "new" / f"x.{suffix}") == suffix
 
 
@@ -62,7 +70,20 @@ def test_a_result_that_is_not_of_the_loop_is_drawn_by_unit(results: Command) -> 
 @pytest.mark.parametrize(
     ("words", "sentence"),
     [
-        (("a.parquet", "-o", "x.gif"), r"x.gif: a picture cannot have the suffix .gif; choose .png, .svg, .pdf."),
+        (
+            ("a.parquet", "-o", "x.bmp"),
+            r"x.bmp: a picture cannot have the suffix .bmp; choose .png, .svg, .pdf, .webp, .gif.",
+        ),
+        (("a.parquet", "-o", "x"), r"x: a picture needs a suffix; choose .png, .svg, .pdf, .webp, .gif."),
+        (("a.parquet", "b.parquet", "-o", "x.gif"), r"x.gif: a moving picture shows one result, and 2 were given."),
+        (
+            ("a.parquet", "plant.x", "-o", "x.gif"),
+            r"x.gif: a moving picture shows the arm and no chosen columns; leave plant.x out.",
+        ),
+        (
+            ("tip.csv", "-o", "x.webp"),
+            r"tip: a moving picture shows an arm, and needs plant.q, plant.F_ext; record all columns of the plant.",
+        ),
         (("c.parquet",), "c.parquet: there is no such file of a result; did you mean b.parquet or a.parquet?"),
         (("plant.x",), "plant.x: a result to draw is needed, a file with the suffix .csv or .parquet."),
         (
@@ -91,7 +112,7 @@ def test_plot_refuses_unreadable_files_and_places(results: Command, tmp_path: Pa
 
 
 def test_run_refuses_a_picture_before_it_begins(adaptimp: Command, tmp_path: Path) -> None:
-    outcome = adaptimp("run", "fig2", "--plot", "x.gif", "-o", "x.csv")
+    outcome = adaptimp("run", "fig2", "--plot", "x.bmp", "-o", "x.csv")
     assert (outcome.code, outcome.out) == (2, "")
     assert not (tmp_path / "x.csv").exists()
 

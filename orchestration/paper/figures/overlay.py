@@ -34,13 +34,15 @@ LINE, WIDER = 1.3, 0.9  # points: width of the last run, and by how much each ru
 
 
 @dataclass(frozen=True)
-class _Overlay:
+class Overlay:
     """Runs by their labels, and how they look.
 
     Attributes
     ----------
     runs
         Results of the paper's loop.
+    bands
+        Phases of each run, of `orchestration.paper.figures.phases.phases`.
     """
 
     runs: Mapping[str, Result]
@@ -75,16 +77,16 @@ def overlay_figure(runs: Mapping[str, Result], theme: Theme, title: str) -> Figu
     runs
         Results by their labels, at most `orchestration.paper.figures.theme.MOST_RUNS`, without `missing_columns`.
     """
-    drawn = _Overlay(runs, theme, [phases(result) for result in runs.values()])
+    drawn = Overlay(runs, theme, [phases(result) for result in runs.values()])
     rows = -(-len(runs) // COLUMNS_OF_LEGEND) if len(runs) > 1 else 0
     figure, axes = new_figure(2, 2, title, row=ROW + 0.25 * bool(rows), head=(0.25 + 0.2 * rows) * bool(rows))
     if rows:
         figure.subplots_adjust(hspace=0.6)
     _paths(axes[0, 0], drawn)
-    _torques_or_estimate(axes[0, 1], drawn)
+    draw_torques(axes[0, 1], drawn, "(b) ")
     _vectors(axes[1, 0], drawn, ERROR, 1e3, "e")
     _finish(axes[1, 0], drawn, "(c) Tracking error $e = x - x_t$", "error (mm)")
-    _forces(axes[1, 1], drawn)
+    draw_forces(axes[1, 1], drawn, "(d) Contact force")
     if rows:
         handles = [Line2D([], [], color=colour, lw=2) for colour in theme.curves[: len(runs)]]
         place = {"loc": "upper left", "bbox_to_anchor": (0.005, 1 - 0.33 / figure.get_figheight())}
@@ -92,7 +94,7 @@ def overlay_figure(runs: Mapping[str, Result], theme: Theme, title: str) -> Figu
     return figure
 
 
-def _paths(axis: Axes, drawn: _Overlay) -> None:
+def _paths(axis: Axes, drawn: Overlay) -> None:
     """The plane of motion, to scale."""
     points = []
     for place, result in enumerate(drawn.runs.values()):
@@ -119,7 +121,8 @@ def _paths(axis: Axes, drawn: _Overlay) -> None:
     legend_above(axis)
 
 
-def _torques_or_estimate(axis: Axes, drawn: _Overlay) -> None:
+def draw_torques(axis: Axes, drawn: Overlay, letter: str) -> None:
+    """Draw the estimate of the mass if it moves, or else the torques; the letter begins the title."""
     runs = drawn.runs.values()
     torque = next((name for name in TORQUES if all(name in result for result in runs)), None)
     if torque is None or any(ESTIMATE in result and np.ptp(result[ESTIMATE]) > SMALLEST_SPAN for result in runs):
@@ -127,14 +130,14 @@ def _torques_or_estimate(axis: Axes, drawn: _Overlay) -> None:
             if ESTIMATE in result:
                 label = r"$\hat m_2$" if drawn.alone else ""
                 _steps(axis, result, *_ticks(result, ESTIMATE), label=label, **drawn.looks(place, 0))
-        _finish(axis, drawn, "(b) Estimated $m_2$", "mass (kg)")
+        _finish(axis, drawn, f"{letter}Estimated $m_2$", "mass (kg)")
         return
     _vectors(axis, drawn, torque, 1.0, r"\tau")
     which = "Control torques" if torque == TORQUES[0] else "Commanded torques"
-    _finish(axis, drawn, f"(b) {which}", "torque (N m)")
+    _finish(axis, drawn, f"{letter}{which}", "torque (N m)")
 
 
-def _vectors(axis: Axes, drawn: _Overlay, name: str, factor: float, letter: str) -> None:
+def _vectors(axis: Axes, drawn: Overlay, name: str, factor: float, letter: str) -> None:
     """The components of a vector at the ticks, each with a line of its own."""
     for place, result in enumerate(drawn.runs.values()):
         times, vectors = _ticks(result, name)
@@ -147,14 +150,15 @@ def _vectors(axis: Axes, drawn: _Overlay, name: str, factor: float, letter: str)
             axis.plot([], [], color=drawn.theme.ink, ls=DASHES[component % len(DASHES)], label=label)
 
 
-def _forces(axis: Axes, drawn: _Overlay) -> None:
+def draw_forces(axis: Axes, drawn: Overlay, title: str) -> None:
+    """Draw the magnitude of the contact force, and of what the sensor measured if there is a single run."""
     for place, result in enumerate(drawn.runs.values()):
         if drawn.alone and MEASURED in result:
             times, measured = _ticks(result, MEASURED)
             _steps(axis, result, times, norms(measured), label="measured", color=drawn.theme.curves[4], ls="-", lw=0.7)
         label = r"$\|F_{ext}\|$" if drawn.alone else ""
         axis.plot(*envelope(result.time, norms(result[FORCE])), label=label, **drawn.looks(place, 0))
-    _finish(axis, drawn, "(d) Contact force", "force (N)")
+    _finish(axis, drawn, title, "force (N)")
 
 
 def _ticks(result: Result, name: str) -> tuple[np.ndarray, np.ndarray]:
@@ -176,7 +180,7 @@ def _steps(axis: Axes, result: Result, times: np.ndarray, values: np.ndarray, **
     axis.plot(*envelope(times, values), drawstyle="steps-post" if steps else "default", **looks)
 
 
-def _finish(axis: Axes, drawn: _Overlay, title: str, ylabel: str) -> None:
+def _finish(axis: Axes, drawn: Overlay, title: str, ylabel: str) -> None:
     """Bands, names and limits of a panel over time."""
     draw_phases(axis, drawn.bands, drawn.theme)
     gap = height_of_strips(len(drawn.runs))

@@ -180,7 +180,7 @@ REFUSED: dict[str, tuple[Any, dict[str, Any]]] = {
     "The growth rates are not those of a grid": (SAMPLED, {"stability": RATES}),
     "The limit is 'low'; give a plain number, in N.": (MAP, {"limit": "low"}),
     "a picture cannot have the suffix .gif; choose .png, .svg, .pdf.": (MAP, {"path": "peak.gif"}),
-    "a picture cannot have the suffix of nothing; choose": (MAP, {"path": "peak"}),
+    "a picture needs a suffix; choose": (MAP, {"path": "peak"}),
     "the picture cannot be written": (MAP, {"path": "/proc/none/peak.png"}),
 }
 
