@@ -49,6 +49,8 @@ def prepared(adaptimp: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
     monkeypatch.setattr(report, "reproduce", reproduce)
     (tmp_path / "mine.py").write_text(MINE, encoding="utf-8")
     assert adaptimp("build", "mine.py", "--out", ".").code == 0
+    assert adaptimp("new", "controller", "Mine", "--from", "craig", "--out", "mine").code == 0
+    assert adaptimp("build", "mine/Mine.py", "--out", "mine").code == 0
     for name in ("fig2", "fig5"):  # results that examples take for granted
         assert adaptimp("run", name, "--stop", 0.01, "-o", f"{name}.parquet").code == 0
     return adaptimp
@@ -76,7 +78,7 @@ def test_examples_of_the_help(
         type_in(prepared, line)
 
 
-@pytest.mark.parametrize(("page", "number"), [("README.md", 8), ("docs/command-line.md", 9), ("docs/caches.md", 3)])
+@pytest.mark.parametrize(("page", "number"), [("README.md", 20), ("docs/command-line.md", 9), ("docs/caches.md", 3)])
 def test_command_lines_of_pages(
     prepared: Command, page: str, number: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

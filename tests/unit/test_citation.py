@@ -29,4 +29,6 @@ def test_the_project_is_the_same() -> None:
 def test_the_paper_is_the_one_of_the_readme() -> None:
     readme = " ".join((ROOT / "README.md").read_text(encoding="utf-8").split())
     volume, year = f"{stated('volume', '    ')}({stated('issue', '    ')})", stated("year", "    ")
-    assert f'"{stated("title", "    ")}" (IEEE Trans. Robotics and Automation {volume}, {year})' in readme
+    source = f"IEEE Trans. Robotics and Automation {volume}, {year}"
+    doi = stated("doi", "    ")
+    assert f'"{stated("title", "    ")}" ({source}, [doi:{doi}](https://doi.org/{doi}))' in readme
