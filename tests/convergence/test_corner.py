@@ -99,6 +99,8 @@ def truth(name: str) -> tuple[np.ndarray, list[str]]:
 def test_order_is_4_through_contact_with_two_walls(open_fmu: Open, corner: Path, name: str) -> None:
     throw, events = CASES[name]
     expected, seen = truth(name)
+    if name.startswith("both at one instant"):  # rounding decides which of the two is logged first
+        seen = [*sorted(seen[:2]), *seen[2:]]
     assert seen == events  # the case is what its name says
     errors = [float(np.abs(end(open_fmu(corner), throw, END, dt) - expected).max()) for dt in LEVELS]
     assert min(errors) > FLOOR

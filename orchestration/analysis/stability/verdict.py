@@ -19,8 +19,7 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-import numpy as np
-
+from orchestration.analysis.stability.influence import influences
 from orchestration.analysis.stability.operating_point import operating_point
 from orchestration.analysis.stability.step_limit import (
     ABOVE,
@@ -51,7 +50,6 @@ from orchestration.master.algorithm import (
 from orchestration.sandbox.guard import Guard
 from orchestration.system.system import Connection, System
 
-GAIN = 1e-6  # change of a connection's factor for a difference quotient
 MOST_ORDERED = 5  # most components for which all orders are tried
 
 
@@ -243,7 +241,7 @@ def stability(
     return Verdict(
         *(system.name, algorithm.name, step, system.stop_time),
         *(here.radius, here.threshold, contraction, largest),
-        blame=_blame(coupled, algorithm, step),
+        blame=influences(coupled, algorithm, step),
         advice=tuple(advice),
         better=tuple(better),
         hidden=hidden,
@@ -381,17 +379,6 @@ def _sweeps(algorithm: Algorithm, contraction: float) -> str:
     if algorithm.correction is not None and algorithm.correction.method == NEWTON:
         return f"Sweeps alone would multiply their error by {contraction:.3g}; newton does not depend on sweeps."
     return f"Sweeps multiply their error by {contraction:.3g}: use newton, or relaxation so that sweeps converge."
-
-
-def _blame(coupled: Coupled, algorithm: Algorithm, h: float) -> tuple[tuple[Connection, float], ...]:
-    """Connections with their influence |d radius / d factor|, the largest first."""
-    base, n = radius_of(coupled, algorithm, h), len(coupled.links)
-    weights = []
-    for j, link in enumerate(coupled.links):
-        gains = np.ones(n)
-        gains[j] += GAIN
-        weights.append((link.connection, abs(radius_of(coupled, algorithm, h, gains) - base) / GAIN))
-    return tuple(sorted(weights, key=lambda pair: -pair[1]))
 
 
 def _step_text(step: float | None) -> str:
