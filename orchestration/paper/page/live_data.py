@@ -10,7 +10,7 @@ from dataclasses import replace
 from typing import Any
 
 from adaptimp_fmu.files.temporary_folder import temporary_folder
-from orchestration.containers.wasm.module import DESCRIPTION, host, write_wasm
+from orchestration.containers.wasm.module import DESCRIPTION, write_wasm
 from orchestration.master.simulate import simulate
 from orchestration.paper.page.live_claims import live_claims
 from orchestration.paper.page.live_settings import FIGURES, live_settings
@@ -55,11 +55,6 @@ def live_data(hashes: Mapping[str, str] | None = None) -> dict[str, Any]:
 def native_hashes(results: Mapping[str, Result]) -> dict[str, str]:
     """SHA-256 of the rows of the scenarios; those that are not among the given results are run."""
     return {name: row_hash(results[name] if name in results else simulate(scenario(name))) for name in FIGURES}
-
-
-def worker_text(sources: list[str]) -> str:
-    """The text of the worker: the host of the modules, and the scripts of the page, as one script without imports."""
-    return "\n".join(map(plain_script, [host().decode(), *sources]))
 
 
 def plain_script(module: str) -> str:

@@ -49,6 +49,8 @@ class LiveSetting:
         Why the range is plausible, where the paper leaves the number open.
     figures
         Names of the runs that it changes.
+    further
+        More variables that get the number, each with the runs in which they do.
     ticks
         Whether the number is rounded to whole sampling periods; one of them is told as 0, a draw for every tick.
     options
@@ -67,7 +69,14 @@ class LiveSetting:
     reason: str = ""
     ticks: bool = False
     figures: tuple[str, ...] = tuple(FIGURES)
+    further: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     options: Mapping[float, tuple[str, Mapping[str, float]]] = field(default_factory=dict)
+
+    @property
+    def changes(self) -> dict[str, tuple[str, ...]]:
+        """All variables that get a value, each with the runs in which they do."""
+        chosen = (path for _, values in self.options.values() for path in values)
+        return {**dict.fromkeys((*self.paths, *chosen), self.figures), **self.further}
 
     def record(self) -> dict[str, Any]:
         """What the page is told of the setting."""
@@ -77,7 +86,7 @@ class LiveSetting:
             "label": self.label,
             "unit": unit,
             "factor": factor,
-            "paths": list(self.paths),
+            "paths": {path: list(figures) for path, figures in self.changes.items()},
             "low": self.low,
             "high": self.high,
             "log": self.log,
@@ -85,7 +94,6 @@ class LiveSetting:
             "ticks": self.ticks,
             "group": self.group,
             "reason": self.reason,
-            "figures": list(self.figures),
             "options": [{"value": v, "label": text, "values": {**given}} for v, (text, given) in self.options.items()],
         }
 
@@ -107,11 +115,11 @@ def _stated() -> tuple[LiveSetting, ...]:
     def of_both(key: str, label: str, unit: str) -> LiveSetting:
         return stated(key, label, unit, *(f"controller.{key}{i}" for i in both))
 
-    mass = stated("m2", "Mass m2 of the arm, payload included", "kg", M2)
+    mass = replace(stated("m2", "Mass m2 of the arm", "kg", M2), further={ESTIMATE: knowing})
     known = {"figures": wrong, "low": mass.low, "high": mass.high}
     return (
         mass,
-        LiveSetting("m2_hat", "m2 that the controller starts with", "kg", (ESTIMATE,), log=True, **known),
+        LiveSetting("m2_hat", "m2 that the controller believes at first", "kg", (ESTIMATE,), log=True, **known),
         stated("K_f", "Stiffness of the wall", "N/m", "plant.K_f"),
         of_both("K", "Target stiffness K", "N/m"),
         of_both("B", "Target damping B", "N.s/m"),

@@ -126,3 +126,38 @@ function forceError(rows, ideal) {
   for (let k = 0; k < f.length; ++k) if (f[k] > 0 || g[k] > 0) squares.push((fx[k] - gx[k]) ** 2 + (fy[k] - gy[k]) ** 2);
   return Math.sqrt(mean(squares));
 }
+
+const MOST_ROWS = 20001;
+const SAMPLED = /^(trajectory|sensor|controller|actuator)\./;
+
+/** Rows to draw: each n-th one, with the values of a sampled column at the time of their tick. @param {Rows} rows @returns {Rows} */
+export function thinned(rows) {
+  const all = rows.time.length;
+  const every = Math.ceil((all - 1) / (MOST_ROWS - 1));
+  /** @param {string} name @param {Float64Array} column */
+  const some = (name, column) => {
+    const late = SAMPLED.test(name) ? 1 : 0;
+    const kept = new Float64Array(Math.floor((all - 1) / every) + 1);
+    return kept.map((_, k) => column[Math.min(k * every + late, all - 1)]);
+  };
+  return Object.fromEntries(Object.entries(rows).map(([name, column]) => [name, some(name, column)]));
+}
+
+/** The numbers of a run that are looked at first: name, value and unit. @param {Rows} rows @returns {[string, number, string][]} */
+export function numbersOf(rows) {
+  const touches = norms(rows, "plant.F_ext").some((f) => f > 0);
+  const limited = [1, 2].map((joint) => rows[`actuator.saturated[${joint}]`].subarray(1));
+  const share = limited[0].filter((value, k) => value > 0 || limited[1][k] > 0).length / limited[0].length;
+  /** @type {[string, number, string][]} */
+  const found = [["Largest |e| in free motion until the contact", 1e3 * freeError(rows), "mm"]];
+  if (touches) {
+    const { first, last, peak } = contact(rows);
+    const e = norms(rows, "controller.e", 1);
+    const worst = largest(e, (k) => rows.time[k] >= first && rows.time[k] <= last);
+    found.push(["Contact from", first, "s"], ["Contact until", last, "s"], ["Peak force", peak, "N"]);
+    found.push(["Largest |e| in contact", 1e3 * worst, "mm"]);
+  }
+  found.push(["Estimate of m2 at the end", rows["controller.p_hat[2]"].at(-1) ?? NaN, "kg"]);
+  found.push(["Ticks with a saturated actuator", 100 * share, "%"]);
+  return found;
+}

@@ -1,8 +1,8 @@
 /**
  * What the visitor asks for, as numbers of a run, as a link and as a command.
  *
- * @typedef {{key: string, label: string, unit: string, factor: number, paths: string[], low: number, high: number,
- *   log: boolean, whole: boolean, ticks: boolean, group: string, reason: string, figures: string[],
+ * @typedef {{key: string, label: string, unit: string, factor: number, paths: Record<string, string[]>, low: number, high: number,
+ *   log: boolean, whole: boolean, ticks: boolean, group: string, reason: string,
  *   options: {value: number, label: string, values: Record<string, number>}[]}} Setting
  * @typedef {{caption: string, controller: string, step: number, stop: number, values: Record<string, number>,
  *   hash: string}} Figure
@@ -31,10 +31,9 @@ export function pathsOf(data, state, setting) {
   const controller = data.controllers[state.controller];
   const switched = state.controller !== data.figures[state.figure].controller;
   const known = new Set(controller.description.variables.map((variable) => variable.name));
-  const paths = setting.options.length ? Object.keys(setting.options[0].values) : setting.paths;
   /** @param {string} path */
   const figure = (path) => (switched && path.startsWith("controller.") ? controller.home : state.figure);
-  return paths.filter((path) => known.has(path) && setting.figures.includes(figure(path)));
+  return Object.keys(setting.paths).filter((path) => known.has(path) && setting.paths[path].includes(figure(path)));
 }
 
 /**

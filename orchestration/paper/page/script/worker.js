@@ -1,34 +1,29 @@
 /**
- * The worker of the live page. It makes the newest run that was asked for, and drops what is out of date.
+ * The worker of the live page. Of each kind it does the newest work that was asked for, and drops what is out of date.
  *
  * @typedef {import("./state.js").State} State
- * @typedef {{number: number, kind: "show"|"claims"|"hash"|"csv", state: State}} Request
+ * @typedef {{kind: "show"|"claims"|"hash"|"csv", state: State}} Request
  */
 import { Evidence, answer } from "./claims.js";
 import { Loop } from "./loop.js";
-import { MEASURED, REFERENCE } from "./measures.js";
+import { MEASURED, REFERENCE, numbersOf, thinned } from "./measures.js";
 import { runOf } from "./state.js";
 
-/** Columns that the page draws. */
-const SHOWN = [...MEASURED, ...REFERENCE, "plant.q[1]", "plant.q[2]", "actuator.saturated[1]", "actuator.saturated[2]"];
+const JOINTS = ["plant.q", "actuator.tau", "actuator.saturated"].flatMap((name) => [`${name}[1]`, `${name}[2]`]);
 
 /** @type {Promise<Loop>} */
 let loop;
-/** @type {Request|undefined} */
-let newest;
+/** @type {Map<string, Request>} */
+const waiting = new Map();
 let busy = false;
 
 addEventListener("message", async ({ data: said }) => {
-  if (said.data) {
-    loop = Loop.of(said.data);
-    return;
-  }
-  newest = said;
+  if (said.data) loop = Loop.of(said.data);
+  else waiting.set(said.kind, said);
   if (busy) return;
   busy = true;
-  while (newest) {
-    const request = newest;
-    newest = undefined;
+  for (const [kind, request] of waiting) {
+    waiting.delete(kind);
     try {
       await serve(await loop, request);
     } catch (error) {
@@ -44,12 +39,13 @@ const arrived = () => new Promise((resolve) => setTimeout(resolve, 0));
 
 /** @param {Loop} of @param {Request} request */
 async function serve(of, request) {
-  const { data } = of;
-  const began = performance.now();
+  const [{ data }, began] = [of, performance.now()];
   const run = runOf(data, request.state);
   if (request.kind === "show") {
-    const rows = of.rows(run, SHOWN);
-    postMessage({ ...request, rows, milliseconds: performance.now() - began }, Object.values(rows).map((c) => c.buffer));
+    const all = of.rows(run, [...MEASURED, ...REFERENCE, ...JOINTS]);
+    const rows = thinned(all);
+    const shown = { ...request, rows, numbers: numbersOf(all), milliseconds: performance.now() - began };
+    postMessage(shown, { transfer: Object.values(rows).map((column) => column.buffer) });
   } else if (request.kind === "hash") postMessage({ ...request, hash: await of.hash(run) });
   else if (request.kind === "csv") postMessage({ ...request, csv: of.csv(run) });
   else {
@@ -57,7 +53,7 @@ async function serve(of, request) {
     for (const { id } of data.claims) {
       postMessage({ ...request, answer: answer(evidence, id), milliseconds: performance.now() - began });
       await arrived();
-      if (newest) return;
+      if (waiting.has("claims")) return;
     }
   }
 }
