@@ -106,5 +106,5 @@ const outputs = (data, controller) =>
 export function decimal(value) {
   if (Object.is(value, -0)) return "-0";
   if (Number.isNaN(value)) return "nan";
-  return Math.abs(value) >= 1e15 ? value.toExponential().replace("Infinity", "inf") : String(value);
+  return Math.abs(value) >= 1e10 ? value.toExponential().replace("Infinity", "inf") : String(value);
 }
