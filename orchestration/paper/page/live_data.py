@@ -79,12 +79,13 @@ def _figure(name: str, hashes: Mapping[str, str] | None) -> dict[str, Any]:
 def _controller(identifier: str) -> dict[str, Any]:
     """A controller in the paper's loop: its module of WebAssembly, and what the page must know of it."""
     home, label = HOMES[identifier]
-    bare = _without_numbers(scenario(home))
+    system = replace(scenario(home), name="loop")
+    bare = _without_numbers(system)
     with temporary_folder() as folder:
         path = write_wasm(bare, folder / "loop.wasm", variable_step=True)
         described = json.loads(path.with_suffix(DESCRIPTION).read_text(encoding="utf-8"))
         module = path.read_bytes()
-        package = bare.write(folder / "loop.ssp")
+        package = system.write(folder / "loop.ssp")
         structure = zipfile.ZipFile(package).read("SystemStructure.ssd").decode()
     kept = {key: described[key] for key in ("abi", "name", "identity", "step", "startTime")}
     kept["variables"] = [{key: v[key] for key in _KEPT} for v in described["variables"]]
@@ -119,5 +120,5 @@ def _structure(structure: str, variables: Sequence[Mapping[str, Any]]) -> str:
 
 def _without_numbers(system: System) -> System:
     """The system with the start values of its FMUs, so that a module does not depend on a calibration."""
-    bare = replace(system, name="loop", assumptions={}, components=tuple(replace(c, start={}) for c in system.components))
+    bare = replace(system, assumptions={}, components=tuple(replace(c, start={}) for c in system.components))
     return bare.with_sample_time(system.run_step())

@@ -45,7 +45,7 @@ STATES: Mapping[str, Mapping[str, Any]] = {
     "adaptive control in fig2": {
         "figure": "fig2",
         "controller": "CraigAdaptiveImpedance",
-        "changes": {"m2_hat": 3, "K_f": 5e4, "elbow": -1, "mu": 0.1},
+        "changes": {"m2_hat": 3, "Psi_1": 60, "K_f": 5e4, "elbow": -1, "mu": 0.1},
     },
     "limits, noise and seed": {
         "figure": "fig7",

@@ -157,7 +157,8 @@ export function start({ showRuns, runs }) {
   /** @param {string} words */
   function fail(words) {
     const [, component, variable] = /^(\w+): ([\w]+(?:\[\d+\])?)/.exec(words) ?? [];
-    const about = data.settings.find((s) => s.key in state.changes && pathsOf(data, state, s).includes(`${component}.${variable}`));
+    const named = data.settings.filter((s) => pathsOf(data, state, s).includes(`${component}.${variable}`));
+    const about = named.find((s) => s.key in state.changes) ?? named[0];
     if (about) complain(about, words);
     say(`The run is refused. ${words}`);
     element("claims").removeAttribute("aria-busy");
