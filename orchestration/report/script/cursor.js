@@ -2,12 +2,11 @@
 
 /** Each change is told by an event ``cursor``. */
 export class Cursor extends EventTarget {
-  constructor() {
-    super();
-    [this.begin, this.end, this.time] = [0, 1, 0]; // s
-    this.speed = 0.25; // simulated seconds per second
-    this.playing = false;
-  }
+  begin = 0; // s, as the two below
+  end = 1;
+  time = 0;
+  speed = 0.25; // simulated seconds per second
+  playing = false;
 
   /** Show a time, s, and stop playing. @param {number} time @param {boolean} [playing] */
   set(time, playing = false) {

@@ -26,7 +26,10 @@ export class Plots {
    * @param {Panel[]} panels
    */
   constructor(host, cursor, range, panels) {
-    [this.host, this.cursor, this.range, this.panels] = [host, cursor, range, panels];
+    this.host = host;
+    this.cursor = cursor;
+    this.range = range;
+    this.panels = panels;
     /** @type {Run[]} */
     this.runs = [];
     /** @type {{panel: Panel, figure: any, view: any, bands: any[], lines: Line[], area: HTMLElement}[]} */
@@ -150,7 +153,9 @@ export class Plots {
         line.glyph.visible = line.visible;
         if (!line.visible) continue;
         line.source.data = this.points(line, panel.factor ?? 1);
-        for (const value of line.source.data.y.filter(Number.isFinite)) [least, most] = [Math.min(least, value), Math.max(most, value)];
+        const finite = line.source.data.y.filter(Number.isFinite);
+        least = finite.reduce((/** @type {number} */ a, /** @type {number} */ b) => Math.min(a, b), least);
+        most = finite.reduce((/** @type {number} */ a, /** @type {number} */ b) => Math.max(a, b), most);
       }
       const room = most > least ? 0.06 * (most - least) : Math.abs(most) < Infinity ? Math.abs(most) || 1 : 1;
       const [start, end] = least <= most ? [least - room, most + room] : [0, 1];

@@ -37,8 +37,10 @@ function mover(group, run, cursor) {
   const { lengths, wall } = /** @type {Arm} */ (run.extra?.arm);
   const vector = (/** @type {string} */ name, /** @type {number} */ row) =>
     columnsOf(name).map((column) => valuesAt(run, column, row)[0] ?? NaN);
-  const largest = (/** @type {string} */ name) =>
-    columnsOf(name).reduce((most, column) => (run.columns[column] ?? []).reduce((m, v) => Math.max(m, Math.abs(v) || 0), most), 0) || 1;
+  const largest = (/** @type {string} */ name) => {
+    const sizes = columnsOf(name).flatMap((column) => [...(run.columns[column] ?? [])].map((value) => Math.abs(value) || 0));
+    return sizes.reduce((most, size) => Math.max(most, size), 0) || 1;
+  };
   const set = (/** @type {string} */ part, /** @type {string} */ attribute, /** @type {string} */ value) => {
     const element = group.querySelector(`[data-part=${part}]`);
     element?.toggleAttribute("hidden", value.includes("NaN"));
