@@ -17,7 +17,7 @@ from typing import Any
 import jinja2
 from markupsafe import Markup
 
-from orchestration.errors import OrchestrationError
+from orchestration.errors import OrchestrationError, printable
 from orchestration.report.encoding import packed_bytes
 
 _IMPORT = re.compile(r"""(\bfrom\s+|\bimport\s+)(["'])(?:\.{1,2}/)+(?:[\w-]+/)*([\w-]+\.m?js)\2""")
@@ -89,7 +89,8 @@ class Page:
             loader=jinja2.PackageLoader("orchestration.report"), autoescape=True, undefined=jinja2.StrictUndefined
         )
         return environment.get_template("page.html.j2").render(
-            page=self,
+            title=printable(self.title),
+            lead=printable(self.lead),
             style=Markup(read_text("style", "page.css")),  # noqa: S704 - our own text
             sections=[(section, Markup(section.html)) for section in self.sections],  # noqa: S704 - markup by its type
             data={name: script_json(value) for name, value in self.data.items()},

@@ -7,15 +7,18 @@ from typing import Any
 
 import numpy as np
 
+from orchestration.report.differences import differences
 from orchestration.report.markup import render
 from orchestration.report.page import Page, Section
 from orchestration.report.panels import MOST_CURVES, Panel, panels_by_unit
 from orchestration.report.stored_run import StoredRun, store
+from orchestration.report.tables import Told, numbers_section, origin_section, system_section
 from orchestration.results.result import Result
 
 BUDGET = 1_200_000
 """Bytes of the packed columns of all runs of a page."""
 PACKAGE = "orchestration.report"
+TWO = 2
 
 
 @dataclass(frozen=True)
@@ -34,8 +37,10 @@ class Views:
         Sections before the plots, and after all others.
     needed
         Columns besides those of the panels that are to be stored as finely as possible.
-    modules, starts
+    modules, starts, data, blocks
         As in `orchestration.report.page.Page`.
+    told
+        What is said of runs, by their labels.
     """
 
     panels: Sequence[Panel] = ()
@@ -46,6 +51,7 @@ class Views:
     needed: Sequence[str] = ()
     modules: Sequence[Path] = ()
     starts: Sequence[str] = ()
+    told: Mapping[str, Told] = field(default_factory=dict)
     data: Mapping[str, Any] = field(default_factory=dict)
     blocks: Mapping[str, bytes] = field(default_factory=dict)
 
@@ -61,19 +67,31 @@ def run_page(results: Mapping[str, Result], views: Views, budget: int = BUDGET) 
         Bytes of the packed columns.
     """
     panels = views.panels or panels_by_unit(list(results.values()))
-    runs = _stored(results, views, panels, budget // max(1, len(results)))
-    data = {"runs": {"runs": [run.record() for run in runs], "panels": [asdict(panel) for panel in panels]}}
-    sections = [*views.first, _plots(runs, panels), *views.last]
-    title = " and ".join(results)
+    share = budget // (len(results) + (len(results) == TWO))  # the difference of two runs counts as a run
+    runs = _stored(results, views, panels, share)
+    data: dict[str, Any] = {"runs": [run.record() for run in runs], "panels": [asdict(panel) for panel in panels]}
+    told = {label: views.told.get(label, Told()) for label in results}
+    sections = [*views.first, _plots(runs, panels)]
+    if len(results) == TWO:
+        section, difference = differences(results, panels, share)
+        sections.append(section)
+        data["difference"] = difference
+    sections += [numbers_section(results, told), system_section(results), *views.last, origin_section(results, told)]
     return Page(
-        title=title,
-        lead="A report of recorded runs.",
+        title=f"{' and '.join(results)}: {'a run' if len(results) == 1 else 'runs'} of a co-simulation",
+        lead=" ".join(_lead(label, result) for label, result in results.items()),
         sections=sections,
-        data={**data, **views.data},
+        data={"runs": data, **views.data},
         blocks=views.blocks,
         modules=views.modules,
         starts=views.starts,
     )
+
+
+def _lead(label: str, result: Result) -> str:
+    """One sentence on a run."""
+    span = f", t = {result.time[0]:g} to {result.time[-1]:g} s" if len(result.time) else ""
+    return f"{label}: {len(result.time)} rows{span}, {len(result)} columns."
 
 
 def _stored(results: Mapping[str, Result], views: Views, panels: Sequence[Panel], budget: int) -> list[StoredRun]:
