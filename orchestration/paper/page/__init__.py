@@ -1,1 +1,1 @@
-"""The page of the paper: what knows the arm, its claims and what may be changed."""
+"""What pages show of the paper's arm: the arm in motion, its four panels, claims and assumed values."""

@@ -1,0 +1,56 @@
+/** Starts the page: unpacks Bokeh and the runs, draws the panels, and starts the modules of further sections. */
+
+import { connectChoice, connectZoom } from "./choice.js";
+import { connectPlayer, Cursor, Interval } from "./cursor.js";
+import { block, json, runOf } from "./data.js";
+import { Plots } from "./plots.js";
+import { connectTheme } from "./theme.js";
+
+/**
+ * What the module of a section gets.
+ *
+ * @typedef {import("./data.js").Run} Run
+ * @typedef {object} Context
+ * @property {Run[]} runs  The recorded runs of the page.
+ * @property {Cursor} cursor
+ * @property {Interval} range  The interval of time that all plots show.
+ * @property {Plots} plots
+ * @property {any} Bokeh
+ * @property {(runs: Run[]) => Promise<void>} showRuns  Shows runs in panels and player, and tells ``runs`` to the document.
+ */
+
+/** @param {((context: Context) => void | Promise<void>)[]} modules */
+export async function start(modules) {
+  const element = (/** @type {string} */ id) => /** @type {HTMLElement} */ (document.getElementById(id));
+  connectTheme(element("theme"));
+  for (const part of ["bokeh", "bokeh-api"]) {
+    const script = document.createElement("script");
+    script.textContent = new TextDecoder().decode(await block(part));
+    document.head.append(script);
+  }
+  const { Bokeh } = /** @type {any} */ (window);
+  const [cursor, range, stored] = [new Cursor(), new Interval(), json("runs")];
+  const plots = new Plots(element("panels"), cursor, range, stored.panels);
+  const runs = await Promise.all(stored.runs.map(runOf));
+  const showRuns = async (/** @type {Run[]} */ shown) => {
+    const times = shown.flatMap(({ time }) => (time.length ? [time[0], time[time.length - 1]] : []));
+    [cursor.begin, cursor.end] = times.length ? [Math.min(...times), Math.max(...times)] : [0, 1];
+    range.set(cursor.begin, cursor.end);
+    await plots.showRuns(shown);
+    document.dispatchEvent(new CustomEvent("runs", { detail: shown }));
+    cursor.set(cursor.time);
+  };
+  for (const begin of modules) await begin({ runs, cursor, range, plots, Bokeh, showRuns });
+  connectPlayer(element("player"), cursor);
+  connectChoice(element("choice"), plots, stored.panels);
+  const all = [plots];
+  if (stored.difference) {
+    all.push(new Plots(element("difference-panels"), cursor, range, stored.difference.panels));
+    await all[1].showRuns([await runOf(stored.difference.run)]);
+  }
+  connectZoom(element("zoom"), cursor, range, all);
+  await showRuns(runs);
+  document.addEventListener("theme", () => all.forEach((each) => each.restyle()));
+  document.documentElement.dataset.ready = performance.now().toFixed(0);
+  document.dispatchEvent(new Event("ready"));
+}
