@@ -1,12 +1,10 @@
 """Everything that the live page computes with: modules, scenarios, settings, claims, as one object for JSON."""
 
-import base64
-import gzip
 import json
 import re
 import zipfile
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 from adaptimp_fmu.files.temporary_folder import temporary_folder
@@ -35,17 +33,35 @@ _NAME, _STEP = re.compile(r'(?<= name=)"loop"'), re.compile(r'(?<=<step size=)"[
 _KEPT = ("name", "index", "role", "type", "unit", "start")
 
 
-def live_data(hashes: Mapping[str, str] | None = None) -> dict[str, Any]:
-    """Collect what the page computes with.
+@dataclass(frozen=True)
+class Program:
+    """A controller in the paper's loop.
+
+    Attributes
+    ----------
+    module
+        The loop as a module of WebAssembly.
+    record
+        What the page must know of it.
+    """
+
+    module: bytes
+    record: Mapping[str, Any]
+
+
+def live_data(programs: Mapping[str, Program], hashes: Mapping[str, str] | None = None) -> dict[str, Any]:
+    """Collect what the page computes with, besides the modules.
 
     Parameters
     ----------
+    programs
+        By the model identifier of the controller.
     hashes
         SHA-256 of the rows of each scenario, from runs of the master. Default: they are run here.
     """
     return {
         "figures": {name: _figure(name, hashes) for name in FIGURES},
-        "controllers": {identifier: _controller(identifier) for identifier in HOMES},
+        "controllers": {identifier: program.record for identifier, program in programs.items()},
         "settings": [setting.record() for setting in live_settings()],
         "fixed": [{"name": one.name, "value": one.value, "reason": one.reason} for one in FIXED],
         **live_claims(),
@@ -76,8 +92,12 @@ def _figure(name: str, hashes: Mapping[str, str] | None) -> dict[str, Any]:
     }
 
 
-def _controller(identifier: str) -> dict[str, Any]:
-    """A controller in the paper's loop: its module of WebAssembly, and what the page must know of it."""
+def programs() -> dict[str, Program]:
+    """The paper's loop with each controller, by model identifier; modules that are not in the cache are compiled."""
+    return {identifier: _program(identifier) for identifier in HOMES}
+
+
+def _program(identifier: str) -> Program:
     home, label = HOMES[identifier]
     system = replace(scenario(home), name="loop")
     bare = _without_numbers(system)
@@ -90,14 +110,8 @@ def _controller(identifier: str) -> dict[str, Any]:
     kept = {key: described[key] for key in ("abi", "name", "identity", "step", "startTime")}
     kept["variables"] = [{key: v[key] for key in _KEPT} for v in described["variables"]]
     own = {p: v.number for p, v in FIGURES[home].values.items() if p.startswith("controller.") and not _SHARED.match(p)}
-    return {
-        "label": label,
-        "home": home,
-        "own": own,
-        "description": kept,
-        "module": base64.b64encode(gzip.compress(module, 9, mtime=0)).decode(),
-        "structure": _structure(structure, described["variables"]),
-    }
+    structure = _structure(structure, described["variables"])
+    return Program(module, {"label": label, "home": home, "own": own, "description": kept, "structure": structure})
 
 
 def _structure(structure: str, variables: Sequence[Mapping[str, Any]]) -> str:

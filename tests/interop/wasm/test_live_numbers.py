@@ -22,8 +22,8 @@ from orchestration.paper.evidence import Evidence
 from orchestration.paper.laboratory import Job, Laboratory
 from orchestration.paper.measure import summarize
 from orchestration.paper.page.live_claims import JUDGED, NAMES
-from orchestration.paper.page.live_data import live_data
-from orchestration.paper.page.live_section import WORKER
+from orchestration.paper.page.live import WORKER
+from orchestration.paper.page.live_data import live_data, programs
 from orchestration.paper.page.live_settings import FIGURES, live_settings
 from orchestration.paper.ready import scenario
 from orchestration.paper.scenarios import SCENARIOS
@@ -35,9 +35,11 @@ HEAD = """
 import { readFileSync, writeFileSync } from "node:fs";
 import { Evidence, answer } from "./claims.js";
 import { Loop, decimal } from "./loop.js";
+import { load } from "./system.mjs";
 import { commandOf, fromLink, linkOf, pathsOf, preset, runOf, structureOf, valueOf } from "./state.js";
 const data = JSON.parse(readFileSync("data.json", "utf8"));
-const loop = await Loop.of(data);
+const modules = Object.fromEntries(Object.keys(data.controllers).map((name) => [name, readFileSync(`${name}.wasm`)]));
+const loop = await Loop.of(data, modules, load);
 """
 SWITCHED = {"figure": "fig5", "controller": "SlotineLiAdaptiveImpedance", "changes": {"m2": 2, "sample_time": 1e-4}}
 STATES: Mapping[str, Mapping[str, Any]] = {
@@ -66,7 +68,10 @@ def page(tmp_path_factory: pytest.TempPathFactory) -> Path:
         (folder / name).write_bytes((files("orchestration.paper.page") / "script" / name).read_bytes())
     (folder / "system.mjs").write_bytes(host())
     (folder / "package.json").write_text('{"type": "module"}')
-    (folder / "data.json").write_text(json.dumps(live_data()), encoding="utf-8")
+    made = programs()
+    for identifier, program in made.items():
+        (folder / f"{identifier}.wasm").write_bytes(program.module)
+    (folder / "data.json").write_text(json.dumps(live_data(made)), encoding="utf-8")
     return folder
 
 

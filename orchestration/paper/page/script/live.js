@@ -5,6 +5,7 @@
  * @typedef {import("./state.js").State} State
  * @typedef {import("./state.js").Setting} Setting
  */
+import { block, json } from "../../../report/script/data.js";
 import { commandOf, fromLink, linkOf, pathsOf, preset, runOf, structureOf, valueOf } from "./state.js";
 
 const STEPS = 1000; // of a slider
@@ -16,13 +17,14 @@ const element = (id) => document.getElementById(`live-${id}`);
 const short = (value, digits) => String(Number(value.toPrecision(digits)));
 
 /** @param {import("../../../report/script/page.js").Context} context */
-export function start({ showRuns, runs }) {
+export async function start({ showRuns, runs }) {
   /** @type {Data} */
-  const data = JSON.parse(element("data").textContent);
-  const text = new Blob([element("worker").textContent], { type: "text/javascript" });
-  const address = URL.createObjectURL(text);
+  const data = json("live-data");
+  const loaded = Object.keys(data.controllers).map(async (name) => [name, await block(`loop-${name}`)]);
+  const modules = Object.fromEntries(await Promise.all(loaded));
+  const address = URL.createObjectURL(new Blob([json("live-worker")], { type: "text/javascript" }));
   const [drawer, judge] = [1, 2].map(() => new Worker(address));
-  for (const worker of [drawer, judge]) worker.postMessage({ data });
+  for (const worker of [drawer, judge]) worker.postMessage({ data, modules });
   let state = preset(data, "fig5");
   /** @type {any[]} */
   let pinned = [];

@@ -1,12 +1,10 @@
 /**
- * Runs the loop, whose modules of WebAssembly come as gzip in base64. This is what the worker does.
+ * Runs the paper's loop as WebAssembly, and gives its rows, its hash and its file.
  *
  * @typedef {import("./state.js").Data} Data
  * @typedef {import("./state.js").Run} Run
  * @typedef {import("./measures.js").Rows} Rows
  */
-import { load } from "./system.mjs";
-
 const PART = 10000; // steps of which all outputs are kept at once
 
 export class Loop {
@@ -16,13 +14,13 @@ export class Loop {
     this.systems = systems;
   }
 
-  /** @param {Data} data @returns {Promise<Loop>} */
-  static async of(data) {
-    const loaded = Object.entries(data.controllers).map(async ([name, { module, description }]) => {
-      const packed = Uint8Array.from(atob(module), (letter) => letter.charCodeAt(0));
-      const unpacked = new Blob([packed]).stream().pipeThrough(new DecompressionStream("gzip"));
-      return [name, await load(await new Response(unpacked).arrayBuffer(), description)];
-    });
+  /**
+   * @param {Data} data @param {Record<string, BufferSource>} modules of WebAssembly, by controller
+   * @param {(module: BufferSource, description: object) => Promise<any>} load of the host of modules
+   */
+  static async of(data, modules, load) {
+    const names = Object.keys(data.controllers);
+    const loaded = names.map(async (name) => [name, await load(modules[name], data.controllers[name].description)]);
     return new Loop(data, Object.fromEntries(await Promise.all(loaded)));
   }
 

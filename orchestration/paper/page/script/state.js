@@ -7,7 +7,7 @@
  * @typedef {{caption: string, controller: string, step: number, stop: number, values: Record<string, number>,
  *   hash: string}} Figure
  * @typedef {{name: string, index: number, role: string, type: string, unit: string, start: number|null}} Variable
- * @typedef {{label: string, home: string, own: Record<string, number>, module: string, structure: string,
+ * @typedef {{label: string, home: string, own: Record<string, number>, structure: string,
  *   description: {variables: Variable[]}}} Controller
  * @typedef {{comparison: string, limit: number, unit: string, text: string}} Criterion
  * @typedef {{figures: Record<string, Figure>, controllers: Record<string, Controller>, settings: Setting[],

@@ -18,7 +18,7 @@ const waiting = new Map();
 let busy = false;
 
 addEventListener("message", async ({ data: said }) => {
-  if (said.data) loop = Loop.of(said.data);
+  if (said.data) loop = Loop.of(said.data, said.modules, /** @type {any} */ (self).load);
   else waiting.set(said.kind, said);
   if (busy) return;
   busy = true;
