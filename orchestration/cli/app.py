@@ -44,6 +44,7 @@ from orchestration.cli.options import (
     Plot,
     ProgramAlgorithm,
     ProgramPlatform,
+    RowHash,
     SampleTime,
     Settings,
     StaleInputs,
@@ -192,6 +193,7 @@ def run(
         ),
     ] = None,
     every: Annotated[int, typer.Option(metavar="N", help="Record every n-th step.", rich_help_panel=ROWS)] = 1,
+    hash_: RowHash = False,
     plot: Plot = None,
     dark: Dark = False,
     input_: Input = None,
@@ -246,6 +248,7 @@ def run(
             fmu_tolerance=fmu_tolerance,
             fmu_stop_time=fmu_stop_time,
             json=json,
+            hash=hash_,
             outside=OutsideRequest(tuple(input_ or ()), tuple(at or ()), pace),
             picture=PictureRequest(plot, dark, option="--plot"),
         )

@@ -163,6 +163,12 @@ Plot = Annotated[
     ),
 ]
 Dark = Annotated[bool, typer.Option("--dark", help="Draw for a dark page.", rich_help_panel=ROWS)]
+RowHash = Annotated[
+    bool,
+    typer.Option(
+        "--hash", help="Say the SHA-256 of all rows, to compare with other machines.", rich_help_panel=ROWS
+    ),
+]
 Strict = Annotated[
     bool,
     typer.Option(
