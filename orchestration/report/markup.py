@@ -40,7 +40,8 @@ def table(head: Sequence[str], rows: Sequence[Sequence[object]], caption: str = 
     names = "".join(f'<th scope="col">{escaped(name)}</th>' for name in head)
     body = "".join(f"<tr>{''.join(map(_cell, head, row))}</tr>" for row in rows)
     title = f"<caption>{escaped(caption)}</caption>" if caption else ""
-    found = f'<div class="table"><table class="stack">{title}<thead><tr>{names}</tr></thead><tbody>{body}</tbody></table></div>'
+    content = f"{title}<thead><tr>{names}</tr></thead><tbody>{body}</tbody>"
+    found = f'<div class="table"><table class="stack">{content}</table></div>'
     return Markup(found)  # noqa: S704 - cells are escaped
 
 

@@ -1,6 +1,5 @@
 """Sections of any run in words and tables: its state, verdict, energy and ranges; its system; where it comes from."""
 
-import hashlib
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
@@ -17,9 +16,12 @@ from orchestration.report.origin import Origin, origin_of
 from orchestration.report.page import Section
 from orchestration.results.columns import COMPLETE
 from orchestration.results.result import Result
+from orchestration.results.row_hash import row_hash
 from orchestration.system.system import System
 
-NO_BONDS = "No pair of opposite connections carries power, such as a force and a speed, so there is no ledger of energy."
+NO_BONDS = (
+    "No pair of opposite connections carries power, such as a force and a speed, so there is no ledger of energy."
+)
 UNKNOWN = "The file does not tell its origin; a Parquet file that adaptimp run has written does."
 
 
@@ -111,8 +113,8 @@ def _ranges(result: Result) -> Iterator[tuple[str, str, tuple[object, object, ob
     for name in result.names:
         values = result[name]
         known = values[~np.isnan(values)]
-        ends = (float(known.min()), float(known.max())) if len(known) else ("none", "none")
-        yield name, result.unit(name), (*ends, float(values[-1]) if len(values) else "none")
+        least, largest = (float(known.min()), float(known.max())) if len(known) else ("none", "none")
+        yield name, result.unit(name), (least, largest, float(values[-1]) if len(values) else "none")
 
 
 def system_section(results: Mapping[str, Result]) -> Section:
@@ -137,8 +139,8 @@ def system_section(results: Mapping[str, Result]) -> Section:
 def _system(origin: Origin) -> Markup:
     said = (
         f"{origin.system}: {len(origin.components)} components, stepped from top to bottom by {origin.algorithm}"
-        f"{'' if origin.step is None else f' with a step of {origin.step:g} s'}. A dashed arrow carries the value of the"
-        " step before."
+        f"{'' if origin.step is None else f' with a step of {origin.step:g} s'}."
+        " A dashed arrow carries the value of the step before."
     )
     return paragraph(said) + diagram(origin)
 
@@ -151,7 +153,7 @@ def origin_section(results: Mapping[str, Result], told: Mapping[str, Told]) -> S
             parts.append(Markup("<h3>{}</h3>").format(printable(label)))
         if told[label].again:
             parts.append(Markup("<p>This command makes the run again:</p><pre>{}</pre>").format(told[label].again))
-        parts.append(Markup("<p>SHA-256 of all rows: <code>{}</code></p>").format(rows_hash(result)))
+        parts.append(Markup("<p>SHA-256 of the rows: <code>{}</code></p>").format(row_hash(result)))
         origin = origin_of(result)
         parts += [paragraph(UNKNOWN)] if origin is None else _origin(origin)
     return Section("origin", "Where the numbers come from", Markup().join(parts))
@@ -174,11 +176,3 @@ def _origin(origin: Origin) -> list[Markup]:
             len(start), table(("variable", "value"), start)
         ),
     ]
-
-
-def rows_hash(result: Result) -> str:
-    """SHA-256 of time and all columns of numbers, each as little-endian doubles, column after column."""
-    digest = hashlib.sha256(np.ascontiguousarray(result.time, dtype="<f8").tobytes())
-    for name in result.names:
-        digest.update(np.ascontiguousarray(result[name], dtype="<f8").tobytes())
-    return digest.hexdigest()

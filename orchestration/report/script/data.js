@@ -85,5 +85,6 @@ export const lateness = (run, name) => Number(run.held?.includes(name.split(".",
 export function valuesAt(run, name, row) {
   const [values, bin] = [run.columns[name] ?? [], run.bins?.[name] ?? 1];
   const place = Math.min(row + lateness(run, name), run.time.length - 1);
-  return bin === 1 ? [values[place]] : [...values.slice(2 * Math.floor(place / bin)).slice(0, 2)].sort((a, b) => a - b);
+  const pair = 2 * Math.floor(place / bin);
+  return bin === 1 ? [values[place]] : [...values.slice(pair, pair + 2)].sort((a, b) => a - b);
 }

@@ -1,10 +1,12 @@
 /** Starts the page: unpacks Bokeh and the runs, draws the panels, and starts the modules of further sections. */
 
-import { connectChoice, connectZoom } from "./choice.js";
+import { connectBoxes, connectChoice, connectZoom } from "./choice.js";
 import { connectPlayer, Cursor, Interval } from "./cursor.js";
 import { block, json, runOf } from "./data.js";
 import { Plots } from "./plots.js";
 import { connectTheme } from "./theme.js";
+
+const MOST_RUNS = 2; // of those that a page offers
 
 /**
  * What the module of a section gets.
@@ -43,13 +45,14 @@ export async function start(modules) {
   for (const begin of modules) await begin({ runs, cursor, range, plots, Bokeh, showRuns });
   connectPlayer(element("player"), cursor);
   connectChoice(element("choice"), plots, stored.panels);
+  connectBoxes(element("runs-shown"), MOST_RUNS, (labels) => showRuns(runs.filter(({ label }) => labels.includes(label))));
   const all = [plots];
   if (stored.difference) {
     all.push(new Plots(element("difference-panels"), cursor, range, stored.difference.panels));
     await all[1].showRuns([await runOf(stored.difference.run)]);
   }
   connectZoom(element("zoom"), cursor, range, all);
-  await showRuns(runs);
+  await showRuns(stored.shown.map((/** @type {number} */ place) => runs[place]));
   document.addEventListener("theme", () => all.forEach((each) => each.restyle()));
   document.documentElement.dataset.ready = performance.now().toFixed(0);
   document.dispatchEvent(new Event("ready"));

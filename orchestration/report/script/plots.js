@@ -50,7 +50,7 @@ export class Plots {
   /** Draw runs in the place of those before; curves that were switched off stay so. @param {Run[]} runs */
   async showRuns(runs) {
     const off = new Set(this.drawn.flatMap(({ lines }) => lines.filter(({ visible }) => !visible).map(({ name }) => name)));
-    const names = this.panels.flatMap(({ curves }) => curves.flatMap(({ columns }) => columns));
+    const names = this.panels.flatMap(({ curves }) => curves.flatMap(({ columns }) => [nameOf(columns), ...columns]));
     await Promise.all(runs.map((run) => run.load?.(names)));
     [this.runs, this.drawn] = [runs, []];
     this.host.replaceChildren();
@@ -201,12 +201,16 @@ export class Plots {
   }
 }
 
-/** Name of the column of a curve; the norm of several columns is computed once. @param {Run} run @param {string[]} columns */
+/** Name of the column of a curve: of several columns that of their norm, which is computed where it is not stored. */
+/** @param {Run} run @param {string[]} columns */
 function columnOf(run, columns) {
-  const parts = columns.map((name) => run.columns[name]);
-  if (columns.length === 1 || parts.some((values) => !values)) return parts[0] && parts.every(Boolean) ? columns[0] : null;
-  if (columns.some((name) => (run.bins?.[name] ?? 1) !== 1)) return null;
-  const name = `${columns[0].replace(/\[\d+\]$/, "")} (norm)`;
-  run.columns[name] ??= parts[0].map((_, row) => Math.hypot(...parts.map((values) => values[row])));
-  return name;
+  const name = nameOf(columns);
+  const parts = columns.map((column) => run.columns[column]);
+  if (!run.columns[name] && parts.every((values, i) => values && (run.bins?.[columns[i]] ?? 1) === 1)) {
+    run.columns[name] = parts[0].map((_, row) => Math.hypot(...parts.map((values) => values[row])));
+  }
+  return run.columns[name] && name;
 }
+
+/** @param {string[]} columns */
+const nameOf = (columns) => (columns.length === 1 ? columns[0] : `${columns[0].replace(/\[\d+\]$/, "")} (norm)`);
