@@ -9,6 +9,8 @@ from markupsafe import Markup
 from orchestration.errors import printable
 from orchestration.fmi.display import escaped
 
+MOST_OPEN = 2  # runs whose parts are not folded
+
 
 def render(package: str, name: str, **values: Any) -> Markup:
     """Fill a template of a package's folder ``templates``.
@@ -43,6 +45,15 @@ def table(head: Sequence[str], rows: Sequence[Sequence[object]], caption: str = 
     content = f"{title}<thead><tr>{names}</tr></thead><tbody>{body}</tbody>"
     found = f'<div class="table"><table class="stack">{content}</table></div>'
     return Markup(found)  # noqa: S704 - cells are escaped
+
+
+def for_run(label: str, html: Markup, runs: int) -> Markup:
+    """What is said of one of several runs, below its label; of more than two runs it is folded at first."""
+    if runs == 1:
+        return html
+    opened = Markup(" open") if runs <= MOST_OPEN else ""
+    frame = Markup('<details class="run"{}><summary>{}</summary>{}</details>')
+    return frame.format(opened, printable(label), html)
 
 
 def _cell(name: str, value: object) -> str:

@@ -11,7 +11,7 @@ from orchestration.analysis.energy import ledger
 from orchestration.errors import OrchestrationError, printable
 from orchestration.master.algorithm import find_algorithm
 from orchestration.report.diagram import diagram
-from orchestration.report.markup import table
+from orchestration.report.markup import for_run, table
 from orchestration.report.origin import Origin, origin_of
 from orchestration.report.page import Section
 from orchestration.results.columns import COMPLETE
@@ -42,22 +42,25 @@ class Told:
         Name, value and unit of the measures of the run; None instead of a value that there is not.
     again
         The command that makes the run again, or a sentence why there is none.
+    hash
+        SHA-256 of all rows, where the page has some of the columns only.
     """
 
     system: System | None = None
     numbers: Sequence[tuple[str, float | None, str]] = ()
     again: str = ""
+    hash: str = ""
 
 
 def numbers_section(results: Mapping[str, Result], told: Mapping[str, Told]) -> Section:
     """State, measures, verdict on stability, energy of the coupling, and the range of each column."""
-    parts = [part for label, result in results.items() for part in _of_run(label, result, told[label], len(results))]
+    parts = [
+        for_run(label, Markup().join(_of_run(result, told[label])), len(results)) for label, result in results.items()
+    ]
     return Section("numbers", "Numbers", Markup().join(parts))
 
 
-def _of_run(label: str, result: Result, told: Told, runs: int) -> Iterator[Markup]:
-    if runs > 1:
-        yield Markup("<h3>{}</h3>").format(printable(label))
+def _of_run(result: Result, told: Told) -> Iterator[Markup]:
     if result.status != COMPLETE:
         yield paragraph(f"The run is {result.status}: {result.message}")
     if told.numbers:
@@ -128,11 +131,7 @@ def system_section(results: Mapping[str, Result]) -> Section:
             drawn.append(([label], html))
         else:
             same.append(label)
-    heads = len(drawn) > 1
-    parts = [
-        Markup("{}{}").format(Markup("<h3>{}</h3>").format(printable(", ".join(labels))) if heads else "", html)
-        for labels, html in drawn
-    ]
+    parts = [for_run(", ".join(labels), html, len(drawn)) for labels, html in drawn]
     return Section("system", "The system", Markup().join(parts))
 
 
@@ -147,16 +146,19 @@ def _system(origin: Origin) -> Markup:
 
 def origin_section(results: Mapping[str, Result], told: Mapping[str, Told]) -> Section:
     """The command that makes each run again, with hashes, seeds, start values and versions."""
-    parts = []
-    for label, result in results.items():
-        if len(results) > 1:
-            parts.append(Markup("<h3>{}</h3>").format(printable(label)))
-        if told[label].again:
-            parts.append(Markup("<p>This command makes the run again:</p><pre>{}</pre>").format(told[label].again))
-        parts.append(Markup("<p>SHA-256 of the rows: <code>{}</code></p>").format(row_hash(result)))
-        origin = origin_of(result)
-        parts += [paragraph(UNKNOWN)] if origin is None else _origin(origin)
+    parts = [
+        for_run(label, Markup().join(_origin_of_run(result, told[label])), len(results))
+        for label, result in results.items()
+    ]
     return Section("origin", "Where the numbers come from", Markup().join(parts))
+
+
+def _origin_of_run(result: Result, told: Told) -> Iterator[Markup]:
+    if told.again:
+        yield Markup("<p>This command makes the run again, and says the hash:</p><pre>{}</pre>").format(told.again)
+    yield Markup("<p>SHA-256 of the rows: <code>{}</code></p>").format(told.hash or row_hash(result))
+    origin = origin_of(result)
+    yield from [paragraph(UNKNOWN)] if origin is None else _origin(origin)
 
 
 def _origin(origin: Origin) -> list[Markup]:

@@ -6,7 +6,7 @@ from markupsafe import Markup
 
 from orchestration.fmi.names import arrays
 from orchestration.paper.scenarios import ALL_SCENARIOS
-from orchestration.report.markup import table
+from orchestration.report.markup import for_run, table
 from orchestration.report.origin import origin_of
 from orchestration.report.page import Section
 from orchestration.report.tables import paragraph
@@ -40,9 +40,7 @@ def assumptions_section(results: Mapping[str, Result], systems: Mapping[str, Sys
         found = assumptions_of(result, systems.get(label))
         if not found:
             continue
-        if len(results) > 1:
-            parts.append(Markup("<h3>{}</h3>").format(label))
-        parts.append(table(("values", "reason"), _by_reason(found)))
+        parts.append(for_run(label, table(("values", "reason"), _by_reason(found)), len(results)))
     if not parts:
         return None
     lead = paragraph("The paper does not state these values; each was chosen for the reason beside it.")

@@ -19,6 +19,7 @@ from orchestration.report.page import Page
 from orchestration.report.run_page import Views, run_page
 from orchestration.report.tables import Told
 from orchestration.results.result import Result
+from orchestration.results.row_hash import row_hash
 from orchestration.system.system import System
 
 NAME = "report.html"
@@ -104,7 +105,7 @@ def _views(results: Mapping[str, Result], systems: Mapping[str, System]) -> View
 
 def _told(result: Result, system: System | None) -> Told:
     numbers = [(name, number.value, number.unit) for name, number in run_numbers(result).items()]
-    return Told(system, numbers, command_again(result))
+    return Told(system, numbers, command_again(result), row_hash(result))
 
 
 def _only(result: Result, needed: set[str]) -> Result:

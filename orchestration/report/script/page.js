@@ -33,6 +33,11 @@ export async function start(modules) {
   const { Bokeh } = /** @type {any} */ (window);
   const [cursor, range, stored] = [new Cursor(), new Interval(), json("runs")];
   const plots = new Plots(element("panels"), cursor, range, stored.panels);
+  element("panels").addEventListener("thinned", (event) => {
+    const rows = /** @type {CustomEvent<number>} */ (event).detail;
+    const bins = `The curves show the least and the largest value of every ${rows} rows; zoom in for more.`;
+    element("thinned").textContent = rows > 1 ? bins : "The curves show every row.";
+  });
   const runs = await Promise.all(stored.runs.map(runOf));
   const showRuns = async (/** @type {Run[]} */ shown) => {
     const times = shown.flatMap(({ time }) => (time.length ? [time[0], time[time.length - 1]] : []));
