@@ -158,16 +158,21 @@ Plot = Annotated[
     Path | None,
     typer.Option(
         metavar="FILE",
-        help="Draw the run into this file, .png, .svg or .pdf ('adaptimp plot' draws recorded rows).",
+        help="Draw the run into this file, .png, .svg or .pdf, or write a page about it, .html ('adaptimp plot' and"
+        " 'adaptimp report' take recorded rows).",
         rich_help_panel=ROWS,
     ),
 ]
 Dark = Annotated[bool, typer.Option("--dark", help="Draw for a dark page.", rich_help_panel=ROWS)]
 RowHash = Annotated[
     bool,
+<<<<<<< HEAD
     typer.Option(
         "--hash", help="Say the SHA-256 of all rows, to compare with other machines.", rich_help_panel=ROWS
     ),
+=======
+    typer.Option("--hash", help="Say the SHA-256 of all rows, to compare with other machines.", rich_help_panel=ROWS),
+>>>>>>> report
 ]
 Strict = Annotated[
     bool,

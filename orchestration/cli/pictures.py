@@ -7,11 +7,13 @@ from typing import TYPE_CHECKING
 
 from adaptimp_fmu.files.cache_folder import let_matplotlib_write
 from orchestration.cli.output import output, watched
+from orchestration.cli.pages import PAGE, is_page, write_page_of
 from orchestration.cli.places import require_folder, written
 from orchestration.errors import SystemDescriptionError
 from orchestration.results.formats import READERS
 from orchestration.results.picture_file import require_picture
 from orchestration.results.result import Result
+from orchestration.system.system import System
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -33,12 +35,15 @@ class PictureRequest:
         Columns, arrays or patterns to draw by unit; without any, the panels of the paper where that is possible.
     option
         Option that the file comes from.
+    page
+        Whether the file may be a page, .html.
     """
 
     path: Path | None = None
     dark: bool = False
     names: Sequence[str] = ()
     option: str = "--out"
+    page: bool = False
 
     def require(self) -> None:
         """Refuse a path that no picture can have.
@@ -50,7 +55,11 @@ class PictureRequest:
         """
         if self.path is None:
             return
-        require_picture(self.path, SystemDescriptionError)
+        if self.page and is_page(self.path) and self.dark:
+            msg = f"--dark is for pictures; {self.path} is a page, which has a button for that."
+            raise SystemDescriptionError(msg)
+        if not (self.page and is_page(self.path)):
+            require_picture(self.path, SystemDescriptionError, more=(PAGE,) if self.page else ())
         if self.path.is_dir():
             msg = f"{self.path} is a folder; a file for the picture is needed."
             raise SystemDescriptionError(msg)
@@ -60,8 +69,13 @@ class PictureRequest:
         if self.path is not None:
             require_folder(self.path.parent, self.option)
 
-    def draw(self, results: Mapping[str, Result]) -> None:
-        """Draw results by their labels, and say what was written.
+    def draw(self, results: Mapping[str, Result], systems: Mapping[str, System] | None = None) -> None:
+        """Draw results by their labels, or write a page about them, and say what was written.
+
+        Parameters
+        ----------
+        systems
+            Systems that were run, by the label of the run; a page tells more with them.
 
         Raises
         ------
@@ -69,6 +83,9 @@ class PictureRequest:
             If a name chooses no column, or the file cannot be written.
         """
         if self.path is None:
+            return
+        if is_page(self.path):
+            write_page_of(results, systems or {}, self.path)
             return
         let_matplotlib_write()
         from matplotlib import rc_context

@@ -36,7 +36,9 @@ def diagram(origin: Origin) -> Markup:
 def _svg(order: Sequence[str], models: dict[str, str], links: Sequence[Link]) -> str:
     places = {name: place for place, name in enumerate(order)}
     drawn = [(number, link) for number, link in enumerate(links, 1) if {link.source, link.target} <= places.keys()]
-    sides = {side: [n for n, link in drawn if (places[link.source] < places[link.target]) is side] for side in (True, False)}
+    sides = {
+        side: [n for n, link in drawn if (places[link.source] < places[link.target]) is side] for side in (True, False)
+    }
     left = MARGIN + LANE * (len(sides[False]) + 1)
     width = left + WIDTH + MARGIN + LANE * (len(sides[True]) + 1)
     height = 2 * MARGIN + len(order) * (HEIGHT + GAP) - GAP
@@ -71,11 +73,11 @@ def _ends(drawn: Sequence[tuple[int, Link]], places: dict[str, int]) -> dict[int
 
 
 def _box(name: str, model: str, x: float, y: float) -> str:
-    middle = x + WIDTH / 2
+    place = f'x="{x + WIDTH / 2}" text-anchor="middle"'
     return (
         f'<rect x="{x}" y="{y}" width="{WIDTH}" height="{HEIGHT}" rx="5" fill="var(--panel)" stroke="var(--soft)"/>'
-        f'<text x="{middle}" y="{y + 20}" text-anchor="middle" font-size="14" fill="var(--ink)">{_cut(name)}</text>'
-        f'<text x="{middle}" y="{y + 36}" text-anchor="middle" font-size="10" fill="var(--soft)">{_cut(model, 28)}</text>'
+        f'<text {place} y="{y + 20}" font-size="14" fill="var(--ink)">{_cut(name)}</text>'
+        f'<text {place} y="{y + 36}" font-size="10" fill="var(--soft)">{_cut(model, 28)}</text>'
     )
 
 

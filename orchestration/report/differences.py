@@ -10,7 +10,7 @@ from markupsafe import Markup
 from orchestration.errors import OrchestrationError
 from orchestration.report.markup import table
 from orchestration.report.page import Section
-from orchestration.report.panels import Panel
+from orchestration.report.panels import PANEL_HEIGHT, Panel, norms_of, with_norms
 from orchestration.report.stored_run import store
 from orchestration.report.tables import paragraph
 from orchestration.results.comparison import Comparison, common_rows, compare, verdict_of
@@ -50,8 +50,10 @@ def differences(
     data = None
     if both:
         parts.append(paragraph(f"The plots show {other} minus {one}, at the rows that both have."))
-        parts.append(Markup('<div id="difference-panels" style="min-height: {}rem"></div>').format(17 * -(-len(panels) // 2)))
-        run = store(f"{other} - {one}", _difference(first, second, both), budget)
+        height = PANEL_HEIGHT * -(-len(panels) // 2)
+        parts.append(Markup('<div id="difference-panels" style="min-height: {}rem"></div>').format(height))
+        gaps = with_norms(_difference(first, second, both), norms_of(panels))
+        run = store(f"{other} - {one}", gaps, budget)
         data = {"run": run.record(), "panels": [_difference_panel(panel) for panel in panels]}
     return Section("differences", "Differences", Markup().join(parts)), data
 

@@ -9,6 +9,8 @@ from markupsafe import Markup
 from orchestration.errors import printable
 from orchestration.fmi.display import escaped
 
+MOST_OPEN = 2  # runs whose parts are not folded
+
 
 def render(package: str, name: str, **values: Any) -> Markup:
     """Fill a template of a package's folder ``templates``.
@@ -40,8 +42,18 @@ def table(head: Sequence[str], rows: Sequence[Sequence[object]], caption: str = 
     names = "".join(f'<th scope="col">{escaped(name)}</th>' for name in head)
     body = "".join(f"<tr>{''.join(map(_cell, head, row))}</tr>" for row in rows)
     title = f"<caption>{escaped(caption)}</caption>" if caption else ""
-    found = f'<div class="table"><table class="stack">{title}<thead><tr>{names}</tr></thead><tbody>{body}</tbody></table></div>'
+    content = f"{title}<thead><tr>{names}</tr></thead><tbody>{body}</tbody>"
+    found = f'<div class="table"><table class="stack">{content}</table></div>'
     return Markup(found)  # noqa: S704 - cells are escaped
+
+
+def for_run(label: str, html: Markup, runs: int) -> Markup:
+    """What is said of one of several runs, below its label; of more than two runs it is folded at first."""
+    if runs == 1:
+        return html
+    opened = Markup(" open") if runs <= MOST_OPEN else ""
+    frame = Markup('<details class="run"{}><summary>{}</summary>{}</details>')
+    return frame.format(opened, printable(label), html)
 
 
 def _cell(name: str, value: object) -> str:

@@ -1,4 +1,4 @@
-"""What a result keeps of its origin, read from its metadata: components, connections, order, hashes, versions, seeds."""
+"""What the metadata of a result tell of its origin: components, connections, order, hashes, versions, seeds."""
 
 import json
 import re
@@ -44,6 +44,12 @@ class Origin:
         Of each FMU: name, file, model, identifier, guid and sha256.
     order
         Names of the components in the order of stepping.
+    algorithm, algorithm_text
+        Name of the algorithm, and the algorithm with all of its settings.
+    start
+        Start values that the system sets, by component and variable.
+    step, stop_time
+        s.
     """
 
     system: str
@@ -51,6 +57,7 @@ class Origin:
     order: Sequence[str]
     links: Sequence[Link]
     algorithm: str
+    algorithm_text: str
     start: Mapping[str, Mapping[str, float | str | None]]
     seeds: Mapping[str, float | str | None]
     versions: Mapping[str, str]
@@ -72,6 +79,7 @@ def origin_of(result: Result) -> Origin | None:
         order=order,
         links=_links(_parsed(told["connections"]), order, algorithm),
         algorithm=name[1] if name else algorithm,
+        algorithm_text=algorithm,
         start=_parsed(told.get("start", "{}")),
         seeds=_parsed(told.get("seeds", "{}")),
         versions=_parsed(told.get("versions", "{}")),

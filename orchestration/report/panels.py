@@ -1,10 +1,15 @@
 """What plots of a page show: panels of curves, by unit for any run."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 
+import numpy as np
+
+from orchestration.fmi.names import base_name
 from orchestration.results.result import Result
 
+PANEL_HEIGHT = 17
+"""Height of a panel, rem."""
 MOST_CURVES = 7
 """Curves that colours can tell apart."""
 
@@ -68,3 +73,24 @@ def panels_by_unit(results: Sequence[Result], most: int = MOST_CURVES) -> list[P
         )
         for unit in dict.fromkeys(units[name] for name in names)
     ]
+
+
+def norms_of(panels: Sequence[Panel]) -> dict[str, Sequence[str]]:
+    """Names of the columns whose norm a curve shows, by the name of the norm, as ``script/plots.js`` makes it."""
+    groups = [curve.columns for panel in panels for curve in panel.curves if len(curve.columns) > 1]
+    return {f"{base_name(columns[0])} (norm)": columns for columns in groups}
+
+
+def with_norms(result: Result, norms: Mapping[str, Sequence[str]]) -> Result:
+    """The result with a column for each norm whose columns it has."""
+    found = {
+        name: np.linalg.norm([result[column] for column in columns], axis=0)
+        for name, columns in norms.items()
+        if name not in result and all(column in result.names for column in columns)
+    }
+    if not found:
+        return result
+    units = {**result.units, **{name: result.unit(norms[name][0]) for name in found}}
+    return replace(
+        result, names=(*result.names, *found), rows=np.column_stack([result.rows, *found.values()]), units=units
+    )

@@ -10,7 +10,7 @@ import numpy as np
 from orchestration.report.differences import differences
 from orchestration.report.markup import render
 from orchestration.report.page import Page, Section
-from orchestration.report.panels import MOST_CURVES, Panel, panels_by_unit
+from orchestration.report.panels import MOST_CURVES, PANEL_HEIGHT, Panel, norms_of, panels_by_unit, with_norms
 from orchestration.report.stored_run import StoredRun, store
 from orchestration.report.tables import Told, numbers_section, origin_section, system_section
 from orchestration.results.result import Result
@@ -41,6 +41,9 @@ class Views:
         As in `orchestration.report.page.Page`.
     told
         What is said of runs, by their labels.
+    offered
+        Captions of runs by their labels, among which the reader chooses; the first is shown at first. Without any, all
+        runs are shown.
     """
 
     panels: Sequence[Panel] = ()
@@ -52,6 +55,7 @@ class Views:
     modules: Sequence[Path] = ()
     starts: Sequence[str] = ()
     told: Mapping[str, Told] = field(default_factory=dict)
+    offered: Mapping[str, str] = field(default_factory=dict)
     data: Mapping[str, Any] = field(default_factory=dict)
     blocks: Mapping[str, bytes] = field(default_factory=dict)
 
@@ -71,8 +75,10 @@ def run_page(results: Mapping[str, Result], views: Views, budget: int = BUDGET) 
     runs = _stored(results, views, panels, share)
     data: dict[str, Any] = {"runs": [run.record() for run in runs], "panels": [asdict(panel) for panel in panels]}
     told = {label: views.told.get(label, Told()) for label in results}
-    sections = [*views.first, _plots(runs, panels)]
-    if len(results) == TWO:
+    shown = [0] if views.offered else list(range(len(runs)))
+    data["shown"] = shown
+    sections = [*views.first, _plots(runs, panels, shown, views.offered)]
+    if len(results) == TWO and not views.offered:
         section, difference = differences(results, panels, share)
         sections.append(section)
         data["difference"] = difference
@@ -96,9 +102,10 @@ def _lead(label: str, result: Result) -> str:
 
 def _stored(results: Mapping[str, Result], views: Views, panels: Sequence[Panel], budget: int) -> list[StoredRun]:
     shown = [name for panel in panels for curve in panel.curves for name in curve.columns]
-    first = list(dict.fromkeys([*shown, *views.needed]))
+    norms = norms_of(panels)
+    first = list(dict.fromkeys([*shown, *norms, *views.needed]))
     return [
-        store(label, result, budget, first, **_views_of(views, place))
+        store(label, with_norms(result, norms), budget, first, **_views_of(views, place))
         for place, (label, result) in enumerate(results.items())
     ]
 
@@ -111,14 +118,18 @@ def _views_of(views: Views, place: int) -> dict[str, Any]:
     }
 
 
-def _plots(runs: Sequence[StoredRun], panels: Sequence[Panel]) -> Section:
+def _plots(
+    runs: Sequence[StoredRun], panels: Sequence[Panel], shown: Sequence[int], offered: Mapping[str, str]
+) -> Section:
     names = list(dict.fromkeys(name for run in runs for name in run.columns))
     html = render(
         PACKAGE,
         "plots.html.j2",
+        offered=offered,
+        shown=[runs[place].label for place in shown],
         phases=list(dict.fromkeys(name for run in runs for name in run.phases)),
         several=len(runs) > 1,
-        rows=-(-len(panels) // 2),
+        height=PANEL_HEIGHT * -(-len(panels) // 2),
         names=names,
         most=MOST_CURVES,
         notes=[run.note() for run in runs],

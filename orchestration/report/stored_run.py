@@ -11,7 +11,10 @@ from orchestration.results.result import Result
 
 COARSEST = 1000  # bins that every column has at least: as many as a plot has pixels
 WIDER = 4  # by which bins become wider
-SHORT, SHORTEST = 25_000, 2_000  # rows: of which all columns may be finer, and of which numbers are stored with all digits
+SHORT, SHORTEST = (
+    25_000,
+    2_000,
+)  # rows: of which all columns may be finer, and of which numbers are stored with all digits
 
 
 @dataclass(frozen=True)

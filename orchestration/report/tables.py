@@ -1,6 +1,5 @@
 """Sections of any run in words and tables: its state, verdict, energy and ranges; its system; where it comes from."""
 
-import hashlib
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
@@ -12,14 +11,17 @@ from orchestration.analysis.energy import ledger
 from orchestration.errors import OrchestrationError, printable
 from orchestration.master.algorithm import find_algorithm
 from orchestration.report.diagram import diagram
-from orchestration.report.markup import table
+from orchestration.report.markup import for_run, table
 from orchestration.report.origin import Origin, origin_of
 from orchestration.report.page import Section
 from orchestration.results.columns import COMPLETE
 from orchestration.results.result import Result
+from orchestration.results.row_hash import row_hash
 from orchestration.system.system import System
 
-NO_BONDS = "No pair of opposite connections carries power, such as a force and a speed, so there is no ledger of energy."
+NO_BONDS = (
+    "No pair of opposite connections carries power, such as a force and a speed, so there is no ledger of energy."
+)
 UNKNOWN = "The file does not tell its origin; a Parquet file that adaptimp run has written does."
 
 
@@ -40,22 +42,25 @@ class Told:
         Name, value and unit of the measures of the run; None instead of a value that there is not.
     again
         The command that makes the run again, or a sentence why there is none.
+    hash
+        SHA-256 of all rows, where the page has some of the columns only.
     """
 
     system: System | None = None
     numbers: Sequence[tuple[str, float | None, str]] = ()
     again: str = ""
+    hash: str = ""
 
 
 def numbers_section(results: Mapping[str, Result], told: Mapping[str, Told]) -> Section:
     """State, measures, verdict on stability, energy of the coupling, and the range of each column."""
-    parts = [part for label, result in results.items() for part in _of_run(label, result, told[label], len(results))]
+    parts = [
+        for_run(label, Markup().join(_of_run(result, told[label])), len(results)) for label, result in results.items()
+    ]
     return Section("numbers", "Numbers", Markup().join(parts))
 
 
-def _of_run(label: str, result: Result, told: Told, runs: int) -> Iterator[Markup]:
-    if runs > 1:
-        yield Markup("<h3>{}</h3>").format(printable(label))
+def _of_run(result: Result, told: Told) -> Iterator[Markup]:
     if result.status != COMPLETE:
         yield paragraph(f"The run is {result.status}: {result.message}")
     if told.numbers:
@@ -111,8 +116,8 @@ def _ranges(result: Result) -> Iterator[tuple[str, str, tuple[object, object, ob
     for name in result.names:
         values = result[name]
         known = values[~np.isnan(values)]
-        ends = (float(known.min()), float(known.max())) if len(known) else ("none", "none")
-        yield name, result.unit(name), (*ends, float(values[-1]) if len(values) else "none")
+        least, largest = (float(known.min()), float(known.max())) if len(known) else ("none", "none")
+        yield name, result.unit(name), (least, largest, float(values[-1]) if len(values) else "none")
 
 
 def system_section(results: Mapping[str, Result]) -> Section:
@@ -126,35 +131,34 @@ def system_section(results: Mapping[str, Result]) -> Section:
             drawn.append(([label], html))
         else:
             same.append(label)
-    heads = len(drawn) > 1
-    parts = [
-        Markup("{}{}").format(Markup("<h3>{}</h3>").format(printable(", ".join(labels))) if heads else "", html)
-        for labels, html in drawn
-    ]
+    parts = [for_run(", ".join(labels), html, len(drawn)) for labels, html in drawn]
     return Section("system", "The system", Markup().join(parts))
 
 
 def _system(origin: Origin) -> Markup:
     said = (
         f"{origin.system}: {len(origin.components)} components, stepped from top to bottom by {origin.algorithm}"
-        f"{'' if origin.step is None else f' with a step of {origin.step:g} s'}. A dashed arrow carries the value of the"
-        " step before."
+        f"{'' if origin.step is None else f' with a step of {origin.step:g} s'}."
+        " A dashed arrow carries the value of the step before."
     )
     return paragraph(said) + diagram(origin)
 
 
 def origin_section(results: Mapping[str, Result], told: Mapping[str, Told]) -> Section:
     """The command that makes each run again, with hashes, seeds, start values and versions."""
-    parts = []
-    for label, result in results.items():
-        if len(results) > 1:
-            parts.append(Markup("<h3>{}</h3>").format(printable(label)))
-        if told[label].again:
-            parts.append(Markup("<p>This command makes the run again:</p><pre>{}</pre>").format(told[label].again))
-        parts.append(Markup("<p>SHA-256 of all rows: <code>{}</code></p>").format(rows_hash(result)))
-        origin = origin_of(result)
-        parts += [paragraph(UNKNOWN)] if origin is None else _origin(origin)
+    parts = [
+        for_run(label, Markup().join(_origin_of_run(result, told[label])), len(results))
+        for label, result in results.items()
+    ]
     return Section("origin", "Where the numbers come from", Markup().join(parts))
+
+
+def _origin_of_run(result: Result, told: Told) -> Iterator[Markup]:
+    if told.again:
+        yield Markup("<p>This command makes the run again, and says the hash:</p><pre>{}</pre>").format(told.again)
+    yield Markup("<p>SHA-256 of the rows: <code>{}</code></p>").format(told.hash or row_hash(result))
+    origin = origin_of(result)
+    yield from [paragraph(UNKNOWN)] if origin is None else _origin(origin)
 
 
 def _origin(origin: Origin) -> list[Markup]:
@@ -174,11 +178,3 @@ def _origin(origin: Origin) -> list[Markup]:
             len(start), table(("variable", "value"), start)
         ),
     ]
-
-
-def rows_hash(result: Result) -> str:
-    """SHA-256 of time and all columns of numbers, each as little-endian doubles, column after column."""
-    digest = hashlib.sha256(np.ascontiguousarray(result.time, dtype="<f8").tobytes())
-    for name in result.names:
-        digest.update(np.ascontiguousarray(result[name], dtype="<f8").tobytes())
-    return digest.hexdigest()

@@ -1,5 +1,6 @@
 """Writes pictures to files: which formats there are, and how the same picture becomes the same bytes."""
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -20,8 +21,15 @@ HASH_SALT = "adaptimp"
 """Makes the names of parts of an SVG file the same in every file."""
 
 
-def require_picture(path: Path, error: type[OrchestrationError] = OrchestrationError) -> str:
+def require_picture(
+    path: Path, error: type[OrchestrationError] = OrchestrationError, *, more: Sequence[str] = ()
+) -> str:
     """Return the suffix of a file for a picture, in lower case.
+
+    Parameters
+    ----------
+    more
+        Suffixes besides those of pictures that the error is to offer.
 
     Raises
     ------
@@ -30,7 +38,8 @@ def require_picture(path: Path, error: type[OrchestrationError] = OrchestrationE
     """
     suffix = path.suffix.lower()
     if suffix not in FORMATS:
-        msg = f"{path}: a picture cannot have the suffix {path.suffix or 'of nothing'}; choose {', '.join(FORMATS)}."
+        known = ", ".join((*FORMATS, *more))
+        msg = f"{path}: a picture cannot have the suffix {path.suffix or 'of nothing'}; choose {known}."
         raise error(msg)
     return suffix
 

@@ -30,5 +30,5 @@ def row_hash(columns: Columns) -> str:
     """
     found = hashlib.sha256()
     for first in range(0, len(columns.rows), _PART):
-        found.update(np.ascontiguousarray(columns.rows[first : first + _PART], dtype="<f8"))
+        found.update(np.ascontiguousarray(columns.rows[first : first + _PART], dtype="<f8").tobytes())
     return found.hexdigest()

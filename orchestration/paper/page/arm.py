@@ -19,7 +19,7 @@ MOVED = (TIP, JOINTS, FORCE, TORQUE, VIRTUAL, TARGET)
 """Arrays that the drawing shows; all but the first may be missing."""
 SCRIPT = "arm.js"
 SCALE, ROOM = 100, 0.25  # units of the drawing for a metre; m around what moves
-LENS = 46 + 8  # units: radius of the magnifier and room around it
+LENS = 46 + 6  # units: radius of the magnifier and room around it
 
 
 def columns() -> list[str]:
@@ -76,9 +76,10 @@ def _missing(label: str, result: Result) -> str:
 
 def _extent(results: Sequence[Result]) -> dict[str, Any]:
     """The view of the drawing, and the place of the magnifier in its upper right corner."""
-    points = np.concatenate([np.zeros((1, 2)), *(result[n] for result in results for n in (TIP, VIRTUAL) if n in result)])
+    points = np.concatenate(
+        [np.zeros((1, 2)), *(result[n] for result in results for n in (TIP, VIRTUAL) if n in result)]
+    )
     points = points[np.isfinite(points).all(axis=1)]
     reach = np.clip(np.abs(points).max(axis=0), 1.0, sum(ARM.link_lengths)) + ROOM
     (width, height) = np.round(SCALE * reach).astype(int).tolist()
     return {"view": f"{-width} {-height} {2 * width} {2 * height}", "lens": (width - LENS, -height + LENS)}
-

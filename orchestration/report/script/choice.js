@@ -1,15 +1,23 @@
-/** What the reader chooses: columns to draw besides the panels, and the interval of time. */
+/** What the reader chooses: runs, columns to draw besides the panels, and the interval of time. */
 
 const MOST = 7; // columns that colours can tell apart
 /** @typedef {import("./plots.js").Plots} Plots  @typedef {import("./plots.js").Panel} Panel */
 
+/** Tell what is checked in a list of check boxes, at most so many. */
+/** @param {HTMLElement | null} list @param {number} most @param {(chosen: string[]) => void} tell */
+export function connectBoxes(list, most, tell) {
+  list?.addEventListener("change", () => {
+    const boxes = /** @type {HTMLInputElement[]} */ ([...list.querySelectorAll("input")]);
+    const chosen = boxes.flatMap(({ checked, value }) => (checked ? [value] : []));
+    for (const each of boxes) each.disabled = chosen.length >= most && !each.checked;
+    tell(chosen);
+  });
+}
+
 /** Let a list of check boxes choose columns, each unit in a panel. */
-/** @param {HTMLElement} list @param {Plots} plots @param {Panel[]} panels  Panels that stay. */
+/** @param {HTMLElement | null} list @param {Plots} plots @param {Panel[]} panels  Panels that stay. */
 export function connectChoice(list, plots, panels) {
-  const boxes = () => /** @type {HTMLInputElement[]} */ ([...list.querySelectorAll("input")]);
-  list.addEventListener("change", () => {
-    const chosen = boxes().flatMap(({ checked, value }) => (checked ? [value] : []));
-    for (const each of boxes()) each.disabled = chosen.length >= MOST && !each.checked;
+  connectBoxes(list, MOST, (chosen) => {
     const unit = (/** @type {string} */ name) => plots.runs.map(({ units }) => units[name]).find(Boolean) ?? "";
     const added = [...new Set(chosen.map(unit))].map((each) => ({
       title: "Chosen columns",

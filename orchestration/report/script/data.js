@@ -17,6 +17,7 @@
  *   A column as `orchestration.report.encoding` writes it.
  */
 
+const SAME_INSTANT = 1e-9; // relative to the larger of 1 s and the time
 const NO_NUMBERS = [NaN, Infinity, -Infinity]; // meaning of the last codes of a packed column
 
 /** The text of a block of the page. @param {string} id */
@@ -68,10 +69,11 @@ export async function runOf(stored) {
 
 /** The number of the last row that is not after a time. @param {Float64Array} times @param {number} time */
 export function rowAt(times, time) {
+  const reached = time + SAME_INSTANT * Math.max(1, Math.abs(time));
   let [low, high] = [0, times.length - 1];
   while (low < high) {
     const middle = (low + high + 1) >> 1;
-    if (times[middle] <= time) low = middle;
+    if (times[middle] <= reached) low = middle;
     else high = middle - 1;
   }
   return low;
@@ -85,5 +87,6 @@ export const lateness = (run, name) => Number(run.held?.includes(name.split(".",
 export function valuesAt(run, name, row) {
   const [values, bin] = [run.columns[name] ?? [], run.bins?.[name] ?? 1];
   const place = Math.min(row + lateness(run, name), run.time.length - 1);
-  return bin === 1 ? [values[place]] : [...values.slice(2 * Math.floor(place / bin)).slice(0, 2)].sort((a, b) => a - b);
+  const pair = 2 * Math.floor(place / bin);
+  return bin === 1 ? [values[place]] : [...values.slice(pair, pair + 2)].sort((a, b) => a - b);
 }

@@ -1,10 +1,12 @@
 /** Starts the page: unpacks Bokeh and the runs, draws the panels, and starts the modules of further sections. */
 
-import { connectChoice, connectZoom } from "./choice.js";
+import { connectBoxes, connectChoice, connectZoom } from "./choice.js";
 import { connectPlayer, Cursor, Interval } from "./cursor.js";
 import { block, json, runOf } from "./data.js";
 import { Plots } from "./plots.js";
 import { connectTheme } from "./theme.js";
+
+const MOST_RUNS = 2; // of those that a page offers
 
 /**
  * What the module of a section gets.
@@ -31,6 +33,11 @@ export async function start(modules) {
   const { Bokeh } = /** @type {any} */ (window);
   const [cursor, range, stored] = [new Cursor(), new Interval(), json("runs")];
   const plots = new Plots(element("panels"), cursor, range, stored.panels);
+  element("panels").addEventListener("thinned", (event) => {
+    const rows = /** @type {CustomEvent<number>} */ (event).detail;
+    const bins = `The curves show the least and the largest value of every ${rows} rows; zoom in for more.`;
+    element("thinned").textContent = rows > 1 ? bins : "The curves show every row.";
+  });
   const runs = await Promise.all(stored.runs.map(runOf));
   const showRuns = async (/** @type {Run[]} */ shown) => {
     const times = shown.flatMap(({ time }) => (time.length ? [time[0], time[time.length - 1]] : []));
@@ -43,13 +50,14 @@ export async function start(modules) {
   for (const begin of modules) await begin({ runs, cursor, range, plots, Bokeh, showRuns });
   connectPlayer(element("player"), cursor);
   connectChoice(element("choice"), plots, stored.panels);
+  connectBoxes(element("runs-shown"), MOST_RUNS, (labels) => showRuns(runs.filter(({ label }) => labels.includes(label))));
   const all = [plots];
   if (stored.difference) {
     all.push(new Plots(element("difference-panels"), cursor, range, stored.difference.panels));
     await all[1].showRuns([await runOf(stored.difference.run)]);
   }
   connectZoom(element("zoom"), cursor, range, all);
-  await showRuns(runs);
+  await showRuns(stored.shown.map((/** @type {number} */ place) => runs[place]));
   document.addEventListener("theme", () => all.forEach((each) => each.restyle()));
   document.documentElement.dataset.ready = performance.now().toFixed(0);
   document.dispatchEvent(new Event("ready"));

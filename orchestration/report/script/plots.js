@@ -5,7 +5,7 @@
  * @typedef {{columns: string[], label: string, hidden?: boolean}} Curve  Of several columns the norm is drawn.
  * @typedef {{title: string, unit: string, factor?: number, curves: Curve[]}} Panel  Factor: of shown to stored values.
  * @typedef {{run: Run, name: string, levels: import("./pyramid.js").Level[], source: any, glyph: any,
- *     number: number, item: HTMLElement, value: HTMLElement, visible: boolean}} Line
+ *     place: number, number: number, item: HTMLElement, value: HTMLElement, visible: boolean}} Line
  */
 
 import { lateness, rowAt, valuesAt } from "./data.js";
@@ -34,6 +34,7 @@ export class Plots {
     this.runs = [];
     /** @type {{panel: Panel, figure: any, view: any, bands: any[], lines: Line[], area: HTMLElement}[]} */
     this.drawn = [];
+    this.shape = "";
     this.waiting = false;
     this.dragging = !matchMedia("(pointer: coarse)").matches; // a finger scrolls the page
     range.addEventListener("interval", () => this.refreshSoon());
@@ -50,18 +51,38 @@ export class Plots {
   /** Draw runs in the place of those before; curves that were switched off stay so. @param {Run[]} runs */
   async showRuns(runs) {
     const off = new Set(this.drawn.flatMap(({ lines }) => lines.filter(({ visible }) => !visible).map(({ name }) => name)));
-    const names = this.panels.flatMap(({ curves }) => curves.flatMap(({ columns }) => columns));
+    const names = this.panels.flatMap(({ curves }) => curves.flatMap(({ columns }) => [nameOf(columns), ...columns]));
     await Promise.all(runs.map((run) => run.load?.(names)));
-    [this.runs, this.drawn] = [runs, []];
-    this.host.replaceChildren();
-    for (const panel of this.panels) await this.draw(panel, off);
-    this.drag(this.dragging);
+    this.runs = runs;
+    const curves = this.panels.flatMap((panel) => panel.curves);
+    const kinds = runs.map((run) => curves.map(({ columns }) => [columnOf(run, columns), lateness(run, columns[0])]));
+    const shape = JSON.stringify([this.panels, kinds, runs.map(({ label, phases }) => [label, Object.keys(phases ?? {})])]);
+    if (shape === this.shape) {
+      this.replace(runs);
+    } else {
+      this.shape = shape;
+      this.drawn.forEach(({ view }) => view.remove());
+      [this.drawn, this.host.textContent] = [[], ""];
+      await Promise.all(this.panels.map((panel) => this.draw(panel, off, this.drawn)));
+      this.drag(this.dragging);
+    }
     this.restyle();
     this.showCursor();
   }
 
-  /** @param {Panel} panel @param {Set<string>} off  Columns whose curves are not shown. */
-  async draw(panel, off) {
+  /** Give the figures the numbers of other runs of the same kind. @param {Run[]} runs */
+  replace(runs) {
+    for (const { bands, lines } of this.drawn) {
+      for (const { phase, place, quad } of bands) quad.data_source.data = edges(runs[place].phases?.[phase] ?? []);
+      for (const line of lines) {
+        line.run = runs[line.place];
+        line.levels = pyramid(line.run.columns[line.name], line.run.bins?.[line.name]);
+      }
+    }
+  }
+
+  /** @param {Panel} panel @param {Set<string>} off  Columns whose curves are not shown. @param {any[]} drawn */
+  async draw(panel, off, drawn) {
     const { Plotting, Range1d, ColumnDataSource } = /** @type {any} */ (window).Bokeh;
     const element = this.host.appendChild(document.createElement("section"));
     [element.className, element.innerHTML] = ["panel", PANEL];
@@ -77,8 +98,7 @@ export class Plots {
     figure.x_range.change.connect(() => this.range.set(figure.x_range.start, figure.x_range.end));
     const bands = this.runs.flatMap(({ phases }, place) =>
       Object.entries(phases ?? {}).map(([phase, spans]) => {
-        const data = { left: spans.map(([begin]) => begin), right: spans.map(([, end]) => end) };
-        const looks = { source: new ColumnDataSource({ data }), line_width: 0.7, level: "underlay" };
+        const looks = { source: new ColumnDataSource({ data: edges(spans) }), line_width: 0.7, level: "underlay" };
         return { phase, place, quad: figure.quad({ field: "left" }, { field: "right" }, 0, 1, looks) };
       }),
     );
@@ -97,7 +117,8 @@ export class Plots {
         const [button, value] = /** @type {HTMLElement[]} */ ([...item.children]);
         button.lastElementChild?.append(alone ? curve.label : `${run.label}: ${curve.label}`);
         const levels = pyramid(run.columns[name], run.bins?.[name]);
-        const line = { run, name, levels, source, glyph, item, value, number: alone ? order : place, visible: true };
+        const number = alone ? order : place;
+        const line = { run, name, levels, source, glyph, place, number, item, value, visible: true };
         const toggle = () => button.setAttribute("aria-pressed", String((line.visible = !line.visible)));
         button.setAttribute("aria-pressed", "true");
         if (off.has(name) || curve.hidden) toggle();
@@ -107,7 +128,7 @@ export class Plots {
     }
     for (const kind of ["pointermove", "click"]) area.addEventListener(kind, (event) => this.point(view, area, event));
     const view = await Plotting.show(figure, area);
-    this.drawn.push({ panel, figure, view, bands, lines, area });
+    drawn.push({ panel, figure, view, bands, lines, area });
   }
 
   /** Choose whether dragging zooms. @param {boolean} dragging */
@@ -147,12 +168,15 @@ export class Plots {
 
   /** Give each curve the points that the range of time needs, and fit the scales of values. */
   refresh() {
+    let rows = 1;
     for (const { panel, figure, lines, bands } of this.drawn) {
       let [least, most] = [Infinity, -Infinity];
       for (const line of lines) {
         line.glyph.visible = line.visible;
         if (!line.visible) continue;
-        line.source.data = this.points(line, panel.factor ?? 1);
+        const { bin, ...points } = this.points(line, panel.factor ?? 1);
+        line.source.data = points;
+        rows = Math.max(rows, bin);
         const finite = line.source.data.y.filter(Number.isFinite);
         least = finite.reduce((/** @type {number} */ a, /** @type {number} */ b) => Math.min(a, b), least);
         most = finite.reduce((/** @type {number} */ a, /** @type {number} */ b) => Math.max(a, b), most);
@@ -167,6 +191,7 @@ export class Plots {
         quad.glyph.setv({ top: { value: top }, bottom: { value: alone && phase !== "saturated" ? start : top - strip } });
       }
     }
+    this.host.dispatchEvent(new CustomEvent("thinned", { detail: rows }));
   }
 
   /** Points of a curve within the range of time, and one beyond each end. @param {Line} line @param {number} factor */
@@ -178,7 +203,7 @@ export class Plots {
     const [begin, end] = [Math.floor(first / bin), Math.floor((last + late) / bin) + 1].map((k) => (bin === 1 ? k : 2 * k));
     const y = values.slice(begin, end).map((value) => factor * value);
     const rowOf = (/** @type {number} */ i) => (bin === 1 ? i : (i >> 1) * bin + (i % 2) * (bin >> 1)) - late;
-    return { x: y.map((_, i) => time[Math.min(Math.max(rowOf(begin + i), 0), time.length - 1)]), y };
+    return { bin, x: y.map((_, i) => time[Math.min(Math.max(rowOf(begin + i), 0), time.length - 1)]), y };
   }
 
   /** Take the colours of the theme in force. */
@@ -201,12 +226,19 @@ export class Plots {
   }
 }
 
-/** Name of the column of a curve; the norm of several columns is computed once. @param {Run} run @param {string[]} columns */
+/** Left and right edges of bands. @param {number[][]} spans */
+const edges = (spans) => ({ left: spans.map(([begin]) => begin), right: spans.map(([, end]) => end) });
+
+/** Name of the column of a curve: of several columns that of their norm, which is computed where it is not stored. */
+/** @param {Run} run @param {string[]} columns */
 function columnOf(run, columns) {
-  const parts = columns.map((name) => run.columns[name]);
-  if (columns.length === 1 || parts.some((values) => !values)) return parts[0] && parts.every(Boolean) ? columns[0] : null;
-  if (columns.some((name) => (run.bins?.[name] ?? 1) !== 1)) return null;
-  const name = `${columns[0].replace(/\[\d+\]$/, "")} (norm)`;
-  run.columns[name] ??= parts[0].map((_, row) => Math.hypot(...parts.map((values) => values[row])));
-  return name;
+  const name = nameOf(columns);
+  const parts = columns.map((column) => run.columns[column]);
+  if (!run.columns[name] && parts.every((values, i) => values && (run.bins?.[columns[i]] ?? 1) === 1)) {
+    run.columns[name] = parts[0].map((_, row) => Math.hypot(...parts.map((values) => values[row])));
+  }
+  return run.columns[name] && name;
 }
+
+/** @param {string[]} columns */
+const nameOf = (columns) => (columns.length === 1 ? columns[0] : `${columns[0].replace(/\[\d+\]$/, "")} (norm)`);

@@ -62,12 +62,13 @@ function mover(group, run, cursor) {
     for (const i of [0, 1]) {
       set(`joint-${i + 1}`, "transform", `rotate(${(q[i] * 180) / Math.PI})`);
       set(`elbow`, "transform", `translate(${SCALE * lengths[0]} 0)`);
-      const turn = (WIDEST * torque[i]) / mostTorque;
+      const turn = WIDEST * Math.sign(torque[i]) * Math.sqrt(Math.abs(torque[i]) / mostTorque);
       const end = [RADIUS * Math.cos(turn), RADIUS * Math.sin(turn)].map((v) => v.toFixed(2));
       set(`torque-${i + 1}`, "d", `M ${RADIUS} 0 A ${RADIUS} ${RADIUS} 0 0 ${turn > 0 ? 1 : 0} ${end}`);
       set(`link-${i + 1}`, "x2", String(SCALE * lengths[i]));
     }
-    const [fx, fy] = force.map((part) => (ARROW * part) / mostForce);
+    const size = Math.hypot(...force) || 1;
+    const [fx, fy] = force.map((part) => ((ARROW * part) / size) * Math.sqrt(size / mostForce));
     set("force", "d", `M ${SCALE * x[0]} ${SCALE * x[1]} l ${fx} ${fy}`);
     for (const [part, place] of Object.entries({ tip: x, virtual, target })) {
       move(part, place.map((v) => SCALE * v));
