@@ -166,13 +166,7 @@ Plot = Annotated[
 Dark = Annotated[bool, typer.Option("--dark", help="Draw for a dark page.", rich_help_panel=ROWS)]
 RowHash = Annotated[
     bool,
-<<<<<<< HEAD
-    typer.Option(
-        "--hash", help="Say the SHA-256 of all rows, to compare with other machines.", rich_help_panel=ROWS
-    ),
-=======
     typer.Option("--hash", help="Say the SHA-256 of all rows, to compare with other machines.", rich_help_panel=ROWS),
->>>>>>> report
 ]
 Strict = Annotated[
     bool,

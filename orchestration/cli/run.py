@@ -89,11 +89,7 @@ def run_system(request: RunRequest) -> None:
             if destination.streamed is not None:
                 simulation.stream_to(destination.streamed)
             result = _run(simulation, destination, report, line, judged=request.verdict)
-<<<<<<< HEAD
-            _evaluate(result, destination, report, request)
-=======
             _evaluate(result, destination, report, request, simulation.system)
->>>>>>> report
     except (OrchestrationError, OSError, KeyboardInterrupt) as error:
         report.ended_by(error)
         if request.json:
@@ -110,11 +106,7 @@ def run_system(request: RunRequest) -> None:
     output.say(_duration(report))
 
 
-<<<<<<< HEAD
-def _evaluate(result: Result, destination: Destination, report: RunReport, request: RunRequest) -> None:
-=======
 def _evaluate(result: Result, destination: Destination, report: RunReport, request: RunRequest, system: System) -> None:
->>>>>>> report
     """Compute the numbers of the run, and draw its picture; rows that were streamed are read from their file."""
     picture = request.picture
     if destination.streamed is not None and (picture.path is not None or request.hash):
@@ -125,11 +117,7 @@ def _evaluate(result: Result, destination: Destination, report: RunReport, reque
         report.numbers = run_numbers(result)
     if request.hash or (request.json and destination.streamed is None):
         report.row_hash = row_hash(result)
-<<<<<<< HEAD
-    picture.draw({report.system: result})
-=======
     picture.draw({report.system: result}, {report.system: system})
->>>>>>> report
 
 
 def _prepared(request: RunRequest, report: RunReport, line: ProgressLine) -> Simulation | None:
