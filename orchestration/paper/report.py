@@ -15,6 +15,8 @@ from orchestration.paper.claims.page import as_markdown, as_records, word
 from orchestration.paper.evidence import Evidence
 from orchestration.paper.figures.draw import draw
 from orchestration.paper.laboratory import Job
+from orchestration.paper.page.live import live_parts
+from orchestration.paper.page.live_data import native_hashes
 from orchestration.paper.page.report import NAME, paper_page, write_page
 from orchestration.paper.scenarios import ALL_SCENARIOS, SCENARIOS, Scenario
 from orchestration.paper.strength import read_strength
@@ -83,7 +85,8 @@ def reproduce(folder: Path, tell: Tell, image: str = "png", *, fresh: bool = Fal
     words = {claim.id: word(claim, strength) for claim in claims}
     tell("Writing the page of the paper")
     page = folder / NAME
-    write_page(paper_page(results, claims, words), page)
+    live = live_parts(native_hashes(results))
+    write_page(live.added_to(paper_page(results, claims, words)), page)
     return Report(figures, claims_file, page, claims, words, kept)
 
 

@@ -20,8 +20,8 @@ PLOTS = "plots"
 WORKER = ("state.js", "measures.js", "claims.js", "loop.js", "worker.js")
 """Scripts that the worker is made of, in their order."""
 ABOUT = {
-    STATED: "The numbers that the paper gives. A slider reaches from a quarter of the number to four times of it; a field"
-    " takes any number.",
+    STATED: "The numbers that the paper gives. A slider reaches from a quarter of the number to four times of it; a"
+    " field takes any number.",
     OPEN: "The paper leaves these open. Each slider shows the plausible range, and says why.",
 }
 

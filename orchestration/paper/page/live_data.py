@@ -120,7 +120,8 @@ def _structure(structure: str, variables: Sequence[Mapping[str, Any]]) -> str:
     def inline(binding: re.Match[str]) -> str:
         prefix = f"{binding[1]}."
         values = "".join(
-            f'<ssv:Parameter name="{v["name"].removeprefix(prefix)}"><ssv:{v["type"]} value="@{v["name"]}@"/></ssv:Parameter>'
+            f'<ssv:Parameter name="{v["name"].removeprefix(prefix)}">'
+            f'<ssv:{v["type"]} value="@{v["name"]}@"/></ssv:Parameter>'
             for v in variables
             if v["role"] == "parameter" and v["name"].startswith(prefix)
         )

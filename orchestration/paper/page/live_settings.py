@@ -207,7 +207,10 @@ def _sampling() -> LiveSetting:
     value = _OPEN["sample_time"]
     options = {period: (f"{period * 1e6:g} µs ({1e-3 / period:g} kHz)", {}) for period in sorted(set(value.choices))}
     return LiveSetting(
-        "sample_time", "Sampling period", "s", (), value.low, value.high, group=OPEN, reason=value.reason, options=options
+        *("sample_time", "Sampling period", "s", (), value.low, value.high),
+        group=OPEN,
+        reason=value.reason,
+        options=options,
     )
 
 

@@ -1,4 +1,4 @@
-"""What the live page computes, in node: its rows, files, commands and claims are those of the command line and of Python."""
+"""What the live page computes, in node: rows, files, commands and claims as the command line and Python have them."""
 
 import json
 import shlex
@@ -21,8 +21,8 @@ from orchestration.paper.claims import judged, motion
 from orchestration.paper.evidence import Evidence
 from orchestration.paper.laboratory import Job, Laboratory
 from orchestration.paper.measure import summarize
-from orchestration.paper.page.live_claims import JUDGED, NAMES
 from orchestration.paper.page.live import WORKER
+from orchestration.paper.page.live_claims import JUDGED, NAMES
 from orchestration.paper.page.live_data import live_data, programs
 from orchestration.paper.page.live_settings import FIGURES, live_settings
 from orchestration.paper.ready import scenario
@@ -52,9 +52,16 @@ STATES: Mapping[str, Mapping[str, Any]] = {
     "limits, noise and seed": {
         "figure": "fig7",
         "controller": "SlotineLiAdaptiveImpedance",
-        "changes": {"tau_max_2": 200, "seed": 7, "contact_gated": 0, "noise_hold": 7e-5, "sample_time": 5e-5, "K_d": 90},
+        "changes": {
+            "tau_max_2": 200,
+            "seed": 7,
+            "contact_gated": 0,
+            "noise_hold": 3e-4,
+            "sample_time": 1e-4,
+            "K_d": 90,
+        },
     },
-    "conventional control in fig6": {"figure": "fig6", "controller": "HoganImpedance", "changes": {"sample_time": 1e-4}},
+    "conventional in fig6": {"figure": "fig6", "controller": "HoganImpedance", "changes": {"sample_time": 1e-4}},
 }
 RELATIVE = 1e-12
 """By which a sum of 2e5 numbers may differ from that of numpy, whose pairwise sums err by about 18 units of 1e-16."""
@@ -155,7 +162,8 @@ def test_claims_are_those_of_python(page: Path, changed: bool) -> None:
         assert {NAMES[criterion] for criterion in values} == set(found["values"])
         for criterion, value in values.items():
             numbers = np.array(found["values"][NAMES[criterion]])
-            np.testing.assert_allclose(numbers, np.atleast_1d(cast(Any, value)), rtol=RELATIVE, err_msg=NAMES[criterion])
+            expected_numbers = np.atleast_1d(cast("Any", value))
+            np.testing.assert_allclose(numbers, expected_numbers, rtol=RELATIVE, err_msg=NAMES[criterion])
         assert found["holds"] == judged.met(values), claim
 
 
@@ -181,8 +189,8 @@ def test_a_claim_that_cannot_be_judged_says_why(page: Path) -> None:
     """A wall out of reach is never touched; an impossible stiffness is refused by the controller."""
     script = """
     const said = (changes) => {
-      const evidence = new Evidence(data, { ...preset(data, "fig5"), changes }, (run, columns) => loop.rows(run, columns));
-      return answer(evidence, "C2");
+      const state = { ...preset(data, "fig5"), changes };
+      return answer(new Evidence(data, state, (run, columns) => loop.rows(run, columns)), "C2");
     };
     console.log(JSON.stringify([{ wall_offset: 1.6, sample_time: 1e-4 }, { K: -1 }].map(said)));
     """

@@ -9,7 +9,8 @@
  * @typedef {{id: string, holds: boolean|null, values: Record<string, number[]>, why: string}} Answer
  *   `holds` is null if the claim cannot be judged, and `why` says why
  */
-import { MEASURED, REFERENCE, contact, distance, endDistance, freeError, largest, norms, referenceDistance, steadyForce, summary } from "./measures.js";
+import { MEASURED, REFERENCE, contact, distance, endDistance, freeError, largest } from "./measures.js";
+import { norms, referenceDistance, steadyForce, summary } from "./measures.js";
 import { preset, runOf } from "./state.js";
 
 const FIXED_MASS = "without adaptation";

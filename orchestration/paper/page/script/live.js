@@ -87,7 +87,7 @@ export async function start({ showRuns, runs }) {
       const typed = field.value.trim() === "" ? NaN : Number(field.value) / setting.factor;
       const value = setting.options.length ? setting.options[field.selectedIndex].value : typed;
       if (Number.isFinite(value)) change(setting, value);
-      else complain(setting, `“${field.value}” is not a number; write digits, such as ${short(setting.low * setting.factor, 3)}.`);
+      else complain(setting, `“${field.value}” is not a number; write one such as ${short(setting.high * setting.factor, 3)}.`);
     });
     slider?.addEventListener("input", () => change(setting, at(setting, Number(slider.value))));
     for (const input of [field, slider]) input?.addEventListener("blur", () => show(setting));
@@ -133,7 +133,7 @@ export async function start({ showRuns, runs }) {
 
   /** @param {any} said */
   async function receive(said) {
-    if (said.error) return fail(said.error);
+    if (said.error) fail(said.error);
     if (said.answer) answered(said.answer, said.milliseconds);
     if (said.csv) save(`${state.figure}.csv`, said.csv);
     if (said.hash) proved(said.hash);
@@ -171,10 +171,10 @@ export async function start({ showRuns, runs }) {
     const row = element(`claim-${id}`);
     row.dataset.holds = String(holds);
     row.cells[1].textContent = holds === null ? `cannot be judged: ${why}` : holds ? "holds" : "does not hold";
-    for (const place of row.querySelectorAll("[data-criterion]")) {
-      const { unit } = data.criteria[place.dataset.criterion];
+    for (const found of row.querySelectorAll("[data-criterion]")) {
+      const { unit } = data.criteria[found.dataset.criterion];
       const shown = (/** @type {number} */ value) => `${short(value * (SHOWN_PER_SI[unit] ?? 1), 3)} ${unit}`.trim();
-      place.textContent = values[place.dataset.criterion]?.map(shown).join(", ") ?? "-";
+      found.textContent = values[found.dataset.criterion]?.map(shown).join(", ") ?? "-";
     }
     if (id !== data.claims[data.claims.length - 1].id) return;
     element("claims").removeAttribute("aria-busy");
