@@ -60,7 +60,7 @@ export async function start({ showRuns, runs }) {
     complain(setting, "");
     const chosen = setting.options.findIndex((option) => option.value === value);
     if (setting.options.length) field.selectedIndex = chosen;
-    else if (document.activeElement !== field) field.value = short(value * setting.factor, 12);
+    else if (document.activeElement !== field) field.value = short(value * setting.factor, 7);
     if (slider && document.activeElement !== slider) slider.value = place(setting, value);
     element(`${setting.key}-row`).dataset.changed = String(setting.key in state.changes);
   }
