@@ -44,6 +44,7 @@ from orchestration.cli.options import (
     Plot,
     ProgramAlgorithm,
     ProgramPlatform,
+    RowHash,
     SampleTime,
     Settings,
     StaleInputs,
@@ -67,6 +68,8 @@ from orchestration.cli.program import (
     closing,
     with_messages,
 )
+from orchestration.cli.report_command import EPILOG as REPORT_EPILOG
+from orchestration.cli.report_command import report
 from orchestration.cli.results_commands import COMPARE_EPILOG, PLOT_EPILOG, compare, plot_
 from orchestration.cli.sweep_command import EPILOG as SWEEP_EPILOG
 from orchestration.cli.sweep_command import SweepCommand, sweep
@@ -192,6 +195,7 @@ def run(
         ),
     ] = None,
     every: Annotated[int, typer.Option(metavar="N", help="Record every n-th step.", rich_help_panel=ROWS)] = 1,
+    hash_: RowHash = False,
     plot: Plot = None,
     dark: Dark = False,
     input_: Input = None,
@@ -246,8 +250,9 @@ def run(
             fmu_tolerance=fmu_tolerance,
             fmu_stop_time=fmu_stop_time,
             json=json,
+            hash=hash_,
             outside=OutsideRequest(tuple(input_ or ()), tuple(at or ()), pace),
-            picture=PictureRequest(plot, dark, option="--plot"),
+            picture=PictureRequest(plot, dark, option="--plot", page=True),
         )
     )
 
@@ -325,6 +330,7 @@ def check(
 app.command(cls=IsolatingCommand, epilog=EPILOG)(with_messages(doctor))
 app.command("plot", cls=Command, epilog=PLOT_EPILOG)(with_messages(plot_))
 app.command(cls=Command, epilog=COMPARE_EPILOG)(with_messages(compare))
+app.command(cls=Command, epilog=REPORT_EPILOG)(with_messages(report))
 app.command(cls=SweepCommand, epilog=SWEEP_EPILOG)(with_messages(sweep))
 
 

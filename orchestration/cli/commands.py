@@ -77,5 +77,5 @@ def reproduce_paper(out: Path, image: str, *, fresh: bool) -> None:
     output.show(table)
     if report.kept:
         output.say("The claims were measured by an earlier run on the same FMUs, numbers and code; --fresh repeats it.")
-    for path in (*report.figures, report.claims_file, report.claims_file.with_suffix(".md")):
+    for path in (*report.figures, report.claims_file, report.claims_file.with_suffix(".md"), report.page):
         output.say(written(path, existed=path in present))

@@ -5,7 +5,6 @@ Exit codes: 0 all bits agree, 1 the results differ or a file is unusable, 2 they
 
 import json as formats
 import math
-from collections.abc import Sequence
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -14,13 +13,12 @@ from orchestration.cli.codes import ExitCode, exit_code_of
 from orchestration.cli.output import output, watched, width
 from orchestration.cli.tables import table
 from orchestration.errors import OrchestrationError
-from orchestration.results.comparison import ColumnDifference, Comparison
+from orchestration.results.comparison import ColumnDifference, Comparison, verdict_of
 from orchestration.results.comparison import compare as compared
 from orchestration.results.result import Result
 
 HEAD = ("column", "unit", "largest", "at t", "of range", "first at t", "first row")
 MOST_SHOWN = 12  # columns of a table; JSON has all
-MOST_NAMED = 4
 
 
 def compare_files(first: Path, second: Path, *, json: bool) -> ExitCode:
@@ -46,35 +44,6 @@ def compare_files(first: Path, second: Path, *, json: bool) -> ExitCode:
     _print(found, a)
     output.say(verdict)
     return code
-
-
-def verdict_of(found: Comparison, rows: Sequence[int]) -> str:
-    """Say in one sentence whether two results agree.
-
-    Parameters
-    ----------
-    rows
-        Number of rows of both results.
-    """
-    differing = [difference for difference in found.differences if difference.first is not None]
-    apart = []
-    if differing:
-        worst, first = differing[0], min(differing, key=_first_time)
-        many = f"{len(differing)} of {len(found.differences)} common columns differ"
-        share = f", {worst.relative:.2g} of its range" if math.isfinite(worst.relative) else ""
-        size = f"{worst.largest:.3g} {worst.unit}".rstrip()
-        apart.append(f"{many}, {worst.name} most, by {size}{share}, and {first.name} first, at t = {first.first:.9g} s")
-    for which, names in (("first", found.only_in_first), ("second", found.only_in_second)):
-        if names:
-            listed = ", ".join(names[:MOST_NAMED]) + (" ..." if len(names) > MOST_NAMED else "")
-            apart.append(f"only the {which} has {listed}")
-    if set(rows) != {found.n_rows}:
-        apart.append(f"{found.n_rows} rows are common to the {rows[0]} and {rows[1]} of the two")
-    if apart and found.differences and not differing:
-        apart.append("in what both have, all bits agree")
-    if apart:
-        return f"The results differ: {'; '.join(apart)}."
-    return f"The results agree in all bits: {len(found.differences)} columns, {found.n_rows} rows."
 
 
 def _print(found: Comparison, first: Result) -> None:
@@ -115,10 +84,6 @@ def _facts(found: Comparison, first: Result, second: Result) -> dict[str, Any]:
 def _row(difference: ColumnDifference, result: Result) -> int | None:
     """Number of the first row of the first result that differs, counted from 0; None if all agree."""
     return None if difference.first is None else int(result.time.searchsorted(difference.first))
-
-
-def _first_time(difference: ColumnDifference) -> float:
-    return math.inf if difference.first is None else difference.first
 
 
 def _finite(value: float) -> float | None:

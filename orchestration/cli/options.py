@@ -158,12 +158,16 @@ Plot = Annotated[
     Path | None,
     typer.Option(
         metavar="FILE",
-        help="Draw the run into this file, .png, .svg or .pdf, or the arm in motion, .webp or .gif"
-        " ('adaptimp plot' draws recorded rows).",
+        help="Draw the run into this file, .png, .svg or .pdf, the arm in motion, .webp or .gif, or write a page about"
+        " it, .html ('adaptimp plot' and 'adaptimp report' take recorded rows).",
         rich_help_panel=ROWS,
     ),
 ]
 Dark = Annotated[bool, typer.Option("--dark", help="Draw for a dark page.", rich_help_panel=ROWS)]
+RowHash = Annotated[
+    bool,
+    typer.Option("--hash", help="Say the SHA-256 of all rows, to compare with other machines.", rich_help_panel=ROWS),
+]
 Strict = Annotated[
     bool,
     typer.Option(

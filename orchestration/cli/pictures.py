@@ -7,11 +7,13 @@ from typing import TYPE_CHECKING
 
 from adaptimp_fmu.files.cache_folder import let_matplotlib_write
 from orchestration.cli.output import output, watched
+from orchestration.cli.pages import PAGE, is_page, write_page_of
 from orchestration.cli.places import require_folder, written
 from orchestration.errors import SystemDescriptionError
 from orchestration.results.formats import READERS
 from orchestration.results.picture_file import FORMATS, MOVING, require_picture
 from orchestration.results.result import Result
+from orchestration.system.system import System
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -35,12 +37,15 @@ class PictureRequest:
         Columns, arrays or patterns to draw by unit; without any, the panels of the paper where that is possible.
     option
         Option that the file comes from.
+    page
+        Whether the file may be a page, .html.
     """
 
     path: Path | None = None
     dark: bool = False
     names: Sequence[str] = ()
     option: str = "--out"
+    page: bool = False
 
     def require(self) -> None:
         """Refuse a path that no picture can have.
@@ -52,7 +57,12 @@ class PictureRequest:
         """
         if self.path is None:
             return
-        require_picture(self.path, SystemDescriptionError, (*FORMATS, *MOVING))
+        page = self.page and is_page(self.path)
+        if page and self.dark:
+            msg = f"--dark is for pictures; {self.path} is a page, which has a button for that."
+            raise SystemDescriptionError(msg)
+        if not page:
+            require_picture(self.path, SystemDescriptionError, (*FORMATS, *MOVING, *((PAGE,) if self.page else ())))
         if self._moves and self.names:
             msg = f"{self.path}: a moving picture shows the arm and no chosen columns; leave {self.names[0]} out."
             raise SystemDescriptionError(msg)
@@ -69,8 +79,13 @@ class PictureRequest:
         if self.path is not None:
             require_folder(self.path.parent, self.option)
 
-    def draw(self, results: Mapping[str, Result]) -> None:
-        """Draw results by their labels, and say what was written.
+    def draw(self, results: Mapping[str, Result], systems: Mapping[str, System] | None = None) -> None:
+        """Draw results by their labels, or write a page about them, and say what was written.
+
+        Parameters
+        ----------
+        systems
+            Systems that were run, by the label of the run; a page tells more with them.
 
         Raises
         ------
@@ -78,6 +93,9 @@ class PictureRequest:
             If a name chooses no column, or the file cannot be written.
         """
         if self.path is None:
+            return
+        if is_page(self.path):
+            write_page_of(results, systems or {}, self.path)
             return
         let_matplotlib_write()
         from matplotlib import rc_context

@@ -46,6 +46,8 @@ class RunReport:
         What the FMUs logged, each text after the name of its component.
     file, replaced
         File with the rows, and whether there was one of that name before.
+    row_hash
+        SHA-256 of all rows, of a run that is complete; None if it was not asked for.
     extremes
         Values of the signals.
     numbers
@@ -71,6 +73,7 @@ class RunReport:
     messages: Sequence[str] = ()
     file: Path | None = None
     replaced: bool = False
+    row_hash: str | None = None
     extremes: Extremes | None = None
     numbers: Mapping[str, RunNumber] = field(default_factory=dict)
 

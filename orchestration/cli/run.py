@@ -35,6 +35,7 @@ from orchestration.master.simulation import Simulation
 from orchestration.paper.run_numbers import columns_needed, run_numbers, sentences
 from orchestration.results.columns import ENDED
 from orchestration.results.result import Result
+from orchestration.results.row_hash import row_hash
 from orchestration.results.some_columns import read_some_columns
 from orchestration.system.system import System
 
@@ -66,6 +67,7 @@ class RunRequest:
     fmu_tolerance: float | None = None
     fmu_stop_time: bool = True
     json: bool = False
+    hash: bool = False
     isolate: Sequence[str] = ()
     outside: OutsideRequest = field(default_factory=OutsideRequest)
     picture: PictureRequest = field(default_factory=PictureRequest)
@@ -87,7 +89,7 @@ def run_system(request: RunRequest) -> None:
             if destination.streamed is not None:
                 simulation.stream_to(destination.streamed)
             result = _run(simulation, destination, report, line, judged=request.verdict)
-            _evaluate(result, destination, report, request.picture)
+            _evaluate(result, destination, report, request, simulation.system)
     except (OrchestrationError, OSError, KeyboardInterrupt) as error:
         report.ended_by(error)
         if request.json:
@@ -99,18 +101,23 @@ def run_system(request: RunRequest) -> None:
         output.say(signal_table(signal_record(report.extremes), width()))
     for sentence in sentences(report.numbers):
         output.say(sentence)
+    if request.hash:
+        output.say(f"SHA-256 of the rows: {report.row_hash}")
     output.say(_duration(report))
 
 
-def _evaluate(result: Result, destination: Destination, report: RunReport, picture: PictureRequest) -> None:
+def _evaluate(result: Result, destination: Destination, report: RunReport, request: RunRequest, system: System) -> None:
     """Compute the numbers of the run, and draw its picture; rows that were streamed are read from their file."""
-    if destination.streamed is not None and picture.path is not None:
+    picture = request.picture
+    if destination.streamed is not None and (picture.path is not None or request.hash):
         result = Result.read(destination.streamed)
     elif destination.streamed is not None and report.rows <= MOST_MEASURED:
         result = read_some_columns(destination.streamed, columns_needed())
     if report.rows <= MOST_MEASURED:
         report.numbers = run_numbers(result)
-    picture.draw({report.system: result})
+    if request.hash or (request.json and destination.streamed is None):
+        report.row_hash = row_hash(result)
+    picture.draw({report.system: result}, {report.system: system})
 
 
 def _prepared(request: RunRequest, report: RunReport, line: ProgressLine) -> Simulation | None:

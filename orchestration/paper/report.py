@@ -15,6 +15,9 @@ from orchestration.paper.claims.page import as_markdown, as_records, word
 from orchestration.paper.evidence import Evidence
 from orchestration.paper.figures.draw import draw
 from orchestration.paper.laboratory import Job
+from orchestration.paper.page.live import live_parts
+from orchestration.paper.page.live_data import native_hashes
+from orchestration.paper.page.report import NAME, paper_page, write_page
 from orchestration.paper.scenarios import ALL_SCENARIOS, SCENARIOS, Scenario
 from orchestration.paper.strength import read_strength
 from orchestration.paper.studies.native_runs import NativeLaboratory
@@ -30,7 +33,7 @@ class Report:
 
     Attributes
     ----------
-    figures, claims_file
+    figures, claims_file, page
         Files that were written.
     claims
         The claims with their verdicts.
@@ -42,6 +45,7 @@ class Report:
 
     figures: list[Path]
     claims_file: Path
+    page: Path
     claims: list[Claim]
     words: Mapping[str, str]
     kept: bool
@@ -53,7 +57,7 @@ def reproduce(folder: Path, tell: Tell, image: str = "png", *, fresh: bool = Fal
     Parameters
     ----------
     folder
-        Where the figures, ``claims.json`` and ``claims.md`` go.
+        Where the figures, ``claims.json``, ``claims.md`` and ``report.html`` go.
     tell
         Called with a sentence before each stage.
     image
@@ -79,7 +83,11 @@ def reproduce(folder: Path, tell: Tell, image: str = "png", *, fresh: bool = Fal
     write_whole(claims_file, f"{json.dumps(as_records(claims, digests, strength), indent=2)}\n".encode())
     write_whole(folder / "claims.md", as_markdown(claims, digests, strength).encode())
     words = {claim.id: word(claim, strength) for claim in claims}
-    return Report(figures, claims_file, claims, words, kept)
+    tell("Writing the page of the paper")
+    page = folder / NAME
+    live = live_parts(native_hashes(results))
+    write_page(live.added_to(paper_page(results, claims, words)), page)
+    return Report(figures, claims_file, page, claims, words, kept)
 
 
 def _digests(laboratory: NativeLaboratory, scenarios: Mapping[str, Scenario]) -> dict[str, str]:

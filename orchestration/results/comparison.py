@@ -1,5 +1,7 @@
 """Two results side by side: how far columns differ, and where they differ first."""
 
+import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -15,6 +17,8 @@ if TYPE_CHECKING:
 
 SAME_INSTANT = 1e-9
 """Two communication points are one if they differ by less than this, relative to the larger of 1 s and the time."""
+
+MOST_LISTED = 4  # names in a sentence
 
 
 @dataclass(frozen=True)
@@ -156,7 +160,7 @@ def compare(first: Columns, second: Columns) -> Comparison:
     """
     for which, columns in (("first", first), ("second", second)):
         require_type(f"The {which} result to compare", columns, Columns, "give a Result", OrchestrationError)
-    rows, others = _common(first.time, second.time)
+    rows, others = common_rows(first.time, second.time)
     if not len(rows):
         spans = " and ".join(
             f"{c.time[0]:g} to {c.time[-1]:g} s" if len(c.time) else "no rows" for c in (first, second)
@@ -179,6 +183,39 @@ def compare(first: Columns, second: Columns) -> Comparison:
     )
 
 
+def verdict_of(found: Comparison, rows: Sequence[int]) -> str:
+    """Say in one sentence whether two results agree.
+
+    Parameters
+    ----------
+    rows
+        Number of rows of both results.
+    """
+    differing = [difference for difference in found.differences if difference.first is not None]
+    apart = []
+    if differing:
+        worst, first = differing[0], min(differing, key=_first_time)
+        many = f"{len(differing)} of {len(found.differences)} common columns differ"
+        share = f", {worst.relative:.2g} of its range" if math.isfinite(worst.relative) else ""
+        size = f"{worst.largest:.3g} {worst.unit}".rstrip()
+        apart.append(f"{many}, {worst.name} most, by {size}{share}, and {first.name} first, at t = {first.first:.9g} s")
+    for which, names in (("first", found.only_in_first), ("second", found.only_in_second)):
+        if names:
+            listed = ", ".join(names[:MOST_LISTED]) + (" ..." if len(names) > MOST_LISTED else "")
+            apart.append(f"only the {which} has {listed}")
+    if set(rows) != {found.n_rows}:
+        apart.append(f"{found.n_rows} rows are common to the {rows[0]} and {rows[1]} of the two")
+    if apart and found.differences and not differing:
+        apart.append("in what both have, all bits agree")
+    if apart:
+        return f"The results differ: {'; '.join(apart)}."
+    return f"The results agree in all bits: {len(found.differences)} columns, {found.n_rows} rows."
+
+
+def _first_time(difference: ColumnDifference) -> float:
+    return math.inf if difference.first is None else difference.first
+
+
 def _missing(first: Columns, second: Columns) -> tuple[str, ...]:
     """Columns of the first result that the second one lacks."""
     numbers, texts = set(second.names), second.texts
@@ -197,8 +234,14 @@ def _some(names: tuple[str, ...]) -> str:
     return ", ".join(names[:MOST_NEAR]) + (" ..." if len(names) > MOST_NEAR else "") if names else "none"
 
 
-def _common(a: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Rows of the instants that both have."""
+def common_rows(a: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Numbers of the rows of the instants that both have, in either.
+
+    Parameters
+    ----------
+    a, b
+        Increasing times, s.
+    """
     if not (len(a) and len(b)):
         return np.zeros(0, int), np.zeros(0, int)
     after = np.clip(np.searchsorted(b, a), 1, len(b) - 1) if len(b) > 1 else np.zeros(len(a), int)

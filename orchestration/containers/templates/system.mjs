@@ -63,6 +63,13 @@ class Run {
     }
   }
 
+  /** @param {number} step of a module whose runs may have other steps than the system, s */
+  setStep(step) {
+    must(this.wasm.set_step, `${this.description.name} has a fixed step of ${this.description.step} s.`);
+    const taken = this.wasm.set_step(this.#live(), step);
+    must(taken, `step = ${step} s: a step is positive, and is set before the initialization.`);
+  }
+
   /** @param {string} name @returns {number} value of a variable; Booleans are 0 and 1 */
   get(name) {
     return this.wasm.get(this.#live(), this.#index(name));

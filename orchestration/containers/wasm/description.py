@@ -39,9 +39,14 @@ EXPORTS = {
 """What a module exports, by name."""
 WITH_LIBRARY = {"_initialize": "() must be called first"}
 """What a module with a C library exports besides."""
+WITH_STEP = {
+    "set_step": "(run, step in s) -> 1, or 0 if the run is initialized or the step is not positive; until then the step"
+    " is that of this description"
+}
+"""What a module exports besides whose runs may have other steps."""
 
 
-def description(plan: Plan, identity: str, file: str, module: bytes) -> bytes:
+def description(plan: Plan, identity: str, file: str, module: bytes, *, variable_step: bool = False) -> bytes:
     """Return the content of a module's description; the same system gives the same bytes.
 
     Parameters
@@ -50,8 +55,11 @@ def description(plan: Plan, identity: str, file: str, module: bytes) -> bytes:
         Hash of the sources, which the module tells, too.
     file, module
         File name and content of the module.
+    variable_step
+        Whether runs may have other steps than the plan.
     """
     system = plan.system
+    exports = (WITH_LIBRARY if plan.foreign else {}) | EXPORTS | (WITH_STEP if variable_step else {})
     facts = {
         "abi": ABI,
         "name": plan.identifier,
@@ -65,7 +73,7 @@ def description(plan: Plan, identity: str, file: str, module: bytes) -> bytes:
         "components": [_component(member) for member in plan.members],
         "connections": [str(connection) for connection in system.connections],
         "variables": [_variable(index, variable) for index, variable in enumerate(plan.variables)],
-        "exports": WITH_LIBRARY | EXPORTS if plan.foreign else EXPORTS,
+        "exports": exports,
     }
     return (json.dumps(facts, indent=1, ensure_ascii=False, allow_nan=False) + "\n").encode("utf-8", "replace")
 

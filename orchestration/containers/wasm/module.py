@@ -28,7 +28,9 @@ _UNDEFINED = re.compile(r"([^/\\\s]+)\.o(?:bj)?: undefined symbol: (\S+)")
 """What the linker says: the stem of the source that calls a function, and the function."""
 
 
-def write_wasm(system: System, path: str | Path, algorithm: str | Algorithm = GAUSS_SEIDEL) -> Path:
+def write_wasm(
+    system: System, path: str | Path, algorithm: str | Algorithm = GAUSS_SEIDEL, *, variable_step: bool = False
+) -> Path:
     """Write a system as a module of WebAssembly.
 
     Beside the module ``NAME.wasm`` stand ``NAME.json``, which describes its variables, and ``NAME.mjs``, with which
@@ -42,6 +44,8 @@ def write_wasm(system: System, path: str | Path, algorithm: str | Algorithm = GA
         File with the suffix ``.wasm``. The files of an earlier module are replaced.
     algorithm
         ``gauss-seidel`` or ``jacobi``.
+    variable_step
+        Whether a run may have another step than the system. The module then exports ``set_step``, too.
 
     Returns
     -------
@@ -70,11 +74,12 @@ def write_wasm(system: System, path: str | Path, algorithm: str | Algorithm = GA
         raise ContainerError(msg)
     _require_own(target)
     plan = plan_of(system, algorithm)
-    sources, identity = _sources(plan)
+    sources, identity = _sources(plan, variable_step=variable_step)
     module = _module(plan, sources)
+    stated = description(plan, identity, target.name, module, variable_step=variable_step)
     files = {
         target: module,
-        target.with_suffix(DESCRIPTION): description(plan, identity, target.name, module),
+        target.with_suffix(DESCRIPTION): stated,
         target.with_suffix(SCRIPT): host(),
     }
     try:
@@ -100,11 +105,16 @@ def host() -> bytes:
     return (importlib.resources.files("orchestration.containers") / "templates" / HOST).read_bytes()
 
 
-def _sources(plan: Plan) -> tuple[dict[str, str], str]:
+def _sources(plan: Plan, *, variable_step: bool = False) -> tuple[dict[str, str], str]:
     """All C sources of the module by name, and its identity: a hash of the sources, which the module tells."""
     template = environment().get_template(f"{EXPORTS}.j2")
-    given = {"name": plan.identifier, "library": bool(plan.foreign)}
-    sources = c_sources(plan)
+    given = {
+        "name": plan.identifier,
+        "library": bool(plan.foreign),
+        "variable_step": variable_step,
+        "step": plan.step,
+    }
+    sources = c_sources(plan, variable_step=True) if variable_step else c_sources(plan)
     digest = hashlib.sha256(template.render(given, identity="").encode())
     for name, text in sorted(sources.items()):
         digest.update(f"\0{name}\0{text}".encode("utf-8", "surrogateescape"))

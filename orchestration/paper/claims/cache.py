@@ -41,7 +41,7 @@ def claims_of(
     name = f"{_key(digests)}.json"
     kept = None if fresh else read_sealed(cache_folder() / "claims" / name)
     if kept is not None:
-        return [Claim(**record) for record in json.loads(kept)], True
+        return [Claim(**{**record, "margins": tuple(record["margins"])}) for record in json.loads(kept)], True
     claims = measure()
     write_sealed(writable_cache("claims") / name, json.dumps([asdict(claim) for claim in claims]).encode())
     return claims, False

@@ -22,6 +22,8 @@ class Claim:
         Scenarios and seeds that were measured.
     first
         The verdict at the earlier calibration, ``first``; empty if it was not asked for.
+    margins
+        For each criterion the worst measured value beside the limit, in a phrase.
     """
 
     id: str
@@ -32,6 +34,7 @@ class Claim:
     verdict: str
     runs: str
     first: str = ""
+    margins: Sequence[str] = ()
 
 
 @dataclass(frozen=True)
@@ -86,4 +89,6 @@ class Question:
         finding = self.measurement(evidence)
         met = all([criterion.met(finding.values[criterion]) for criterion in self.criteria])
         verdict = HOLDS if met else NOT_REPRODUCED
-        return Claim(self.id, self.claim, self.where, self.criterion, finding.measured, verdict, self.runs)
+        margins = tuple(criterion.margin(finding.values[criterion]) for criterion in self.criteria)
+        about = (self.id, self.claim, self.where, self.criterion)
+        return Claim(*about, finding.measured, verdict, self.runs, margins=margins)

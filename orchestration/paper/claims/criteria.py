@@ -54,6 +54,15 @@ class Criterion:
         """The largest value over the limit."""
         return float(np.max(np.asarray(values, dtype=float)) / self.limit)
 
+    def margin(self, values: float | Sequence[float] | np.ndarray) -> str:
+        """The worst of measured values beside the limit, such as ``worst 0.158 of <= 1 mm``; empty without a value."""
+        found = np.asarray(values, dtype=float)
+        if not found.size:
+            return ""
+        worst = found.max() if self.comparison.startswith("<") else found.min()
+        factor = _SHOWN_PER_SI.get(self.unit, 1.0)
+        return f"worst {worst * factor:.4g} of {self.comparison} {self.limit * factor:.4g} {self.unit}".rstrip()
+
     def __str__(self) -> str:
         """The criterion as a phrase, such as ``|e| <= 1 mm``."""
         limit = f"{self.limit * _SHOWN_PER_SI.get(self.unit, 1.0):.4g} {self.unit}".rstrip()

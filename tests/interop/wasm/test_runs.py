@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from orchestration import System, TimeSeries, prepare, scenario, simulate
+from orchestration.containers.wasm.module import write_wasm
 from tests.interop.wasm.node import assert_bitwise, kept, module_of, needs_node, node
 
 pytestmark = needs_node
@@ -199,3 +200,35 @@ def test_rows_stay_when_the_memory_grows(fig5: Path) -> None:
     console.log(JSON.stringify([rows["plant.x[1]"].length, rows["plant.x[1]"][100] === last]));
     """
     assert node(fig5, script) == [101, True]
+
+
+def test_runs_may_have_other_steps(tmp_path: Path) -> None:
+    """A module with a variable step has the bits of the master at each step, and keeps its own until told."""
+    system = scenario("fig5")
+    write_wasm(system, tmp_path / "system.wasm", variable_step=True)
+    script = """
+    const periods = ["trajectory", "sensor", "controller", "actuator"].map((name) => `${name}.sample_time`);
+    const run = system.create();
+    run.setStep(1e-4);
+    run.set({ ...Object.fromEntries(periods.map((name) => [name, 1e-4])), "sensor.noise_period": 0 });
+    const said = [refusal(() => run.setStep(0))];
+    run.initialize();
+    said.push(refusal(() => run.setStep(1e-5)));
+    keep("rows", run.run(STEPS, { columns: outputs }));
+    run.reset();
+    run.initialize();
+    run.run(10);
+    said.push(run.time);
+    console.log(JSON.stringify(said));
+    """
+    coarse = system.set({"sensor.noise_period": 0.0}).with_sample_time(1e-4)
+    result = simulate(coarse, STOP)
+    said = node(tmp_path, script.replace("STEPS", str(len(result.time) - 1)))
+    assert_bitwise(kept(tmp_path / "rows", 1 + len(result.names)), result)
+    refused = "a step is positive, and is set before the initialization."
+    assert said == [f"step = 0 s: {refused}", f"step = 0.00001 s: {refused}", 10 * system.run_step()]
+
+
+def test_a_module_with_a_fixed_step_says_so(fig5: Path) -> None:
+    said = node(fig5, "console.log(JSON.stringify(refusal(() => system.create().setStep(1e-4))));")
+    assert said == "fig5 has a fixed step of 0.00001 s."

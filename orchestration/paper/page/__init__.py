@@ -1,0 +1,1 @@
+"""What pages show of the paper's arm: the arm in motion, its four panels, claims and assumed values."""

@@ -1,0 +1,59 @@
+/**
+ * The worker of the live page. Of each kind it does the newest work that was asked for, and drops what is out of date.
+ *
+ * @typedef {import("./state.js").State} State
+ * @typedef {{kind: "show"|"claims"|"hash"|"csv", state: State}} Request
+ */
+import { Evidence, answer } from "./claims.js";
+import { Loop } from "./loop.js";
+import { MEASURED, REFERENCE, numbersOf, thinned } from "./measures.js";
+import { runOf } from "./state.js";
+
+const JOINTS = ["plant.q", "actuator.tau", "actuator.saturated"].flatMap((name) => [`${name}[1]`, `${name}[2]`]);
+
+/** @type {Promise<Loop>} */
+let loop;
+/** @type {Map<string, Request>} */
+const waiting = new Map();
+let busy = false;
+
+addEventListener("message", async ({ data: said }) => {
+  if (said.data) loop = Loop.of(said.data, said.modules, /** @type {any} */ (self).load);
+  else waiting.set(said.kind, said);
+  if (busy) return;
+  busy = true;
+  for (const [kind, request] of waiting) {
+    waiting.delete(kind);
+    try {
+      await serve(await loop, request);
+    } catch (error) {
+      postMessage({ ...request, error: error instanceof Error ? error.message : String(error) });
+    }
+    await arrived();
+  }
+  busy = false;
+});
+
+/** Lets messages in that have arrived meanwhile. */
+const arrived = () => new Promise((resolve) => setTimeout(resolve, 0));
+
+/** @param {Loop} of @param {Request} request */
+async function serve(of, request) {
+  const [{ data }, began] = [of, performance.now()];
+  const run = runOf(data, request.state);
+  if (request.kind === "show") {
+    const all = of.rows(run, [...MEASURED, ...REFERENCE, ...JOINTS]);
+    const rows = thinned(all);
+    const shown = { ...request, rows, numbers: numbersOf(all), milliseconds: performance.now() - began };
+    postMessage(shown, { transfer: Object.values(rows).map((column) => column.buffer) });
+  } else if (request.kind === "hash") postMessage({ ...request, hash: await of.hash(run) });
+  else if (request.kind === "csv") postMessage({ ...request, csv: of.csv(run) });
+  else {
+    const evidence = new Evidence(data, request.state, (one, columns) => of.rows(one, columns));
+    for (const { id } of data.claims) {
+      postMessage({ ...request, answer: answer(evidence, id), milliseconds: performance.now() - began });
+      await arrived();
+      if (waiting.has("claims")) return;
+    }
+  }
+}

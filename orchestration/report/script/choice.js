@@ -1,0 +1,53 @@
+/** What the reader chooses: runs, columns to draw besides the panels, and the interval of time. */
+
+const MOST = 7; // columns that colours can tell apart
+/** @typedef {import("./plots.js").Plots} Plots  @typedef {import("./plots.js").Panel} Panel */
+
+/** Tell what is checked in a list of check boxes, at most so many. */
+/** @param {HTMLElement | null} list @param {number} most @param {(chosen: string[]) => void} tell */
+export function connectBoxes(list, most, tell) {
+  list?.addEventListener("change", () => {
+    const boxes = /** @type {HTMLInputElement[]} */ ([...list.querySelectorAll("input")]);
+    const chosen = boxes.flatMap(({ checked, value }) => (checked ? [value] : []));
+    for (const each of boxes) each.disabled = chosen.length >= most && !each.checked;
+    tell(chosen);
+  });
+}
+
+/** Let a list of check boxes choose columns, each unit in a panel. */
+/** @param {HTMLElement | null} list @param {Plots} plots @param {Panel[]} panels  Panels that stay. */
+export function connectChoice(list, plots, panels) {
+  connectBoxes(list, MOST, (chosen) => {
+    const unit = (/** @type {string} */ name) => plots.runs.map(({ units }) => units[name]).find(Boolean) ?? "";
+    const added = [...new Set(chosen.map(unit))].map((each) => ({
+      title: "Chosen columns",
+      unit: each,
+      curves: chosen.filter((name) => unit(name) === each).map((name) => ({ columns: [name], label: name })),
+    }));
+    plots.setPanels([...panels, ...added]);
+  });
+}
+
+/** Let buttons zoom and move the interval of time, and choose what dragging does. */
+/** @param {HTMLElement} bar @param {import("./cursor.js").Cursor} cursor @param {import("./cursor.js").Interval} range @param {Plots[]} plots */
+export function connectZoom(bar, cursor, range, plots) {
+  const zoom = (/** @type {number} */ factor) => {
+    const inside = cursor.time > range.start && cursor.time < range.end;
+    const middle = inside ? cursor.time : (range.start + range.end) / 2;
+    return [middle - (middle - range.start) * factor, middle + (range.end - middle) * factor];
+  };
+  const move = (/** @type {number} */ share) => [range.start, range.end].map((t) => t + share * (range.end - range.start));
+  /** @type {Record<string, () => number[]>} */
+  const ways = { in: () => zoom(0.5), out: () => zoom(2), back: () => move(-0.25), on: () => move(0.25) };
+  bar.addEventListener("click", (event) => {
+    const button = /** @type {HTMLElement} */ (event.target).closest("button");
+    if (button?.dataset.zoom) {
+      const [start, end] = ways[button.dataset.zoom]?.() ?? [cursor.begin, cursor.end];
+      range.set(start, end);
+    } else if (button) {
+      const dragging = button.getAttribute("aria-pressed") !== "true";
+      button.setAttribute("aria-pressed", String(dragging));
+      for (const each of plots) each.drag(dragging);
+    }
+  });
+}

@@ -1,0 +1,64 @@
+/** Starts the page: unpacks Bokeh and the runs, draws the panels, and starts the modules of further sections. */
+
+import { connectBoxes, connectChoice, connectZoom } from "./choice.js";
+import { connectPlayer, Cursor, Interval } from "./cursor.js";
+import { block, json, runOf } from "./data.js";
+import { Plots } from "./plots.js";
+import { connectTheme } from "./theme.js";
+
+const MOST_RUNS = 2; // of those that a page offers
+
+/**
+ * What the module of a section gets.
+ *
+ * @typedef {import("./data.js").Run} Run
+ * @typedef {object} Context
+ * @property {Run[]} runs  The recorded runs of the page.
+ * @property {Cursor} cursor
+ * @property {Interval} range  The interval of time that all plots show.
+ * @property {Plots} plots
+ * @property {any} Bokeh
+ * @property {(runs: Run[]) => Promise<void>} showRuns  Shows runs in panels and player, and tells ``runs`` to the document.
+ */
+
+/** @param {((context: Context) => void | Promise<void>)[]} modules */
+export async function start(modules) {
+  const element = (/** @type {string} */ id) => /** @type {HTMLElement} */ (document.getElementById(id));
+  connectTheme(element("theme"));
+  for (const part of ["bokeh", "bokeh-api"]) {
+    const script = document.createElement("script");
+    script.textContent = new TextDecoder().decode(await block(part));
+    document.head.append(script);
+  }
+  const { Bokeh } = /** @type {any} */ (window);
+  const [cursor, range, stored] = [new Cursor(), new Interval(), json("runs")];
+  const plots = new Plots(element("panels"), cursor, range, stored.panels);
+  element("panels").addEventListener("thinned", (event) => {
+    const rows = /** @type {CustomEvent<number>} */ (event).detail;
+    const bins = `The curves show the least and the largest value of every ${rows} rows; zoom in for more.`;
+    element("thinned").textContent = rows > 1 ? bins : "The curves show every row.";
+  });
+  const runs = await Promise.all(stored.runs.map(runOf));
+  const showRuns = async (/** @type {Run[]} */ shown) => {
+    const times = shown.flatMap(({ time }) => (time.length ? [time[0], time[time.length - 1]] : []));
+    [cursor.begin, cursor.end] = times.length ? [Math.min(...times), Math.max(...times)] : [0, 1];
+    range.set(cursor.begin, cursor.end);
+    await plots.showRuns(shown);
+    document.dispatchEvent(new CustomEvent("runs", { detail: shown }));
+    cursor.set(cursor.time);
+  };
+  for (const begin of modules) await begin({ runs, cursor, range, plots, Bokeh, showRuns });
+  connectPlayer(element("player"), cursor);
+  connectChoice(element("choice"), plots, stored.panels);
+  connectBoxes(element("runs-shown"), MOST_RUNS, (labels) => showRuns(runs.filter(({ label }) => labels.includes(label))));
+  const all = [plots];
+  if (stored.difference) {
+    all.push(new Plots(element("difference-panels"), cursor, range, stored.difference.panels));
+    await all[1].showRuns([await runOf(stored.difference.run)]);
+  }
+  connectZoom(element("zoom"), cursor, range, all);
+  await showRuns(stored.shown.map((/** @type {number} */ place) => runs[place]));
+  document.addEventListener("theme", () => all.forEach((each) => each.restyle()));
+  document.documentElement.dataset.ready = performance.now().toFixed(0);
+  document.dispatchEvent(new Event("ready"));
+}
