@@ -72,9 +72,13 @@ def identity_of(files: Mapping[str, str], compiled: Sequence[str]) -> str:
     Raises
     ------
     ContainerError
-        If nothing can be compiled for this machine.
+        If nothing can be compiled on this machine.
     """
-    digest = hashlib.sha256(f"{toolchain_identity()} {_platform()} {' '.join(compiled)}".encode())
+    try:
+        toolchain = toolchain_identity()
+    except ToolchainError as error:
+        raise ContainerError(str(error)) from error
+    digest = hashlib.sha256(f"{toolchain} {_platform()} {' '.join(compiled)}".encode())
     for name, text in sorted(files.items()):
         digest.update(f"\0{name}\0{text}".encode("utf-8", "surrogateescape"))
     return digest.hexdigest()
