@@ -127,14 +127,13 @@ def identity() -> str:
 
     Raises
     ------
-    ToolchainError
+    MissingPartError
         If the compiler or the headers are not installed.
     """
     try:
         versions = [f"{name} {importlib.metadata.version(name)}" for name in ("ziglang", "fmpy")]
     except importlib.metadata.PackageNotFoundError as error:
-        missing = str(MissingPartError(error.name, PARTS[error.name]))
-        raise ToolchainError(missing) from error
+        raise MissingPartError(error.name, PARTS[error.name]) from error
     return " ".join((*versions, *FLAGS))
 
 

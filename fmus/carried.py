@@ -2,7 +2,7 @@
 
     fmus/carried/manifest.json    hash of the definitions, and the hash of each file
     fmus/carried/Plant.fmu
-    fmus/carried/fig5.ssp         a scenario as a package, for other tools
+    fmus/carried/scenarios.tar.xz the scenarios as SSP packages, which hold the same FMUs, for other tools
 
 A carried FMU stands for the model of its name as long as the definitions are those that the FMU was built from: all
 files of the packages `fmus` and `adaptimp_fmu`. A checkout carries nothing, and builds.
@@ -19,7 +19,7 @@ import adaptimp_fmu
 from adaptimp_fmu.files.standards import CARRIED as STANDARDS
 
 FOLDER = Path(__file__).parent / "carried"
-MANIFEST = "manifest.json"
+MANIFEST, SCENARIOS = "manifest.json", "scenarios.tar.xz"
 _PACKAGES = (Path(__file__).parent, Path(adaptimp_fmu.__file__).parent)
 _NOT_DEFINITIONS = (FOLDER, STANDARDS)
 
@@ -47,11 +47,9 @@ def carried_fmu(identifier: str) -> Path | None:
     return _unchanged(f"{identifier}.fmu")
 
 
-def carried_package(scenario: str) -> Path | None:
-    """Return the carried SSP package of a scenario, None if there is none; errors as of `carried_fmu`."""
-    name = f"{scenario}.ssp"
-    known = manifest()
-    return None if known is None or name not in known["files"] else _unchanged(name)
+def carried_scenarios() -> Path | None:
+    """Return the carried archive of the scenarios' SSP packages, None if there is none; errors as of `carried_fmu`."""
+    return None if manifest() is None else _unchanged(SCENARIOS)
 
 
 def description(identifier: str) -> str | None:
