@@ -4,6 +4,7 @@ The core of adaptimp runs systems of FMUs. The other parts are extras of the pac
 """
 
 from importlib import import_module
+from importlib.util import find_spec
 from types import ModuleType
 
 PARTS = {
@@ -20,7 +21,7 @@ PARTS = {
 """Part that brings a package, by the name under which Python imports the package."""
 GIVES = {
     "build": "builds FMUs and programs from equations",
-    "files": "reads and writes results as Parquet and CSV, and keeps stores of runs",
+    "files": "keeps results in Parquet files and runs in stores",
     "studies": "draws samples and optimizes",
     "paper": "measures the claims of the paper",
     "cluster": "makes runs on several machines",
@@ -77,6 +78,40 @@ def imported(module: str, part: str | None = None) -> ModuleType:
         if missing is None:
             raise
         raise missing from error
+
+
+def has(package: str) -> bool:
+    """Return whether an optional package is installed, without importing it.
+
+    Examples
+    --------
+    >>> from adaptimp_fmu.files.parts import has
+    >>> has("ziglang")
+    True
+    """
+    return find_spec(package) is not None
+
+
+def require(package: str, part: str | None = None) -> None:
+    """Refuse work that needs an optional package, before any work is done.
+
+    Parameters
+    ----------
+    part
+        The part to install if the package is missing. Default: that of the package in `PARTS`.
+
+    Raises
+    ------
+    MissingPartError
+        If the package is missing.
+
+    Examples
+    --------
+    >>> from adaptimp_fmu.files.parts import require
+    >>> require("pyarrow")
+    """
+    if not has(package):
+        raise MissingPartError(package, part or PARTS[package])
 
 
 def missing_part(error: ImportError, part: str | None = None) -> MissingPartError | None:

@@ -2,11 +2,11 @@
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
-from importlib.util import find_spec
 from threading import Lock
 
 import numpy as np
 
+from adaptimp_fmu.files.parts import has
 from orchestration.containers.native.program import NativeProgram
 from orchestration.fmi.codes import STRING
 from orchestration.fmi.description import SAMPLE_TIME
@@ -28,7 +28,7 @@ class NativeLaboratory(Laboratory):
     job where no compiler is installed, which takes longer and gives the same bits.
     """
 
-    compiles: bool = field(default_factory=lambda: find_spec("ziglang") is not None)
+    compiles: bool = field(default_factory=lambda: has("ziglang"))
     _systems: dict[str, tuple[System, Start]] = field(default_factory=dict, init=False)
     _programs: dict[tuple[object, ...], NativeProgram] = field(default_factory=dict, init=False)
     _lock: Lock = field(default_factory=Lock, init=False)
