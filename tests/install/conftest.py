@@ -36,6 +36,15 @@ def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="session")
+def wheel_of_sdist(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The wheel, built from the sdist of the checkout."""
+    folder = tmp_path_factory.mktemp("sdist")
+    uv("build", "--offline", "--quiet", "--out-dir", folder)
+    (path,) = folder.glob("*.whl")
+    return path
+
+
+@pytest.fixture(scope="session")
 def core(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Folder of an environment with the wheel and what its core needs."""
     folder = tmp_path_factory.mktemp("core") / "environment"

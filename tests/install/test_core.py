@@ -68,6 +68,13 @@ def test_what_is_there_is_listed_and_examined(adaptimp: Adaptimp, carried: Path)
     assert "no findings" in adaptimp("check", carried / "Actuator.fmu").stdout
 
 
+def test_the_shell_completes_variables(core: Path) -> None:
+    code = "from orchestration.cli.completion import _paths; print(_paths(C(), 'plant.K', ('parameter',)))"
+    context = "class C:\n    params, args = {'system': 'fig5'}, []\n"
+    said = subprocess.run([program(core, "python"), "-c", context + code], capture_output=True, text=True, check=True)
+    assert said.stdout.strip() == "['plant.K_f']"
+
+
 def test_a_sweep_runs(adaptimp: Adaptimp) -> None:
     study = ("--vary", "plant.K_f=1e4:1e6:2log", "--measure", "peak_force", "--stop", "0.01")
     assert "wrote table.csv: 2 rows" in adaptimp("sweep", "fig2", *study, "-o", "table.csv").stdout

@@ -64,6 +64,10 @@ def test_the_archive_holds_the_scenarios(contents: Contents) -> None:
         assert set(archive.getnames()) == {f"{name}.ssp" for name in SCENARIOS | COMPARED}
 
 
+def test_the_sdist_gives_the_same_wheel(wheel: Path, wheel_of_sdist: Path) -> None:
+    assert wheel_of_sdist.read_bytes() == wheel.read_bytes()
+
+
 def test_nothing_says_where_it_was_built(contents: Contents) -> None:
     places = [str(ROOT).encode(), str(Path.home()).encode() + b"/", f"{tempfile.gettempdir()}/adaptimp-".encode()]
     for name, text in contents.items():
