@@ -3,11 +3,11 @@
 Declare a `ContinuousModel` or a `SampledModel`, then `build` it.
 """
 
-from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+from adaptimp_fmu.files.parts import imported
+
 if TYPE_CHECKING:
-    from adaptimp_fmu.codegen import runtime_license
     from adaptimp_fmu.continuous_model import ContinuousModel
     from adaptimp_fmu.documentation import present
     from adaptimp_fmu.errors import DefinitionError, ToolchainError
@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from adaptimp_fmu.model import ANY, NOT_NEGATIVE, POSITIVE, Limits, Model
     from adaptimp_fmu.package import build, default_cache
     from adaptimp_fmu.references import ParameterSet, ReferenceRun
+    from adaptimp_fmu.runtime_files import runtime_license
     from adaptimp_fmu.sampled_model import SampledModel
     from adaptimp_fmu.terminals import Terminal, terminals_and_icons
     from adaptimp_fmu.toolchain import PLATFORMS, Platform, host_platform
@@ -47,7 +48,7 @@ _HOME = {
     "default_cache": "package",
     "host_platform": "toolchain",
     "present": "documentation",
-    "runtime_license": "codegen",
+    "runtime_license": "runtime_files",
     "terminals_and_icons": "terminals",
 }
 
@@ -92,6 +93,6 @@ def __getattr__(name: str) -> Any:
     if name not in _HOME:
         msg = f"module {__name__!r} has no attribute {name!r}"
         raise AttributeError(msg)
-    value = getattr(import_module(f"{__name__}.{_HOME[name]}"), name)
+    value = getattr(imported(f"{__name__}.{_HOME[name]}"), name)
     globals()[name] = value
     return value

@@ -1,6 +1,5 @@
 """Generate the C code of a model: CasADi's functions, a table of variables, and the runtime."""
 
-import importlib.resources
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -11,6 +10,7 @@ import jinja2
 from adaptimp_fmu.equations import equations_text
 from adaptimp_fmu.lowering import Lowered, lower
 from adaptimp_fmu.model import Model
+from adaptimp_fmu.runtime_files import runtime_sources
 from adaptimp_fmu.sampled_model import SampledModel
 from adaptimp_fmu.variables import Role, Type, Variable, element_names
 
@@ -18,8 +18,6 @@ GUID_PLACEHOLDER = "{guid}"
 MAIN_SOURCE = "model.c"
 EQUATIONS_SOURCE = "equations.h"
 SIZES_SOURCE = "sizes.h"
-RUNTIME_LICENSE = "runtime_license.txt"
-"""File in ``sources/`` with the license of the runtime, which is part of every FMU whoever owns the model."""
 
 # C parameters of each function of the seam (runtime/model.h): name of the CasADi argument or
 # result, and its C declaration.
@@ -54,26 +52,6 @@ class Adapter:
     signature: str
     arguments: str
     results: str
-
-
-def runtime_sources() -> dict[str, str]:
-    """Files of the runtime by name."""
-    folder = importlib.resources.files("adaptimp_fmu") / "runtime"
-    names = sorted(entry.name for entry in folder.iterdir() if entry.name.endswith((".c", ".h")))
-    return {name: (folder / name).read_text(encoding="utf-8") for name in names}
-
-
-def runtime_license() -> str:
-    """Return the license of the runtime and of this toolchain as a text.
-
-    Examples
-    --------
-    >>> from adaptimp_fmu import runtime_license
-    >>> runtime_license().splitlines()[0]
-    'MIT License'
-    """
-    path = importlib.resources.files("adaptimp_fmu") / "templates" / "license.txt"
-    return path.read_text(encoding="utf-8")
 
 
 def generate(model: Model) -> dict[str, str]:

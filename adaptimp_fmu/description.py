@@ -1,6 +1,5 @@
 """Write the modelDescription.xml of an FMU (FMI 2.0.5, chapters 2.2 and 4.3)."""
 
-import importlib.resources
 import math
 from collections.abc import Iterable
 from functools import cache
@@ -10,6 +9,7 @@ from lxml import etree
 
 from adaptimp_fmu.display_units import display_unit
 from adaptimp_fmu.errors import DefinitionError
+from adaptimp_fmu.files.standards import standard_file
 from adaptimp_fmu.metadata import Experiment
 from adaptimp_fmu.model import Model
 from adaptimp_fmu.sampled_model import SampledModel
@@ -207,7 +207,7 @@ def _structure(root: Any, model: Model, variables: list[Variable]) -> None:
 
 @cache
 def _schema() -> Any:
-    path = importlib.resources.files("fmpy") / "schema" / "fmi2" / "fmi2ModelDescription.xsd"
+    path = standard_file("schema", "fmi2", "fmi2ModelDescription.xsd")
     return etree.XMLSchema(etree.parse(str(path)))
 
 

@@ -12,13 +12,13 @@ from dataclasses import dataclass
 
 import jinja2
 
-from adaptimp_fmu.codegen import RUNTIME_LICENSE, runtime_sources
 from adaptimp_fmu.continuous_model import ContinuousModel
 from adaptimp_fmu.description import number
 from adaptimp_fmu.errors import DefinitionError
 from adaptimp_fmu.icon import Icon
 from adaptimp_fmu.model import Model
 from adaptimp_fmu.related_files import FOLDER, MANIFEST, RelatedFile
+from adaptimp_fmu.runtime_files import RUNTIME_LICENSE, runtime_sources
 from adaptimp_fmu.sampled_model import SampledModel
 from adaptimp_fmu.variables import Role, Type, Variable
 

@@ -17,10 +17,8 @@ from adaptimp_fmu.codegen import (
     EQUATIONS_SOURCE,
     GUID_PLACEHOLDER,
     MAIN_SOURCE,
-    RUNTIME_LICENSE,
     SIZES_SOURCE,
     generate,
-    runtime_license,
 )
 from adaptimp_fmu.description import model_description
 from adaptimp_fmu.documentation import documentation
@@ -31,6 +29,7 @@ from adaptimp_fmu.icon import png
 from adaptimp_fmu.model import Model
 from adaptimp_fmu.reals import as_reals
 from adaptimp_fmu.related_files import archive_entries, related_files
+from adaptimp_fmu.runtime_files import RUNTIME_LICENSE, runtime_license
 from adaptimp_fmu.terminals import terminals_entry
 from adaptimp_fmu.toolchain import Platform, host_platform
 

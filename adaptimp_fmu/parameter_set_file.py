@@ -3,7 +3,6 @@
 A tool that knows such files applies the set to the variables of the same names.
 """
 
-import importlib.resources
 from collections.abc import Iterator
 from functools import cache
 from typing import Any
@@ -12,6 +11,7 @@ from lxml import etree
 
 from adaptimp_fmu.description import number
 from adaptimp_fmu.errors import DefinitionError
+from adaptimp_fmu.files.standards import standard_file
 from adaptimp_fmu.model import Model
 from adaptimp_fmu.names import suggestion
 from adaptimp_fmu.references import ParameterSet
@@ -74,5 +74,5 @@ def _checked(model: Model, given: ParameterSet) -> Iterator[tuple[Variable, floa
 
 @cache
 def _schema() -> Any:
-    path = importlib.resources.files("fmpy") / "ssp" / "schema" / "SystemStructureParameterValues.xsd"
+    path = standard_file("ssp", "schema", "SystemStructureParameterValues.xsd")
     return etree.XMLSchema(etree.parse(str(path)))

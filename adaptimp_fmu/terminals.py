@@ -7,7 +7,6 @@ version of FMI that defines the file, not the version of the FMU. A tool that do
 An icon is not among its contents: FMI 2.0 has ``model.png``.
 """
 
-import importlib.resources
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
@@ -16,6 +15,7 @@ from typing import Any, Literal
 from lxml import etree
 
 from adaptimp_fmu.errors import DefinitionError
+from adaptimp_fmu.files.standards import standard_file
 from adaptimp_fmu.model import Model
 from adaptimp_fmu.names import suggestion
 
@@ -133,5 +133,5 @@ def _terminal(listing: Any, terminal: Terminal, where: str, known: Collection[st
 
 @cache
 def _schema() -> Any:
-    path = importlib.resources.files("fmpy") / "schema" / "fmi3" / "fmi3TerminalsAndIcons.xsd"
+    path = standard_file("schema", "fmi3", "fmi3TerminalsAndIcons.xsd")
     return etree.XMLSchema(etree.parse(str(path)))

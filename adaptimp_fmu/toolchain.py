@@ -1,7 +1,6 @@
 """Compiles an FMU's C code for every platform with ``python -m ziglang cc``, the same compiler on every machine."""
 
 import importlib.metadata
-import importlib.resources
 import os
 import platform
 import subprocess
@@ -15,6 +14,8 @@ from pathlib import Path
 from adaptimp_fmu.errors import ToolchainError
 from adaptimp_fmu.files.cache_folder import cache_folder, tagged_cache
 from adaptimp_fmu.files.cache_use import use
+from adaptimp_fmu.files.parts import PARTS, MissingPartError
+from adaptimp_fmu.files.standards import standard_file
 
 FLAGS = (
     "-std=c11",
@@ -118,12 +119,21 @@ def host_platform() -> Platform:
 
 def fmi_headers() -> Path:
     """Return the folder of FMI's header files in the installed fmpy."""
-    return Path(str(importlib.resources.files("fmpy") / "c-code"))
+    return standard_file("c-code")
 
 
 def identity() -> str:
-    """Return a text that changes whenever something besides the sources changes a binary: compiler, flags, headers."""
-    versions = [f"{name} {importlib.metadata.version(name)}" for name in ("ziglang", "fmpy")]
+    """Return a text that changes whenever something besides the sources changes a binary: compiler, flags, headers.
+
+    Raises
+    ------
+    MissingPartError
+        If the compiler or the headers are not installed.
+    """
+    try:
+        versions = [f"{name} {importlib.metadata.version(name)}" for name in ("ziglang", "fmpy")]
+    except importlib.metadata.PackageNotFoundError as error:
+        raise MissingPartError(error.name, PARTS[error.name]) from error
     return " ".join((*versions, *FLAGS))
 
 

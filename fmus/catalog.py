@@ -1,31 +1,22 @@
-"""The catalog of the project's models, by model identifier: `MODELS`, and `VARIANTS` of them that a user names."""
+"""The catalog of the project's models, by model identifier: `MODELS`, and `VARIANTS` of them that a user names.
+
+A model is imported when it is declared. So the names are known where CasADi, which the equations need, is not.
+"""
 
 from collections.abc import Callable
 from functools import partial
+from typing import TYPE_CHECKING, Any
 
-from adaptimp_fmu import Model
-from fmus.actuator import actuator
-from fmus.craig_adaptive_impedance import craig_adaptive_impedance
-from fmus.force_sensor import force_sensor
-from fmus.hogan_impedance import MOBILITY, hogan_impedance
-from fmus.plant import plant
-from fmus.slotine_li_adaptive_impedance import slotine_li_adaptive_impedance
-from fmus.spong_ortega_adaptive_impedance import spong_ortega_adaptive_impedance
-from fmus.virtual_trajectory import virtual_trajectory
+from adaptimp_fmu.files.parts import imported
 
-MODELS: dict[str, Callable[[], Model]] = {
-    "VirtualTrajectory": virtual_trajectory,
-    "ForceSensor": force_sensor,
-    "HoganImpedance": hogan_impedance,
-    "CraigAdaptiveImpedance": craig_adaptive_impedance,
-    "SlotineLiAdaptiveImpedance": slotine_li_adaptive_impedance,
-    "SpongOrtegaAdaptiveImpedance": spong_ortega_adaptive_impedance,
-    "Actuator": actuator,
-    "Plant": plant,
-    "HoganImpedance3R": partial(hogan_impedance, 3, "HoganImpedance3R"),
-    "Actuator3R": partial(actuator, 3, "Actuator3R"),
-    "Plant3R": partial(plant, 3, "Plant3R"),
-}
+if TYPE_CHECKING:
+    from adaptimp_fmu import Model
+
+
+def _declared(module: str, *arguments: Any, **options: Any) -> "Model":
+    """The model that the function of a module's name declares."""
+    return getattr(imported(f"fmus.{module}"), module)(*arguments, **options)
+
 
 _CRAIG, _SLOTINE_LI, _SPONG_ORTEGA = (
     "CraigAdaptiveImpedanceFull",
@@ -33,22 +24,37 @@ _CRAIG, _SLOTINE_LI, _SPONG_ORTEGA = (
     "SpongOrtegaAdaptiveImpedanceFull",
 )
 _NO_CORIOLIS = "SlotineLiAdaptiveImpedanceNoCoriolis"
-VARIANTS: dict[str, Callable[[], Model]] = {
-    "FailingForceSensor": partial(force_sensor, "FailingForceSensor", failing=True),
-    "PlantCorner": partial(plant, name="PlantCorner", walls=2),
-    "VirtualTrajectoryCorner": partial(virtual_trajectory, "VirtualTrajectoryCorner", 2),
-    "PlantWristPayload": partial(plant, name="PlantWristPayload", wrist=True),
-    "HoganImpedanceMobility": partial(hogan_impedance, name="HoganImpedanceMobility", form=MOBILITY),
-    "HoganImpedanceFull": partial(hogan_impedance, name="HoganImpedanceFull", full=True),
-    _CRAIG: partial(craig_adaptive_impedance, _CRAIG, full=True),
-    _SLOTINE_LI: partial(slotine_li_adaptive_impedance, _SLOTINE_LI, full=True),
-    _SPONG_ORTEGA: partial(spong_ortega_adaptive_impedance, _SPONG_ORTEGA, full=True),
-    _NO_CORIOLIS: partial(slotine_li_adaptive_impedance, _NO_CORIOLIS, coriolis_of_s=False),
+
+MODELS: "dict[str, Callable[[], Model]]" = {
+    "VirtualTrajectory": partial(_declared, "virtual_trajectory"),
+    "ForceSensor": partial(_declared, "force_sensor"),
+    "HoganImpedance": partial(_declared, "hogan_impedance"),
+    "CraigAdaptiveImpedance": partial(_declared, "craig_adaptive_impedance"),
+    "SlotineLiAdaptiveImpedance": partial(_declared, "slotine_li_adaptive_impedance"),
+    "SpongOrtegaAdaptiveImpedance": partial(_declared, "spong_ortega_adaptive_impedance"),
+    "Actuator": partial(_declared, "actuator"),
+    "Plant": partial(_declared, "plant"),
+    "HoganImpedance3R": partial(_declared, "hogan_impedance", 3, "HoganImpedance3R"),
+    "Actuator3R": partial(_declared, "actuator", 3, "Actuator3R"),
+    "Plant3R": partial(_declared, "plant", 3, "Plant3R"),
 }
-"""Models with other equations than those of the same name in `MODELS`; built when a user names them."""
+
+VARIANTS: "dict[str, Callable[[], Model]]" = {
+    "FailingForceSensor": partial(_declared, "force_sensor", "FailingForceSensor", failing=True),
+    "PlantCorner": partial(_declared, "plant", name="PlantCorner", walls=2),
+    "VirtualTrajectoryCorner": partial(_declared, "virtual_trajectory", "VirtualTrajectoryCorner", 2),
+    "PlantWristPayload": partial(_declared, "plant", name="PlantWristPayload", wrist=True),
+    "HoganImpedanceMobility": partial(_declared, "hogan_impedance", name="HoganImpedanceMobility", form="mobility"),
+    "HoganImpedanceFull": partial(_declared, "hogan_impedance", name="HoganImpedanceFull", full=True),
+    _CRAIG: partial(_declared, "craig_adaptive_impedance", _CRAIG, full=True),
+    _SLOTINE_LI: partial(_declared, "slotine_li_adaptive_impedance", _SLOTINE_LI, full=True),
+    _SPONG_ORTEGA: partial(_declared, "spong_ortega_adaptive_impedance", _SPONG_ORTEGA, full=True),
+    _NO_CORIOLIS: partial(_declared, "slotine_li_adaptive_impedance", _NO_CORIOLIS, coriolis_of_s=False),
+}
+"""Models with other equations than those of the same name in `MODELS`."""
 
 
-def model(identifier: str) -> Model:
+def model(identifier: str) -> "Model":
     """Declare the model of an identifier in `MODELS` or `VARIANTS`.
 
     Raises

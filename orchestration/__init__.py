@@ -13,8 +13,9 @@ Example::
     result["plant.x[1]"]
 """
 
-from importlib import import_module
 from typing import TYPE_CHECKING, Any
+
+from adaptimp_fmu.files.parts import imported
 
 if TYPE_CHECKING:
     from orchestration.analysis.doctor.diagnose import diagnose
@@ -192,6 +193,6 @@ def __getattr__(name: str) -> Any:
     if name not in _HOME:
         msg = f"module {__name__!r} has no attribute {name!r}"
         raise AttributeError(msg)
-    value = getattr(import_module(f"{__name__}.{_HOME[name]}"), name)
+    value = getattr(imported(f"{__name__}.{_HOME[name]}"), name)
     globals()[name] = value
     return value

@@ -11,6 +11,7 @@ from typing import Annotated
 
 import typer
 
+from adaptimp_fmu.files.parts import missing_part
 from orchestration.cli import completion
 from orchestration.cli.build_command import EPILOG as BUILD_EPILOG
 from orchestration.cli.build_command import build
@@ -367,7 +368,11 @@ def main() -> None:
             traceback.print_exception(error)
         output.error(f"Error: {_said(error)}")
         sys.exit(exit_code_of(error))
-    except Exception:
+    except Exception as error:
+        missing = missing_part(error) if isinstance(error, ImportError) else None
+        if missing is not None and not output.debug:
+            output.error(f"Error: {missing}")
+            sys.exit(exit_code_of(missing))
         traceback.print_exc()
         output.error("Error: this is a fault of adaptimp; please report it with the lines above.")
         sys.exit(ExitCode.FAULT)

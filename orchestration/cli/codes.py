@@ -34,6 +34,7 @@ MEANINGS = {
 
 def exit_code_of(error: BaseException) -> ExitCode:
     """Return the exit code of a command that an exception ends."""
+    from adaptimp_fmu.files.parts import MissingPartError
     from orchestration.errors import InitializationError, OrchestrationError, SimulationError
 
     if isinstance(error, KeyboardInterrupt):
@@ -42,4 +43,4 @@ def exit_code_of(error: BaseException) -> ExitCode:
         return ExitCode.REFUSED
     if isinstance(error, SimulationError | OSError):  # a full disk, a cache that cannot be written
         return ExitCode.FAILED
-    return ExitCode.REFUSED if isinstance(error, OrchestrationError) else ExitCode.FAULT
+    return ExitCode.REFUSED if isinstance(error, OrchestrationError | MissingPartError) else ExitCode.FAULT

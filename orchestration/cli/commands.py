@@ -7,6 +7,7 @@ from rich.table import Column, Table
 from rich.text import Text
 
 from adaptimp_fmu.files.cache_folder import let_matplotlib_write
+from adaptimp_fmu.files.parts import imported
 from orchestration.cli.output import output, watched
 from orchestration.cli.places import require_folder, written
 from orchestration.errors import SystemDescriptionError
@@ -54,6 +55,8 @@ def _stamp(path: Path) -> tuple[int, int] | None:
 def reproduce_paper(out: Path, image: str, *, fresh: bool) -> None:
     """Reproduce the figures and claims of the paper, and print the table of claims."""
     let_matplotlib_write()
+    for package in ("casadi", "scipy"):
+        imported(package, "paper")
     from orchestration.paper.claims.claim import HOLDS
     from orchestration.paper.report import reproduce
 

@@ -100,6 +100,7 @@ def recordable(ctx: Any, incomplete: str) -> list[str]:
 
 def _paths(ctx: Any, incomplete: str, causalities: tuple[str, ...]) -> list[str]:
     """Components, or variables of the one that is named."""
+    from fmus.carried import ChangedFileError
     from orchestration.errors import OrchestrationError
 
     component, dot, _ = incomplete.partition(".")
@@ -107,7 +108,7 @@ def _paths(ctx: Any, incomplete: str, causalities: tuple[str, ...]) -> list[str]
     system = ctx.params.get("system") or next(iter(ctx.args), "")
     try:
         found = dict(_components(system, component if dot else None, causalities))
-    except (OrchestrationError, OSError):
+    except (OrchestrationError, OSError, ImportError, ChangedFileError):
         return []
     if not dot:
         return _beginning(incomplete, [f"{name}." for name in found])
@@ -120,16 +121,25 @@ def _components(name: str, asked: str | None, causalities: tuple[str, ...]) -> I
     from orchestration.paper.scenarios import ALL_SCENARIOS
 
     if name in ALL_SCENARIOS:
-        from fmus.catalog import model as declared
-
         for component, identifier in ALL_SCENARIOS[name].models.items():
-            model = declared(identifier) if component == asked else None
-            causality = {v.name: _causality(v.role) for v in model.variables} if model else {}
-            yield component, _named(causality, causalities)
+            yield component, _named(_shipped(identifier) if component == asked else {}, causalities)
     elif Path(name).suffix.lower() in FILES:
         for component in named_system(name).components:
             causality = {v.name: v.causality for v in component.description.variables.values()}
             yield component.name, _named(causality, causalities)
+
+
+def _shipped(identifier: str) -> dict[str, str]:
+    """Causality of the variables of a shipped model, by name: of the FMU in the wheel, or of the declaration."""
+    from fmus.carried import carried_fmu
+    from fmus.catalog import model
+
+    carried = carried_fmu(identifier)
+    if carried is None:
+        return {v.name: _causality(v.role) for v in model(identifier).variables}
+    from orchestration.fmi.description import read_description
+
+    return {v.name: v.causality for v in read_description(carried).variables.values()}
 
 
 def _causality(role: Any) -> str:

@@ -2,7 +2,8 @@
 
 import json as formats
 
-from fmus.catalog import MODELS, VARIANTS
+from fmus.carried import description
+from fmus.catalog import MODELS, VARIANTS, model
 from orchestration.campaigns.measuring.registry import ready_measures
 from orchestration.cli.output import output, width
 from orchestration.cli.tables import definitions
@@ -17,15 +18,15 @@ USES = {
     "measures": "sweep fig5 --seeds 1-3 --measure NAME",
 }
 """What is listed, and the command that takes a name."""
-_TITLES = {"fmus": "FMUs", "variants": "Variants of FMUs, built when they are named"}
+_TITLES = {"fmus": "FMUs", "variants": "Variants of FMUs"}
 
 
 def list_all(*, json: bool) -> None:
     """Print the names of all scenarios, FMUs, their variants and algorithms, each with what it is."""
     found = {
         "scenarios": {name: scenario.caption for name, scenario in ALL_SCENARIOS.items()},
-        "fmus": {name: declare().description for name, declare in MODELS.items()},
-        "variants": {name: declare().description for name, declare in VARIANTS.items()},
+        "fmus": {name: _described(name) for name in MODELS},
+        "variants": {name: _described(name) for name in VARIANTS},
         "algorithms": dict(SUMMARIES),
         "measures": {name: summary for name, (_, summary) in ready_measures().items()},
     }
@@ -37,6 +38,11 @@ def list_all(*, json: bool) -> None:
             output.data("")
         output.data(f"{_TITLES.get(title, title.capitalize())}  (adaptimp {use})")
         output.data(definitions(list(found[title].items()), width(), "  "))
+
+
+def _described(identifier: str) -> str:
+    """What a shipped FMU is, in a line."""
+    return description(identifier) or model(identifier).description
 
 
 def list_ready(*, json: bool) -> None:

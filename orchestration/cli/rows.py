@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from pathlib import Path
 
+from adaptimp_fmu.files.parts import require
 from orchestration.cli.output import output
 from orchestration.cli.places import require_folder, written
 from orchestration.cli.report import RunReport
@@ -44,6 +45,8 @@ class Destination:
         if path.suffix not in FORMATS:
             msg = f"{path}: results are written as {' or '.join(FORMATS)}."
             raise SystemDescriptionError(msg)
+        if path.suffix == STREAMED:
+            require("pyarrow")
         if path.is_dir():
             msg = f"{path} is a folder; a file for the result is needed."
             raise SystemDescriptionError(msg)

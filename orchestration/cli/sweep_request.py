@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from adaptimp_fmu.files.parts import require
 from orchestration.cli.isolation import isolation_of
 from orchestration.cli.settings import setting_of
 from orchestration.cli.systems import SystemRequest
@@ -107,6 +108,10 @@ class SweepRequest:
         if self.out is not None and self.out.suffix.lower() not in TABLES:
             msg = f"--out {self.out}: tables are written as {', '.join(TABLES)}; end the name with one of them."
             raise SystemDescriptionError(msg)
+        if self.store is not None or (self.out is not None and self.out.suffix.lower() == ".parquet"):
+            require("pyarrow")
+        if self.samples is not None or (self.out is not None and self.out.suffix.lower() == ".nc"):
+            require("scipy")
         if self.cluster is not None and self.workers is not None:
             msg = "--cluster and --workers exclude each other: the cluster has its own workers."
             raise SystemDescriptionError(msg)

@@ -10,9 +10,9 @@ from functools import cache, cached_property
 from pathlib import Path
 from typing import Any
 
+from adaptimp_fmu.files.standards import standard_file
 from orchestration.errors import ArchiveError
 from orchestration.fmi.codes import BOOLEAN, ENUMERATION, INTEGER, REAL, STANDS_FOR, STRING
-from orchestration.fmi.fmpy_files import fmpy_file
 from orchestration.fmi.units import BASE_UNITS, Unit
 from orchestration.sandbox.archive import entry_names, read_entries
 from orchestration.sandbox.xml import LARGEST, XmlError, parse_xml, violation
@@ -262,7 +262,7 @@ def require_valid(root: Any) -> None:
 def _schema() -> Any:
     from lxml import etree
 
-    return etree.XMLSchema(etree.parse(str(fmpy_file("schema", "fmi2", "fmi2ModelDescription.xsd"))))
+    return etree.XMLSchema(etree.parse(str(standard_file("schema", "fmi2", "fmi2ModelDescription.xsd"))))
 
 
 def default_initial(causality: str, variability: str) -> str | None:

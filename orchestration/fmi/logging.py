@@ -15,10 +15,11 @@ from functools import cache
 from typing import Any
 from weakref import WeakValueDictionary
 
-from orchestration.errors import ArchiveError, printable
+from adaptimp_fmu.files.parts import MissingPartError
+from adaptimp_fmu.files.standards import standard_file
+from orchestration.errors import printable
 from orchestration.fmi.codes import Status, status_name
 from orchestration.fmi.deferred import keep
-from orchestration.fmi.fmpy_files import fmpy_file
 from orchestration.fmi.signatures import Allocate, Callbacks, Free, Logger
 
 KEPT_MESSAGES = 100
@@ -164,8 +165,8 @@ def _proxy() -> Any:
     """Load the library that formats messages; None if this machine has none."""
     if sys.platform not in _PROXIES:
         return None
-    with suppress(ArchiveError, OSError):
-        return ct.CDLL(str(fmpy_file("logging", *_PROXIES[sys.platform])))
+    with suppress(MissingPartError, OSError):
+        return ct.CDLL(str(standard_file("logging", *_PROXIES[sys.platform])))
     return None
 
 

@@ -8,9 +8,12 @@ from pathlib import Path
 
 import numpy as np
 
+from adaptimp_fmu.files.parts import has
 from orchestration.errors import SystemDescriptionError
+from orchestration.results.arrow_table import arrow_errors
 from orchestration.results.columns import TIME
 from orchestration.results.parquet_file import PREFIX, UNITS
+from orchestration.results.plain_csv import read_plain
 from orchestration.sandbox.archive import file_hash
 
 SUFFIXES = (".csv", ".parquet")
@@ -39,15 +42,13 @@ def read_table(path: Path) -> Table:
             f"{path}: time series are read from .csv or .parquet, not from {path.suffix or 'a file without a suffix'}."
         )
         raise SystemDescriptionError(msg)
-    import pyarrow as pa
-
     try:
         columns, units = (_read_csv if path.suffix.lower() == ".csv" else _read_parquet)(path)
         return Table(columns, units, file_hash(path))
     except OSError as error:
         msg = f"{path}: the time series cannot be read: {error.strerror or error}."
         raise SystemDescriptionError(msg) from error
-    except (pa.ArrowException, ValueError, TypeError) as error:
+    except (*arrow_errors(), ValueError, TypeError) as error:
         msg = f"{path} does not hold time series: {' '.join(str(error).split()).rstrip('.')}."
         raise SystemDescriptionError(msg) from error
 
@@ -57,9 +58,6 @@ _Read = tuple[tuple[tuple[str, np.ndarray], ...], Mapping[str, str]]
 
 def _read_csv(path: Path) -> _Read:
     """Read the columns of a CSV file, in UTF-8 with or without a byte order mark."""
-    import pyarrow as pa
-    import pyarrow.csv as arrow_csv
-
     with path.open(encoding="utf-8-sig", newline="") as text:
         names = next(csv.reader(text), [])
     if not names:
@@ -68,6 +66,12 @@ def _read_csv(path: Path) -> _Read:
     if len(names) == 1 and ";" in names[0]:
         msg = "its columns are separated by semicolons; separate them by commas"
         raise ValueError(msg)
+    if not has("pyarrow"):
+        with path.open(encoding="utf-8-sig", newline="") as text:
+            return tuple(read_plain(text, (), missing=True).items()), {}
+    import pyarrow as pa
+    import pyarrow.csv as arrow_csv
+
     with path.open("rb") as file:
         table = arrow_csv.read_csv(
             file,

@@ -1,4 +1,4 @@
-"""Finds the FMU files of the paper's scenarios, and builds those that are not in the cache."""
+"""Finds the FMU files of the paper's scenarios: carried by the wheel, in the cache, or built now."""
 
 from collections.abc import Iterable, Mapping
 from pathlib import Path
@@ -27,14 +27,31 @@ def find_scenario(name: str) -> Scenario:
 
 
 def fmus(identifiers: Iterable[str], *, reals: bool = False) -> Mapping[str, Path]:
-    """FMU files for this machine by model identifier; those that are not in the cache are built."""
+    """FMU files by model identifier; those that are neither carried by the wheel nor in the cache are built."""
     return {identifier: built(identifier, reals=reals) for identifier in dict.fromkeys(identifiers)}
 
 
 def built(identifier: str, *, reals: bool = False) -> Path:
-    """The FMU file for this machine of a model identifier; errors are those of `built_model`."""
+    """The FMU file of a model identifier.
+
+    The wheel carries it for all platforms, unless the definitions have changed since. With Reals, it is built.
+
+    Raises
+    ------
+    OrchestrationError
+        If a carried file was changed, or as of `built_model`.
+    MissingPartError
+        If the FMU must be built, and the part ``build`` is not installed.
+    """
+    from fmus.carried import ChangedFileError, carried_fmu
     from fmus.catalog import model
 
+    try:
+        carried = None if reals else carried_fmu(identifier)
+    except ChangedFileError as error:
+        raise OrchestrationError(str(error)) from error
+    if carried is not None:
+        return carried
     return built_model(model(identifier), reals=reals)
 
 

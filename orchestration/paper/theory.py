@@ -17,16 +17,9 @@ from fmus.control.impedance import (
 from fmus.control.tirt import Impedance
 from fmus.mechanics.algebra import solve_2x2, solve_spd
 from fmus.mechanics.planar_arm import PlanarArm
-from orchestration.paper.numbers import SEMI_AXIS, WALL_OFFSET
 
 N_STATES = 1000
 SEED = 1991
-
-
-def wall_points(wall_offset: float = WALL_OFFSET) -> tuple[np.ndarray, np.ndarray]:
-    """The points a and b at which the ellipse meets the wall and leaves it, m."""
-    height = SEMI_AXIS[1] * math.sqrt(1 - (wall_offset / SEMI_AXIS[0]) ** 2)
-    return np.array([-wall_offset, height]), np.array([-wall_offset, -height])
 
 
 def form_difference() -> float:

@@ -3,6 +3,7 @@
 Both file formats of results are written from and read into Arrow tables.
 """
 
+import sys
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
@@ -16,6 +17,12 @@ if TYPE_CHECKING:
 
 ROW_GROUP_BYTES = 2**24
 """Size of a group of rows that is written at once, in bytes; for 40 columns a group has 51,150 rows."""
+
+
+def arrow_errors() -> tuple[type[Exception], ...]:
+    """Return the class of Arrow's errors; none where Arrow is not imported, so that it raises none."""
+    arrow = sys.modules.get("pyarrow")
+    return () if arrow is None else (arrow.ArrowException,)
 
 
 def rows_per_group(n_columns: int, n_texts: int = 0) -> int:

@@ -10,10 +10,12 @@ import re
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
+from adaptimp_fmu.files.parts import has
 from adaptimp_fmu.files.whole_file import whole_file
 from orchestration.results.arrow_table import arrow_schema, arrow_table, columns_of, rows_per_group
 from orchestration.results.columns import Columns
 from orchestration.results.places import write_errors
+from orchestration.results.plain_csv import plain_columns, write_plain
 
 CSV_BLOCK_BYTES = 2**23
 """Size of the blocks in which a file is read, in bytes; every line must be shorter than a block."""
@@ -37,6 +39,10 @@ def write_csv(columns: Columns, path: Path) -> None:
     OrchestrationError
         If the file cannot be written.
     """
+    if not has("pyarrow"):
+        with write_errors(path), whole_file(path) as file:
+            write_plain(columns, file)
+        return
     import pyarrow.csv
 
     schema = arrow_schema(columns.names, {}, tuple(columns.texts))
@@ -59,12 +65,15 @@ def read_csv(path: Path) -> Columns:
     OSError, ValueError, pyarrow.ArrowException
         If the file cannot be read, or does not hold columns of numbers with ``time`` as the first.
     """
-    import pyarrow as pa
-    import pyarrow.csv as arrow_csv
-
     with path.open(encoding="utf-8-sig", newline="") as text:
         names = next(csv.reader(text), [])
         texts = _quoted(text, names)
+    if not has("pyarrow"):
+        with path.open(encoding="utf-8-sig", newline="") as text:
+            return plain_columns(text, texts)
+    import pyarrow as pa
+    import pyarrow.csv as arrow_csv
+
     with path.open("rb") as file:
         table = arrow_csv.read_csv(
             file,

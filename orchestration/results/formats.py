@@ -6,6 +6,7 @@ from pathlib import Path
 
 from adaptimp_fmu.files.whole_file import SUFFIX as UNFINISHED
 from orchestration.errors import OrchestrationError
+from orchestration.results.arrow_table import arrow_errors
 from orchestration.results.columns import Columns
 from orchestration.results.csv_file import read_csv, write_csv
 from orchestration.results.parquet_file import cut_off_parts, parquet_parts, read_cut_off, read_parquet, write_parquet
@@ -75,14 +76,12 @@ def _read_errors(path: Path) -> Iterator[None]:
     OrchestrationError
         If the file cannot be read, or does not hold a result.
     """
-    import pyarrow as pa
-
     try:
         yield
     except OSError as error:
         msg = f"{path}: the result cannot be read: {error.strerror or error}."
         raise OrchestrationError(msg) from error
-    except (pa.ArrowException, ValueError, TypeError) as error:
+    except (*arrow_errors(), ValueError, TypeError) as error:
         reason = " ".join(str(error).split()).rstrip(".")
         kind = "Parquet" if path.suffix.lower() == ".parquet" else "CSV"
         msg = (

@@ -1,6 +1,5 @@
 """Access to the XML files of an SSP package: names of the standard, safe reading, validation by the XSD schemas."""
 
-import importlib.resources
 import re
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
@@ -10,6 +9,7 @@ from urllib.parse import unquote
 
 from lxml import etree
 
+from adaptimp_fmu.files.standards import standard_file
 from orchestration.errors import ArchiveError, SystemDescriptionError
 from orchestration.fmi.units import BASE_UNITS, Linear, Unit, UnitDefinition
 from orchestration.sandbox.archive import read_entries
@@ -342,6 +342,5 @@ def serialized(root: Xml, schema: str, name: str) -> bytes:
 
 @cache
 def _schema(name: str) -> etree.XMLSchema:
-    """Schema of a file name, loaded once from the fmpy package."""
-    folder = importlib.resources.files("fmpy") / "ssp" / "schema"
-    return etree.XMLSchema(etree.parse(str(folder / name)))
+    """Schema of a file name, loaded once."""
+    return etree.XMLSchema(etree.parse(str(standard_file("ssp", "schema", name))))

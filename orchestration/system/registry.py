@@ -6,10 +6,10 @@ system does not import any file format or analysis.
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from adaptimp_fmu.files.parts import imported
 from orchestration.errors import SystemDescriptionError
 
 if TYPE_CHECKING:
@@ -103,4 +103,4 @@ def program_writer(form: str) -> "Callable[..., Path]":
 def _load(entry: str) -> Callable[..., Any]:
     """Import the module of an entry, and return the function of the entry."""
     module, _, function = entry.partition(":")
-    return getattr(import_module(module), function)
+    return getattr(imported(module), function)

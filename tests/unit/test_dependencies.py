@@ -8,9 +8,11 @@ import tomllib
 from importlib.metadata import packages_distributions
 from pathlib import Path
 
+from adaptimp_fmu.files.parts import GIVES, PARTS
+
 ROOT = Path(__file__).parents[2]
 PACKAGES = ("adaptimp_fmu", "fmus", "orchestration")
-FOR_TESTS = {"pytest"}  # orchestration.fmi.testing is for people who have it
+FOR_TESTS = {"pytest"}  # the part "test"; orchestration.fmi.testing is for people who have it
 
 
 def imported() -> set[str]:
@@ -31,4 +33,10 @@ def test_imports_are_declared_and_declarations_are_imported() -> None:
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     lines = itertools.chain(project["dependencies"], *project["optional-dependencies"].values())
     declared = {re.split(r"[<>=!~;\[ ]", line)[0].lower() for line in lines}
-    assert imported() - FOR_TESTS == declared
+    assert imported() | FOR_TESTS == declared
+
+
+def test_the_part_of_a_package_brings_it() -> None:
+    parts = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]["optional-dependencies"]
+    assert {package: part for package, part in PARTS.items() if package not in " ".join(parts[part])} == {}
+    assert set(PARTS.values()) | {"paper"} == set(GIVES) == set(parts) - {"test"}

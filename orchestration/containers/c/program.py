@@ -10,7 +10,7 @@ Links are direct assignments. Values take the way that FMI's functions give them
 
 from collections.abc import Iterator, Sequence
 
-from adaptimp_fmu.codegen import runtime_sources
+from adaptimp_fmu.runtime_files import runtime_sources
 from orchestration.containers.c_text import c_number, environment
 from orchestration.containers.plan import FIXED, GAUSS_SEIDEL, INPUT, OUTPUT, TUNABLE, Link, Plan
 from orchestration.fmi.codes import BOOLEAN, INTEGER

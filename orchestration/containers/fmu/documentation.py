@@ -6,8 +6,8 @@ from importlib.metadata import PackageNotFoundError, version
 
 import jinja2
 
-from adaptimp_fmu.codegen import RUNTIME_LICENSE, runtime_license, runtime_sources
 from adaptimp_fmu.description import number
+from adaptimp_fmu.runtime_files import RUNTIME_LICENSE, runtime_license, runtime_sources
 from adaptimp_fmu.variables import Type
 from orchestration.containers.fmu.description import summary
 from orchestration.containers.plan import FIXED, INPUT, OUTPUT, TUNABLE, Member, Plan

@@ -16,10 +16,11 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 from adaptimp_fmu.binary import binary
-from adaptimp_fmu.codegen import GUID_PLACEHOLDER, RUNTIME_LICENSE, runtime_license, runtime_sources
+from adaptimp_fmu.codegen import GUID_PLACEHOLDER
 from adaptimp_fmu.errors import ToolchainError
 from adaptimp_fmu.files.whole_file import write_whole
 from adaptimp_fmu.package import archive
+from adaptimp_fmu.runtime_files import RUNTIME_LICENSE, runtime_license, runtime_sources
 from adaptimp_fmu.terminals import TERMINALS_FILE, Terminal, terminals_and_icons
 from adaptimp_fmu.toolchain import PLATFORMS, Platform, host_platform
 from orchestration.containers.c.program import c_sources, compiled_files

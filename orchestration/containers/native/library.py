@@ -11,6 +11,7 @@ from adaptimp_fmu.binary import binary
 from adaptimp_fmu.errors import ToolchainError
 from adaptimp_fmu.files.cache_folder import cache_folder, is_trusted, writable_cache
 from adaptimp_fmu.files.cache_use import use
+from adaptimp_fmu.files.parts import MissingPartError
 from adaptimp_fmu.files.whole_file import write_whole
 from adaptimp_fmu.toolchain import Platform, host_platform
 from adaptimp_fmu.toolchain import identity as toolchain_identity
@@ -72,9 +73,13 @@ def identity_of(files: Mapping[str, str], compiled: Sequence[str]) -> str:
     Raises
     ------
     ContainerError
-        If nothing can be compiled for this machine.
+        If nothing can be compiled on this machine.
     """
-    digest = hashlib.sha256(f"{toolchain_identity()} {_platform()} {' '.join(compiled)}".encode())
+    try:
+        toolchain = toolchain_identity()
+    except MissingPartError as error:
+        raise ContainerError(str(error)) from error
+    digest = hashlib.sha256(f"{toolchain} {_platform()} {' '.join(compiled)}".encode())
     for name, text in sorted(files.items()):
         digest.update(f"\0{name}\0{text}".encode("utf-8", "surrogateescape"))
     return digest.hexdigest()

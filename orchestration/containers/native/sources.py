@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from adaptimp_fmu.codegen import runtime_sources
+from adaptimp_fmu.runtime_files import runtime_sources
 from orchestration.containers.c.program import c_sources, compiled_files, counts
 from orchestration.containers.c_text import environment, identifier
 from orchestration.containers.native.reduction_text import Shown, reduction_text

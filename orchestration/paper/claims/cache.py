@@ -10,6 +10,7 @@ import importlib.metadata
 import importlib.resources
 import json
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import asdict
 from pathlib import Path
 
@@ -50,7 +51,8 @@ def claims_of(
 def _key(digests: Mapping[str, str]) -> str:
     key = hashlib.sha256(json.dumps(dict(digests), sort_keys=True).encode())
     for library in LIBRARIES:
-        key.update(f"{library} {importlib.metadata.version(library)}\n".encode())
+        with suppress(importlib.metadata.PackageNotFoundError):
+            key.update(f"{library} {importlib.metadata.version(library)}\n".encode())
     for package in PACKAGES:
         root = Path(str(importlib.resources.files(package)))
         for path in sorted(root.rglob("*.py")):

@@ -2,13 +2,13 @@
 
 import numpy as np
 
-from orchestration.paper import theory
 from orchestration.paper.claims import criteria as limits
 from orchestration.paper.claims import judged
 from orchestration.paper.claims.claim import Finding, Question
 from orchestration.paper.evidence import Evidence
 from orchestration.paper.measure import at_ticks, contact, distance_from_start, largest_norm, steady_force
 from orchestration.paper.numbers import TIP_START, TRUE_M2, WRONG_M2
+from orchestration.paper.wall import wall_points
 
 LATER = 0.1  # s after contact
 
@@ -29,7 +29,7 @@ def _true_mass_follows(evidence: Evidence) -> Finding:
     e = largest_norm(at_ticks(result, "controller.e"))
     touch = contact(result)
     end = distance_from_start(result)
-    a, b = theory.wall_points()
+    a, b = wall_points()
     at_a = float(np.linalg.norm(touch.enter - a))
     at_b = float(np.linalg.norm(touch.leave - b))
     return Finding(

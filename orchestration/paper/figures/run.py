@@ -7,7 +7,7 @@ import numpy as np
 
 from orchestration.paper.measure import ESTIMATE, at_ticks, contact, norms
 from orchestration.paper.numbers import TARGET_STIFFNESS, WALL_NORMAL
-from orchestration.paper.theory import wall_points
+from orchestration.paper.wall import wall_points
 from orchestration.results.result import Result
 
 Span = tuple[float, float]

@@ -5,7 +5,7 @@ from types import MappingProxyType
 
 import numpy as np
 
-from orchestration.paper import lyapunov, theory
+from orchestration.paper import lyapunov
 from orchestration.paper import saturation as saturated
 from orchestration.paper.calibrations import Setting
 from orchestration.paper.lyapunov import SLIDING_COLUMNS, SlidingGains
@@ -22,6 +22,7 @@ from orchestration.paper.numbers import TRUE_M2
 from orchestration.paper.studies.summary_measure import TORQUES
 from orchestration.paper.studies.summary_measure import UNITS as SUMMARY
 from orchestration.paper.troubles import ENDS, TROUBLES, Errors
+from orchestration.paper.wall import wall_points
 from orchestration.results.result import Result
 
 Numbers = dict[str, float]
@@ -122,7 +123,7 @@ def conventional(result: Result, touch: Contact) -> Numbers:
 
 def true_mass(result: Result, touch: Contact, wall_offset: float) -> Numbers:
     """The numbers of Figs. 2 and 3."""
-    a, b = theory.wall_points(wall_offset)
+    a, b = wall_points(wall_offset)
     return {
         **conventional(result, touch),
         "at_a": float(np.linalg.norm(touch.enter - a)),

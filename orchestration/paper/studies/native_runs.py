@@ -6,6 +6,7 @@ from threading import Lock
 
 import numpy as np
 
+from adaptimp_fmu.files.parts import has
 from orchestration.containers.native.program import NativeProgram
 from orchestration.fmi.codes import STRING
 from orchestration.fmi.description import SAMPLE_TIME
@@ -23,9 +24,11 @@ class NativeLaboratory(Laboratory):
     """Runs jobs in native libraries, with FMU files by model identifier. Threads may share it.
 
     A library takes every parameter as a value of a run. So all jobs whose systems are of the same FMUs, and show the
-    same columns, share a library, which is compiled once. A job that shows everything is run by the master.
+    same columns, share a library, which is compiled once. A job that shows everything is run by the master. So is every
+    job where no compiler is installed, which takes longer and gives the same bits.
     """
 
+    compiles: bool = field(default_factory=lambda: has("ziglang"))
     _systems: dict[str, tuple[System, Start]] = field(default_factory=dict, init=False)
     _programs: dict[tuple[object, ...], NativeProgram] = field(default_factory=dict, init=False)
     _lock: Lock = field(default_factory=Lock, init=False)
@@ -40,7 +43,7 @@ class NativeLaboratory(Laboratory):
         ContainerError
             If a native library cannot change a start value of the job, or has no such column.
         """
-        if record is None:
+        if record is None or not self.compiles:
             return super().run(job)
         with self._lock:
             system, start = self._system(job.scenario)

@@ -17,7 +17,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from adaptimp_fmu.codegen import runtime_sources
+from adaptimp_fmu.runtime_files import runtime_sources
 from tests.conformance.sanitizers.compiling import missing
 
 ROOT = Path(__file__).parents[3]

@@ -114,7 +114,7 @@ def test_messages_do_without_a_proxy_that_is_missing_or_does_not_load(
     proxy = tmp_path / "logging.so"
     if content is not None:
         proxy.write_bytes(content)
-    monkeypatch.setattr(logging, "fmpy_file", lambda *_: proxy)
+    monkeypatch.setattr(logging, "standard_file", lambda *_: proxy)
     assert logging._proxy.__wrapped__() is None
     monkeypatch.undo()
     assert logging._proxy.__wrapped__() is not None

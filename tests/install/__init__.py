@@ -1,0 +1,1 @@
+"""Evidence that the wheel works where only the core is installed."""
