@@ -1,7 +1,7 @@
-"""Turns formulas in LaTeX into MathML, which browsers draw without a script.
+r"""Turns formulas in LaTeX into MathML, which browsers draw without a script.
 
 The extension arithmatex of Markdown marks a formula by an element of its class, in which the formula stands between
-``\\(`` and ``\\)`` in a line, and between ``\\[`` and ``\\]`` as a block of its own.
+``\(`` and ``\)`` in a line, and between ``\[`` and ``\]`` as a block of its own.
 """
 
 import html

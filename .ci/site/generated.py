@@ -7,9 +7,10 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
 
+import typer
+
 import adaptimp_fmu
 import orchestration
-import typer
 from adaptimp_fmu import Model, Variable
 from fmus.catalog import MODELS, VARIANTS
 from orchestration.cli.app import app
@@ -120,8 +121,9 @@ def scenarios(found: Mapping[str, Scenario]) -> str:
     """A table of the scenarios, and the start values of those of the figures with their origins."""
     said = (
         "# Scenarios\n\n`adaptimp run NAME` runs a scenario, `adaptimp run NAME --assumptions` says what was assumed"
-        " and why, and `scenario(NAME)` gives it to a script.\n\n| name | what it is | controller | step, s | until, s |"
-        "\n|---|---|---|---|---|\n"
+        " and why, and `scenario(NAME)` gives it to a script.\n\n"
+        "| name | what it is | controller | step, s | until, s |\n"
+        "|---|---|---|---|---|\n"
     )
     for name, s in found.items():
         said += f"| `{name}` | {s.caption} | `{s.models['controller']}` | {s.step:g} | {s.stop_time:g} |\n"
