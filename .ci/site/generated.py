@@ -28,16 +28,15 @@ TITLES = {
 }
 """Titles of pages by the room of `orchestration` that holds a name."""
 ERRORS, TOOLCHAIN = "Errors and warnings", "Making FMUs (adaptimp_fmu)"
-MADE = "<!-- This page is generated from the code. -->\n\n"
 
 
 def reference_pages() -> dict[str, str]:
     """All generated pages, by their paths in the site."""
     return {
         **api_pages(),
-        "reference/all-options.md": MADE + commands(),
-        "reference/variables.md": MADE + variables(MODELS | VARIANTS),
-        "reference/scenarios.md": MADE + scenarios(ALL_SCENARIOS),
+        "reference/all-options.md": commands(),
+        "reference/variables.md": variables(MODELS | VARIANTS),
+        "reference/scenarios.md": scenarios(ALL_SCENARIOS),
     }
 
 
@@ -49,7 +48,7 @@ def api_pages() -> dict[str, str]:
         title = ERRORS if name.endswith(FAILURES) else TITLES[room]
         names[title].append(f"orchestration.{name}")
     names[TOOLCHAIN] = [f"adaptimp_fmu.{name}" for name in adaptimp_fmu.__all__]
-    return {f"reference/api/{_file(title)}": MADE + _api(title, found) for title, found in names.items()}
+    return {f"reference/api/{_file(title)}": _api(title, found) for title, found in names.items()}
 
 
 def _file(title: str) -> str:
