@@ -3,6 +3,7 @@
 MkDocs calls the functions of this module by their names, in the order in which they stand here.
 """
 
+import re
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +16,7 @@ from navigation import expanded
 from repository import PAGES_OUTSIDE, linked_sources, origin_of, redirected
 
 ROOT = Path(__file__).parents[2]
+NOTEBOOK_LINK = re.compile(r'(<a href="(?!\w+:)[^"#]+)\.(?:md|ipynb)(?=["#])')
 
 
 def on_files(files: Files, *, config: MkDocsConfig) -> Files:
@@ -33,6 +35,7 @@ def on_page_markdown(markdown: str, *, page: Page, **_: Any) -> str:
     return redirected(markdown, page.file.src_uri, origin_of(page.file.src_uri), ROOT)
 
 
-def on_page_content(html: str, **_: Any) -> str:
-    """Typeset formulas."""
-    return with_mathml(html)
+def on_page_content(html: str, *, page: Page, **_: Any) -> str:
+    """Typeset formulas, and let links of a notebook lead to pages, not to documents."""
+    found = with_mathml(html)
+    return NOTEBOOK_LINK.sub(r"\1.html", found) if page.file.src_uri.endswith(".ipynb") else found

@@ -46,7 +46,9 @@ def lines_of_page(page: str) -> list[str]:
     """Command lines of a page: indented after ``uv run``, or in a fence of ``sh``."""
     text = (ROOT / page).read_text(encoding="utf-8")
     fences = "".join(re.findall(r"^```sh\n(.*?)^```$", text, re.MULTILINE | re.DOTALL))
-    return re.findall(r"^    (?:uv run )?(adaptimp .*)$", text, re.MULTILINE) or re.findall(r"(?m)^adaptimp .*$", fences)
+    return re.findall(r"^    (?:uv run )?(adaptimp .*)$", text, re.MULTILINE) or re.findall(
+        r"(?m)^adaptimp .*$", fences
+    )
 
 
 @pytest.fixture
