@@ -12,13 +12,20 @@ from IPython.terminal.ipapp import load_default_config
 DOCS = Path(__file__).parents[2] / "docs"
 
 
+class Shell(InteractiveShell):
+    """An IPython for which ``%matplotlib inline`` needs no windows."""
+
+    def enable_gui(self, gui: str | None = None) -> None:
+        """Do nothing."""
+
+
 def shown(name: str, folder: Path) -> list[Any]:
     """What the cells of a notebook evaluate to, in their order; a cell that fails is raised."""
     saved = json.loads((DOCS / name).read_text(encoding="utf-8"))
     assert not any(cell.get("outputs") for cell in saved["cells"]), "the site executes it; save it without outputs"
     config = load_default_config(str(folder))
     config.HistoryManager.enabled = False
-    shell, found = InteractiveShell(config=config, ipython_dir=str(folder)), []
+    shell, found = Shell(config=config, ipython_dir=str(folder)), []
     for cell in saved["cells"]:
         if cell["cell_type"] == "code":
             run = shell.run_cell("".join(cell["source"]))
@@ -48,8 +55,8 @@ def test_a_leak_costs_what_the_notebook_says(tmp_path: Path) -> None:
 
 def test_the_peak_does_not_depend_on_the_stiffness(tmp_path: Path) -> None:
     _, peaks, figure, allowed, repeated = shown("which-stiffness.ipynb", tmp_path)
-    assert float((peaks.max("K") - peaks.min("K")).max()) < 0.02 * float(peaks.max()), "a few newtons"
-    assert float(peaks.max("K_f").min()) > 1000  # N, of the hardest wall
+    assert (peaks.max() - peaks.min()).max() < 10, "rows differ by a few newtons"
+    assert peaks.max(axis="columns").min() > 1000  # N, of the hardest wall
     assert figure.axes[0].get_xlabel() == "K (N/m)" or figure.axes[0].get_ylabel() == "K (N/m)"
     assert list(allowed) == [500, 794, 1260, 2000]
     assert max(allowed.values()) < 12.0  # N.s
