@@ -5,7 +5,8 @@ from dataclasses import dataclass, field
 import casadi as ca
 
 from adaptimp_fmu.errors import DefinitionError
-from adaptimp_fmu.model import POSITIVE, Model, depends
+from adaptimp_fmu.expressions import depends
+from adaptimp_fmu.model import POSITIVE, Model
 
 
 @dataclass(frozen=True)

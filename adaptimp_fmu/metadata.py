@@ -31,6 +31,8 @@ class Ownership:
     >>> from adaptimp_fmu import ContinuousModel, Ownership
     >>> model = ContinuousModel("Cart", "A cart")
     >>> model.ownership = Ownership(author="Ada Example", version="1.0", license="BSD-3-Clause")
+    >>> model.ownership.attributes()
+    {'author': 'Ada Example', 'version': '1.0', 'license': 'BSD-3-Clause'}
     """
 
     author: str = ""
@@ -68,6 +70,8 @@ class Experiment:
     >>> from adaptimp_fmu import ContinuousModel, Experiment
     >>> model = ContinuousModel("Cart", "A cart")
     >>> model.experiment = Experiment(stop_time=10.0, step_size=1e-3)
+    >>> model.experiment.stated()
+    {'stop_time': 10.0, 'step_size': 0.001}
     """
 
     start_time: float | None = None

@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 import casadi as ca
 
 from adaptimp_fmu.errors import DefinitionError
+from adaptimp_fmu.expressions import depends, expression
 from adaptimp_fmu.icon import Icon
 from adaptimp_fmu.metadata import Experiment, Ownership
 from adaptimp_fmu.names import suggestion
@@ -122,6 +123,18 @@ class Model:
     >>> spring.output("F", 100.0 * (x[1] - x[0]), unit="N", description="Force")
     >>> names(spring, Role.INPUT), names(spring, Role.OUTPUT)
     (['x[1]', 'x[2]'], ['F'])
+
+    What a model declares, and where a variable is in the FMU:
+
+    >>> gain = ContinuousModel("Gain", "A gain with a memory")
+    >>> k = gain.parameter("k", 2.0, unit="1/s", description="Rate of the memory")
+    >>> u = gain.input("u", 0.0, description="Input")
+    >>> y = gain.state("y", 0.0)
+    >>> gain.derivative(y, k * (u - y))
+    >>> gain.output("y", y, description="Input as it was a while ago")
+    >>> gain.require(k, "k must be positive")
+    >>> [variable.name for variable in gain.ordered_variables()], gain.reference("u")
+    (['dt_max', 'k', 'u', 'y'], 2)
     """
 
     name: str
@@ -371,23 +384,3 @@ class Model:
         for element, start, limits, (unit, shown, text) in zip(names, starts, ranges, each, strict=True):
             least, most = limits.minimum, limits.maximum
             self.variables.append(Variable(element, role, type, unit, text, start, least, most, shown))
-
-
-def expression(value: ca.SX | Start, where: str) -> ca.SX:
-    """A value as a column of CasADi, shape (n,).
-
-    Raises
-    ------
-    DefinitionError
-        If it is not a number, an array of numbers or an expression.
-    """
-    try:
-        return ca.vec(ca.SX(value))
-    except (NotImplementedError, TypeError) as error:
-        msg = f"{where} is {value!r}; an expression of CasADi or a number is needed."
-        raise DefinitionError(msg) from error
-
-
-def depends(expression: ca.SX, symbols: Sequence[ca.SX]) -> bool:
-    """Whether an expression depends on any of the symbols."""
-    return bool(ca.depends_on(ca.SX(expression), ca.vertcat(*symbols)))

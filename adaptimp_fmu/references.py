@@ -51,6 +51,17 @@ class ReferenceRun:
     >>> clock.output("t", clock.time, unit="s", description="Time")
     >>> experiment = Experiment(start_time=0.0, stop_time=0.2, step_size=0.1, tolerance=1e-9)
     >>> clock.reference_runs = [ReferenceRun("ticking", experiment, results=b"time,t\n0,0\n0.1,0.1\n0.2,0.2\n")]
+
+    From arrays, and from files as those of the FMI cross-check:
+
+    >>> import numpy as np
+    >>> from pathlib import Path
+    >>> times = np.array([0.0, 0.1, 0.2])  # s
+    >>> run = ReferenceRun.from_columns("ticking", experiment, {"time": times, "t": times})
+    >>> _ = Path("ticking_ref.csv").write_bytes(run.results)
+    >>> _ = Path("ticking_ref.opt").write_text("StartTime,0\nStopTime,0.2\nStepSize,0.1\nRelTol,1e-9\n")
+    >>> ReferenceRun.read(Path(), "ticking") == run
+    True
     """
 
     name: str
@@ -142,6 +153,8 @@ class ParameterSet:
     >>> model = SampledModel("Gain", "A gain")
     >>> k = model.parameter("k", [2.0, 3.0], unit="N/m", description="Gain for each axis")
     >>> model.parameter_sets = [ParameterSet("soft", {"k": [0.5, 0.5]}, "A gain for a soft wall")]
+    >>> list(model.parameter_sets[0].scalars())
+    [('k[1]', 0.5), ('k[2]', 0.5)]
     """
 
     name: str

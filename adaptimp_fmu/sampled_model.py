@@ -49,6 +49,20 @@ class SampledModel(Model):
     >>> controller.output("F", F, unit="N", description="Force")
     >>> build(controller).name
     'Integral.fmu'
+
+    A sensor with noise, whose mean over all ticks is updated at every tenth tick:
+
+    >>> from adaptimp_fmu import Limits, Type
+    >>> sensor = SampledModel("Sensor", "A sensor")
+    >>> seed = sensor.parameter("seed", 1, type=Type.INTEGER, description="Key of the noise")
+    >>> n = sensor.parameter("n", 10, type=Type.INTEGER, limits=Limits(1), description="Ticks for each update")
+    >>> x = sensor.input("x", 0.0, unit="m", description="Position")
+    >>> noise = sensor.random(lambda u: 1e-3 * (u[0] - 0.5), active=1.0, seed="seed")
+    >>> mean = sensor.state("mean", 0.0)
+    >>> sensor.update_slowly(mean, 0.9 * mean + 0.1 * x, divisor="n")
+    >>> sensor.output("measured", x + noise, unit="m", description="Measured position")
+    >>> sensor.output("mean", mean, unit="m", description="Mean position")
+    >>> sensor.require_named_parameters()  # seed and n are what they must be; `build` asks the same
     """
 
     sample_time: float = 1e-4

@@ -23,6 +23,8 @@ class Role(enum.Enum):
     >>> k = model.parameter("k", 2.0, description="Gain", tunable=True)
     >>> [variable.name for variable in model.with_role(Role.FIXED_PARAMETER, Role.TUNABLE_PARAMETER)]
     ['sample_time', 'k']
+    >>> Role.TUNABLE_PARAMETER.is_parameter, Role.INPUT.is_parameter
+    (True, False)
     """
 
     FIXED_PARAMETER = "ROLE_FIXED_PARAMETER"
@@ -90,6 +92,14 @@ class Variable:
     >>> k = model.parameter("k", [2.0, 3.0], unit="N/m", description="Gain for each axis")
     >>> [(variable.name, variable.start, variable.unit) for variable in model.variables]
     [('sample_time', 0.0001, 's'), ('k[1]', 2.0, 'N/m'), ('k[2]', 3.0, 'N/m')]
+    >>> from adaptimp_fmu import NOT_NEGATIVE
+    >>> d = model.parameter("d", 0.1, unit="m", limits=NOT_NEGATIVE, description="Dead zone")
+    >>> model.variables[-1].range
+    'at least 0 m'
+    >>> model.variables[-1].require(-1.0, "d")
+    Traceback (most recent call last):
+        ...
+    adaptimp_fmu.errors.DefinitionError: d -1.0 must be at least 0 m.
     """
 
     name: str

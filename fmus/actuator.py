@@ -17,7 +17,14 @@ OFF = 1e9  # N.m or N.m/s, a limit that is none
 
 
 def actuator(n: int = 2, name: str = "Actuator") -> SampledModel:
-    """Declare the model of the actuators of n joints; they are ideal by default."""
+    """Declare the model of the actuators of n joints; they are ideal by default.
+
+    Examples
+    --------
+    >>> from fmus.actuator import actuator
+    >>> actuator(3, "Actuator3R").input_symbols[0].shape
+    (3, 1)
+    """
     model = SampledModel(name, "Joint actuators with torque limits")
     publish(model, icons.saturation(n), __name__, "fmus")
     tau_cmd = model.input("tau_cmd", [0.0] * n, unit="N.m", description="Commanded joint torque")

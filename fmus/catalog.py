@@ -61,5 +61,11 @@ def model(identifier: str) -> "Model":
     ------
     KeyError
         If neither has it.
+
+    Examples
+    --------
+    >>> from fmus.catalog import MODELS, model
+    >>> len(MODELS), model("Plant").description
+    (11, 'Planar arm with point masses against a compliant wall')
     """
     return (MODELS | VARIANTS)[identifier]()

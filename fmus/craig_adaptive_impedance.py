@@ -33,6 +33,14 @@ def craig_adaptive_impedance(name: str = "CraigAdaptiveImpedance", *, full: bool
     """Declare the controller of algorithm 1: impedance control with the adaptation of Craig, Hsu and Sastry.
 
     With `full` the gains M, B, K, Gamma and Psi are symmetric matrices; else they are diagonal.
+
+    Examples
+    --------
+    >>> from adaptimp_fmu import Role
+    >>> from fmus.craig_adaptive_impedance import craig_adaptive_impedance
+    >>> model = craig_adaptive_impedance()
+    >>> [variable.name for variable in model.with_role(Role.TUNABLE_PARAMETER)][:4]
+    ['M[1]', 'M[2]', 'B[1]', 'B[2]']
     """
     controller = declare_controller(name, "Adaptive impedance control, algorithm 1 (after Craig)", full=full)
     publish(

@@ -33,7 +33,14 @@ ROUNDING = 1e-9  # relative, by which a multiple of the sampling period may be o
 
 
 def force_sensor(name: str = "ForceSensor", *, failing: bool = False) -> SampledModel:
-    """Declare the model of a wrist force sensor, which is ideal by default and may have a failure."""
+    """Declare the model of a wrist force sensor, which is ideal by default and may have a failure.
+
+    Examples
+    --------
+    >>> from fmus.force_sensor import force_sensor
+    >>> force_sensor("FailingForceSensor", failing=True).description
+    'Wrist force sensor with bounded noise and a failure'
+    """
     model = SampledModel(name, f"Wrist force sensor with bounded noise{' and a failure' if failing else ''}")
     publish(model, icons.sensor(), __name__, *(["fmus.sensor_failure"] if failing else []), "fmus")
     F_ext = model.input("F_ext", [0.0, 0.0], unit="N", description="Force of the tip on the wall")

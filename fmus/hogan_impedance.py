@@ -30,6 +30,12 @@ def hogan_impedance(
         `RESOLVED` or `MOBILITY`. More than two joints have form (5), whatever is given.
     full
         Whether the gains M, B and K are symmetric matrices; else they are diagonal.
+
+    Examples
+    --------
+    >>> from fmus.hogan_impedance import MOBILITY, hogan_impedance
+    >>> hogan_impedance(form=MOBILITY).description
+    'Conventional impedance control with fixed dynamic parameters, form (5)'
     """
     text = "Conventional impedance control with fixed dynamic parameters"
     by_choice = form == MOBILITY and n == 2

@@ -32,6 +32,13 @@ def plant(n: int = 2, name: str = "Plant", walls: int = 1, *, wrist: bool = Fals
     """Declare the model of an arm of n joints, by default the paper's, with one wall or with two.
 
     With `wrist` a part of the last mass may sit beyond a sensor at the wrist.
+
+    Examples
+    --------
+    >>> from adaptimp_fmu import build
+    >>> from fmus.plant import plant
+    >>> build(plant(3, "Arm3")).name  # an arm of three joints
+    'Arm3.fmu'
     """
     place = {1: "against a compliant wall", 2: "in a corner of two compliant walls"}[walls]
     model = ContinuousModel(name, f"Planar arm with point masses {place}")

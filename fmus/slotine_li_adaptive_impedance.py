@@ -45,6 +45,12 @@ def slotine_li_adaptive_impedance(
         Whether the gains M, B, K, Gamma, Psi and K_d are symmetric matrices; else they are diagonal.
     coriolis_of_s
         Whether the torque has the term C_hat_x s; section IV-B says that it may be ignored.
+
+    Examples
+    --------
+    >>> from fmus.slotine_li_adaptive_impedance import slotine_li_adaptive_impedance
+    >>> slotine_li_adaptive_impedance("Mine", coriolis_of_s=False).description
+    'Adaptive impedance control, algorithm 2 (after Slotine and Li), without C_x s'
     """
     text = "Adaptive impedance control, algorithm 2 (after Slotine and Li)"
     controller = declare_controller(name, text if coriolis_of_s else f"{text}, without C_x s", full=full)

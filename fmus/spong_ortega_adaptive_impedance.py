@@ -33,6 +33,14 @@ def spong_ortega_adaptive_impedance(name: str = "SpongOrtegaAdaptiveImpedance", 
     """Declare the controller of algorithm 1 with the inverse inertia of fixed parameters.
 
     With `full` the gains M, B, K, Gamma and Psi are symmetric matrices; else they are diagonal.
+
+    Examples
+    --------
+    >>> from adaptimp_fmu import Role
+    >>> from fmus.spong_ortega_adaptive_impedance import spong_ortega_adaptive_impedance
+    >>> names = [variable.name for variable in spong_ortega_adaptive_impedance().with_role(Role.FIXED_PARAMETER)]
+    >>> "acc_filter_time" in names
+    True
     """
     controller = declare_controller(
         name,

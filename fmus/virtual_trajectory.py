@@ -23,7 +23,15 @@ PARALLEL = 1e-6  # n1.n2 of two walls stays away from 1 and -1 by this much
 
 
 def virtual_trajectory(name: str = "VirtualTrajectory", walls: int = 1) -> SampledModel:
-    """Declare the model that gives the virtual trajectory x_v and its first two derivatives, with one wall or two."""
+    """Declare the model that gives the virtual trajectory x_v and its first two derivatives, with one wall or two.
+
+    Examples
+    --------
+    >>> from adaptimp_fmu import Role
+    >>> from fmus.virtual_trajectory import virtual_trajectory
+    >>> [variable.name for variable in virtual_trajectory().with_role(Role.OUTPUT)][:2]
+    ['x_v[1]', 'x_v[2]']
+    """
     place = {1: "the wall", 2: "each of two walls"}[walls]
     model = SampledModel(name, f"Ellipse with a straight segment inside {place}")
     publish(model, icons.cut_ellipse(corner=walls > 1), __name__, "fmus")

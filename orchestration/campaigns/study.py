@@ -68,6 +68,13 @@ class Study(StudyPoints):
     >>> result = study.result(K_f=1e5, K=2000.0, seed=2)
     >>> float(abs(result["controller.e"]).max()) <= float(table["max_e"].sel(K_f=1e5, K=2000, seed=2))
     True
+
+    What a study will do, before it does it:
+
+    >>> [factor.name for factor in study.factors], [measure.label for measure in study.measures], study.units
+    (['plant.K_f', 'controller.K', 'seed'], ['max_e'], {'max_e': 'm'})
+    >>> list(study.systems), study.algorithm, study.stop_time, study.step, study.points.shape
+    (['fig7'], 'gauss-seidel', 0.2, 1e-05, (12, 3))
     """
 
     def run(

@@ -60,6 +60,20 @@ class Candidate:
         The FMU's names of variables, by the names in the role.
     failed
         Whether the rules, the experiments or the interface have shown an error.
+
+    Examples
+    --------
+    A trial gets a candidate, and returns findings and facts:
+
+    >>> from orchestration import scenario
+    >>> from orchestration.check import Candidate, Role, check
+    >>> from orchestration.check.interface import COUNTED, Signal
+    >>> def trial(candidate: Candidate):
+    ...     return [], [f"{candidate.path.name} has {candidate.count} actuators."]
+    >>> actuators = Role("actuators", "tau", {"tau": Signal("N.m", COUNTED)})
+    >>> report = check(scenario("fig2")["actuator"].path, actuators, trial=trial)
+    >>> report.facts[-1]
+    'Actuator.fmu has 2 actuators.'
     """
 
     path: Path
@@ -102,6 +116,14 @@ def check(
     ------
     ArchiveError
         If there is no such file.
+
+    Examples
+    --------
+    >>> from orchestration import scenario
+    >>> from orchestration.check import check
+    >>> report = check(scenario("fig2")["sensor"].path)  # any FMU of yours
+    >>> report.summary(), report.failed
+    ('ForceSensor.fmu: no findings', False)
     """
     require_file(path, "file")
     _require_readable(path)

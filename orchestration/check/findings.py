@@ -19,7 +19,14 @@ ROLE = "role"  # in the place of a rule's number: the interface of a role
 
 
 class Severity(StrEnum):
-    """Severity of a finding, the worst first."""
+    """Severity of a finding, the worst first.
+
+    Examples
+    --------
+    >>> from orchestration.check import Severity
+    >>> [str(severity) for severity in Severity]
+    ['error', 'warning', 'note']
+    """
 
     ERROR = "error"
     WARNING = "warning"
@@ -36,6 +43,13 @@ class Finding:
         Id of the rule: a number, or a word such as ``role``; docs/check-rules.md lists all.
     message
         A sentence that names what is wrong and where.
+
+    Examples
+    --------
+    >>> from orchestration.check import Finding, Severity
+    >>> finding = Finding("12", Severity.WARNING, "Plant: the same run twice gives other outputs.")
+    >>> f"{finding.severity}: {finding.message}"
+    'warning: Plant: the same run twice gives other outputs.'
     """
 
     rule: str
@@ -59,6 +73,17 @@ class Report:
         Sentences about what was measured or not examined.
     confinement
         Measures that confined the binary; see `orchestration.sandbox.confinement`.
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> from orchestration.check import Finding, Report, Severity
+    >>> report = Report(Path("Mine.fmu"), "controller", (Finding("role", Severity.ERROR, "There is no tau_cmd."),))
+    >>> report.summary(), report.failed, report.count(Severity.NOTE)
+    ('Mine.fmu, controller: 1 error', True, 0)
+    >>> import json
+    >>> json.loads(report.json())["findings"][0]["rule"]
+    'role'
     """
 
     path: Path

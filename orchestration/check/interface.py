@@ -77,6 +77,16 @@ class Role:
         Smallest allowed number of elements of a `COUNTED` signal.
     readers
         Readers of the expected outputs, a noun in the plural.
+
+    Examples
+    --------
+    A brake must have one output, and may have one input:
+
+    >>> from orchestration.check import Role
+    >>> from orchestration.check.interface import SCALAR, Signal
+    >>> brake = Role("brake", "tau", {"tau": Signal("N.m", SCALAR)}, inputs={"dq": Signal("rad/s", SCALAR)})
+    >>> brake.name, brake.required["tau"].unit
+    ('brake', 'N.m')
     """
 
     name: str

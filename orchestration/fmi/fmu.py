@@ -86,6 +86,16 @@ class Fmu:
     ...     rows = plant.drive(1e-3, {"tau": np.full((100, 2), 0.5)})  # N.m, a row for each step of 1 ms
     ...     print(plant, rows["q"].shape, rows["q"][-1].round(4))
     <Fmu Plant at t = 0.1 s> (100, 2) [0.2995 1.0033]
+
+    Without a ``with`` block, close it yourself:
+
+    >>> plant = Fmu(file)
+    >>> plant.variables["m[1]"].unit, plant.time
+    ('kg', 0.0)
+    >>> before = plant.save()
+    >>> plant.step(1e-3)
+    >>> plant.restore(before)
+    >>> plant.close()
     """
 
     def __init__(

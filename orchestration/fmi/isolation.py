@@ -41,6 +41,8 @@ class Isolation:
     >>> result = simulate(scenario("fig2"), stop_time=0.1, isolate=careful)
     >>> result.metadata["isolated"]
     '["controller"]'
+    >>> careful.covers("controller"), careful.covers("plant"), Isolation.of(True).covers("plant")
+    (True, False, True)
     """
 
     components: Collection[str] | None = None

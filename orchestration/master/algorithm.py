@@ -223,6 +223,14 @@ class Algorithm:
     0 3e-01
     1 6e-02
     2 6e-02
+
+    Properties say what an algorithm demands of the FMUs:
+
+    >>> Algorithm("held").plain, Algorithm("mine", order=1).plain
+    (True, False)
+    >>> from orchestration import StepControl
+    >>> Algorithm("mine", control=StepControl()).rolls_back  # so each FMU must save and restore its state
+    True
     """
 
     name: str

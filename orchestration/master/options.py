@@ -101,6 +101,8 @@ class Options:
     >>> result = simulate(scenario("fig2"), stop_time=1.0, options=Options(every=100, strict=True))
     >>> len(result.time), float(result.time[1])  # a row in 100 steps of 0.1 ms
     (101, 0.01)
+    >>> Options(isolate=["plant"]).isolation.covers("plant"), Options(ratios={"plant": 10}).slow
+    (True, True)
     """
 
     record: str | Collection[str] | None = None

@@ -39,6 +39,16 @@ class Pace:
     >>> result = simulate(scenario("fig2"), 0.01, pace=Pace(10.0))
     >>> result["lateness"].shape == result.time.shape, result.unit("lateness")
     (True, 's')
+
+    A clock of your own, here one that nobody has to wait for:
+
+    >>> now = [0.0]  # s
+    >>> def sleep(seconds):
+    ...     now[0] += seconds
+    >>> pace = Pace(1.0, clock=lambda: now[0], sleep=sleep)
+    >>> result = simulate(scenario("fig2"), 0.01, pace=pace)
+    >>> pace.clock() >= 0.01, pace.sleep is sleep, Pace.of(2.0).rate
+    (True, True, 2.0)
     """
 
     rate: float

@@ -17,7 +17,7 @@ import numpy as np
 from orchestration.errors import InitializationError, RunInterrupted, SimulationError
 from orchestration.fmi.codes import known_status
 from orchestration.fmi.deferred import raise_kept
-from orchestration.fmi.given import a_number, require_type
+from orchestration.fmi.given import a_number, a_path, require_type
 from orchestration.fmi.instance import Instance
 from orchestration.master.algorithm import Algorithm
 from orchestration.master.block import Block
@@ -37,6 +37,7 @@ from orchestration.master.memory import require_memory
 from orchestration.master.options import Options
 from orchestration.master.outside import Outside
 from orchestration.master.provenance import told_afterwards
+from orchestration.master.reached import Reached
 from orchestration.master.recorder import Recorder, Sink, any_value, not_finite
 from orchestration.master.safeguard import guarded, over_steps, terminate
 from orchestration.master.saving import Saving, choices
@@ -54,7 +55,7 @@ Opening = Callable[[Guard], AbstractContextManager[list[Instance]]]
 _CHUNK_VALUES = 2**17  # recorded in a chunk: they are checked while they are in the processor's cache
 
 
-class Simulation:
+class Simulation(Reached):
     """A run of a system; a context manager that opens and initializes the FMUs, and frees them at the end.
 
     Parameters
@@ -86,14 +87,24 @@ class Simulation:
     >>> with prepare(scenario("fig2"), stop_time=1.12) as run:
     ...     run.run(until=0.9)  # s; soon the arm touches the wall
     ...     before = run.save()
+    ...     print(run.predict().word, run.time, run.steps_made, run.count, run.steps_per_tick["sensor"])
     ...     run.run()
     ...     stiff = run.result()
     ...     run.restore(before)
     ...     run.set({"controller.K": 2000.0})  # N/m
     ...     run.run()
     ...     soft = run.result()
+    stable 0.9 9000 9001 1
     >>> round(1e3 * float(stiff["plant.x[1]"][-1] - soft["plant.x[1]"][-1]), 1)  # mm, soon after the contact
     -1.1
+
+    Rows can go to a file instead:
+
+    >>> streamed = prepare(scenario("fig2"), stop_time=0.1)
+    >>> streamed.stream_to("rows.parquet")
+    >>> with streamed as run:
+    ...     run.run()
+    ...     run.complete()
     """
 
     compile_seconds: float
@@ -186,32 +197,14 @@ class Simulation:
             raise
         self._stack.__exit__(kind, error, trace)
 
-    def stream_to(self, path: Path) -> None:
+    def stream_to(self, path: str | Path) -> None:
         """Write rows to a .parquet file instead of keeping them; call this before the ``with`` block begins."""
-        self._streaming.to(path)
+        self._streaming.to(a_path("The file of rows", path))
 
     def predict(self) -> Prediction:
         """Predict the stability of the run near its start, and keep the prediction in the metadata of the result."""
         self._metadata[VERDICT] = (prediction := self.judge()).as_json()
         return prediction
-
-    @property
-    def count(self) -> int:
-        """Number of rows recorded."""
-        self._block.require_begun()
-        return self._recorder.count
-
-    @property
-    def time(self) -> float:
-        """Time that the run has reached, s."""
-        self._block.require_begun()
-        return float(self._state.time)
-
-    @property
-    def steps_made(self) -> int:
-        """Number of steps that were accepted."""
-        self._block.require_begun()
-        return int(self._state.steps_made)
 
     def run(self, until: float | None = None) -> None:
         """Run on from the present time to a communication point.

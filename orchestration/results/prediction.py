@@ -30,6 +30,9 @@ class Prediction:
     False
     >>> print(late.verdict)
     fig2: gauss-seidel with a step of 1 s is UNSTABLE at the start: ...
+    >>> from orchestration import Prediction
+    >>> late.verdict.word, Prediction.of_json(late.verdict.as_json()) == late.verdict
+    ('unstable', True)
     """
 
     stable: bool | None

@@ -13,17 +13,15 @@ from orchestration.errors import UnknownNameError
 from orchestration.fmi.given import shown
 from orchestration.fmi.names import arrays, suggestion
 from orchestration.results import csv_file, formats, parquet_file
-from orchestration.results.columns import LATENESS, MESSAGES, TIME, Columns, TicksMissingError
+from orchestration.results.columns import LATENESS, MESSAGES, TIME, Columns
 from orchestration.results.prediction import PredictedColumns
 from orchestration.results.texts import same_texts, text_column
+from orchestration.results.ticks import tick_rows
 
 if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
     from matplotlib.axes import Axes
-
-TICK_TOLERANCE = 1e-9
-"""By which a row may miss a tick, in sampling periods."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -54,6 +52,17 @@ class Result(PredictedColumns, Mapping[str, np.ndarray]):
     >>> measured = Result(np.array([0.0, 0.1]), ("arm.x[1]", "arm.x[2]"), np.array([[1.0, 2.0], [3.0, 4.0]]))
     >>> measured["arm.x[2]"].tolist()
     [2.0, 4.0]
+
+    Names of columns, files with one format each, and what else a result knows:
+
+    >>> result.columns_of("plant.x"), result.lateness, result.messages
+    (('plant.x[1]', 'plant.x[2]'), None, ())
+    >>> result.tick_times("plant.x").shape
+    (1000,)
+    >>> result.known_verdict is None, result.verdict.stable
+    (True, True)
+    >>> result.write_csv("tip.csv")
+    >>> result.write_parquet("tip.parquet")
     """
 
     def __getitem__(self, name: str) -> np.ndarray:
@@ -137,35 +146,13 @@ class Result(PredictedColumns, Mapping[str, np.ndarray]):
         column, spacing = self[name], self.steps_per_tick.get(name.partition(".")[0])
         if spacing is not None:
             return column[1::spacing].copy()
-        rows = self._tick_rows(name)
+        rows = tick_rows(self, name)
         return column[:-1] if rows is None else column[rows + 1]
 
     def tick_times(self, name: str) -> np.ndarray:
         """Times, s, of the values that `at_ticks` returns."""
-        rows = self._tick_rows(name)
+        rows = tick_rows(self, name)
         return self.time[:-1] if rows is None else self.time[rows]
-
-    def _tick_rows(self, name: str) -> np.ndarray | None:
-        """Rows at the instants of ticks, without the last; None for a component that is not sampled.
-
-        Raises
-        ------
-        TicksMissingError
-            If ticks were not recorded.
-        """
-        component = name.partition(".")[0]
-        if component in self.steps_per_tick:
-            return np.arange(0, len(self.time) - 1, self.steps_per_tick[component])
-        period = self.sample_times.get(component)
-        if period is None:
-            return None
-        position = (self.time[:-1] - self.time[0]) / period
-        rows = np.flatnonzero(np.abs(position - np.round(position)) <= TICK_TOLERANCE * np.maximum(1, position))
-        expected = (self.time[-1] - self.time[0]) / period
-        if len(rows) < np.ceil(expected - TICK_TOLERANCE * max(1.0, expected)):
-            msg = f"{name}: not every tick of {period:g} s is recorded; record every step."
-            raise TicksMissingError(msg)
-        return rows
 
     @property
     def lateness(self) -> np.ndarray | None:

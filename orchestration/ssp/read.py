@@ -58,6 +58,13 @@ def read_ssp(path: Path, variant: str | None = None) -> System:
         If the package is unsafe, incomplete or invalid.
     SystemDescriptionError
         If the package describes a system that cannot be run here, or has no such variant.
+
+    Examples
+    --------
+    >>> from orchestration import scenario
+    >>> from orchestration.ssp import read_ssp
+    >>> read_ssp(scenario("fig2").write("fig2.ssp"))
+    <System fig2: 5 components (...), 20 connections, step 0.0001 s, stop time 2 s>
     """
     package = Package.open(path, variant)
     try:

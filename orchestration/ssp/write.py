@@ -57,6 +57,15 @@ def write_ssp(system: System, path: Path) -> Path:
     ------
     SystemDescriptionError
         If XML cannot hold a name or an assumption, or the schemas of SSP refuse the result.
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> from zipfile import ZipFile
+    >>> from orchestration import scenario
+    >>> from orchestration.ssp import write_ssp
+    >>> ZipFile(write_ssp(scenario("fig2"), Path("fig2.ssp"))).namelist()[0]
+    'SystemStructure.ssd'
     """
     fmus = _fmu_files(system)
     sets = _unique({c.name: c.name for c in system.components if c.start}, ".ssv")

@@ -49,6 +49,8 @@ class Component:
     >>> heavy = System.of({"heavy": arm}).set({"heavy.m": [4.0, 2.0]})["heavy"]
     >>> heavy
     <Component heavy: Plant, 2 inputs, 14 outputs, m[1] = 4, m[2] = 2>
+    >>> arm.path == file, arm.sample_time, arm.continuous, scenario("fig2")["sensor"].sample_time
+    (True, None, True, 0.0001)
     """
 
     name: str
@@ -182,6 +184,8 @@ class Connection:
     >>> print(abs(result["arm.dq"][[0, -1]]).round(2))  # rad/s
     [[2.09 0.  ]
      [0.02 0.01]]
+    >>> dampers[0].scale.factor, dampers[0].scale.offset
+    (-20.0, 0.0)
     """
 
     source: str

@@ -88,7 +88,8 @@ def system_svg(components: "Sequence[Component]", connections: "Sequence[Connect
     parts = [HEAD, *(_box(component, MARGIN + i * (WIDTH + GAP), top) for i, component in enumerate(components))]
     for (source, target), names in pairs.items():
         parts.append(_arrow((places[source], places[target]), names, top))
-    size = f'width="{width}" height="{top + HEIGHT + below + MARGIN}"'
+    height = top + HEIGHT + below + MARGIN
+    size = f'width="{width}" height="{height}" viewBox="0 0 {width} {height}"'  # so that a narrow page can shrink it
     return f'<svg xmlns="http://www.w3.org/2000/svg" {size} font-family="sans-serif">{"".join(parts)}</svg>'
 
 

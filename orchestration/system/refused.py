@@ -30,6 +30,11 @@ def require_names(system: str, names: Sequence[str]) -> None:
             raise SystemDescriptionError(msg)
 
 
+def no_component(system: str, name: object, known: Sequence[str]) -> SystemDescriptionError:
+    """The error for a name that no component has; it gives near names."""
+    return SystemDescriptionError(f"System {system} has no component {name}; {suggestion(str(name), known)}")
+
+
 def require_order(names: Sequence[str], present: Sequence[str]) -> None:
     """Refuse an order that does not name each of the present components once.
 

@@ -10,14 +10,12 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from orchestration.errors import SystemDescriptionError
 from orchestration.fmi.description import SAMPLE_TIME, Variable
 from orchestration.fmi.given import a_path, positive, require_type
-from orchestration.fmi.names import suggestion
 from orchestration.system.component import Component, Connection, require_settable, spread, start_value
 from orchestration.system.display import system_html, system_line
 from orchestration.system.programs import Programs
-from orchestration.system.refused import not_a_path, require_names, require_order, required_time
+from orchestration.system.refused import no_component, not_a_path, require_names, require_order, required_time
 from orchestration.system.registry import analysis, reader, writer
 from orchestration.system.replacement import replaced
 from orchestration.system.sampling import steps_per_tick
@@ -56,6 +54,23 @@ class System(Programs):
     (['trajectory', 'sensor', 'controller', 'actuator', 'plant'], [4000.0, 2000.0])
     >>> System.read(system.write("mine.ssp")).connections == system.connections
     True
+
+    What a system consists of, and what a run would take:
+
+    >>> system.component("plant") is system["plant"], system.elements("plant.x")
+    (True, ['plant.x[1]', 'plant.x[2]'])
+    >>> system.elementwise({"plant.m": [2.0, 1.5]}), system.resolve("plant.m[1]")[1].unit
+    ({'plant.m[1]': 2.0, 'plant.m[2]': 1.5}, 'kg')
+    >>> system.sources["plant.tau[1]"], system.unconnected_inputs(), system.sample_times["sensor"]
+    ('actuator.tau[1]', [], 0.0001)
+    >>> system.run_step(), system.run_stop_time(0.5), system.steps_per_tick(5e-5)["sensor"]
+    (0.0001, 0.5, 2)
+    >>> late = system.with_sample_time(7e-3).ordered(["plant", "trajectory", "sensor", "controller", "actuator"])
+    >>> late.stability(algorithm="jacobi").stable
+    False
+    >>> files = {"actuator": system["actuator"].path, "plant": system["plant"].path}
+    >>> System.connected_by_name("arm", files, step=1e-3)
+    <System arm: 2 components (actuator: Actuator, plant: Plant), 2 connections, step 0.001 s>
     """
 
     name: str
@@ -103,8 +118,7 @@ class System(Programs):
         >>> System.of({"left": plant, "right": plant}, "two arms")
         <System two arms: 2 components (left: Plant, right: Plant), 0 connections>
         """
-        example = 'give FMUs by name, as {"plant": "Plant.fmu"}'
-        require_type("What System.of takes", fmus, Mapping, example)
+        require_type("What System.of takes", fmus, Mapping, 'give FMUs by name, as {"plant": "Plant.fmu"}')
         components = [
             replace(fmu, name=component) if isinstance(fmu, Component) else Component.read(fmu, component)
             for component, fmu in fmus.items()
@@ -212,7 +226,7 @@ class System(Programs):
         return system_html(self)
 
     def _ipython_key_completions_(self) -> list[str]:
-        return [component.name for component in self.components]
+        return list(self)
 
     def component(self, name: str) -> Component:
         """Return the component of a name.
@@ -224,9 +238,7 @@ class System(Programs):
         """
         if name in self:
             return self._by_name[name]
-        known = [component.name for component in self.components]
-        msg = f"System {self.name} has no component {name}; {suggestion(str(name), known)}"
-        raise SystemDescriptionError(msg)
+        raise no_component(self.name, name, list(self))
 
     def set(self, values: "Mapping[str, float | bool | str | Sequence[float] | Sequence[str]]") -> "System":
         """Return the system with other start values.
@@ -315,8 +327,7 @@ class System(Programs):
         SystemDescriptionError
             Unless each component is named once.
         """
-        present = [component.name for component in self.components]
-        require_order(names, present)
+        require_order(names, list(self))
         return replace(self, components=tuple(self.component(name) for name in names))
 
     def with_sample_time(self, sample_time: float) -> "System":
@@ -368,13 +379,8 @@ class System(Programs):
 
     def unconnected_inputs(self) -> list[str]:
         """Return the inputs without a source, which keep their start value, as ``component.input``."""
-        inputs = (
-            f"{component.name}.{variable.name}"
-            for component in self.components
-            for variable in component.description.variables.values()
-            if variable.causality == "input"
-        )
-        return [path for path in inputs if path not in self.sources]
+        every = ((c, v) for c in self.components for v in c.description.variables.values())
+        return [path for c, v in every if v.causality == "input" and (path := f"{c.name}.{v.name}") not in self.sources]
 
     def resolve(self, path: str) -> tuple[Component, Variable]:
         """Return the component and the variable that ``component.variable`` names."""

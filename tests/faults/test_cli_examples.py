@@ -13,6 +13,17 @@ from tests.faults.cli import Command
 
 ROOT = Path(__file__).parents[2]
 COMMANDS = [command.name or command.callback.__name__ for command in app.registered_commands if command.callback]
+PAGES_OF_COMMANDS = {
+    "README.md": 20,
+    "docs/caches.md": 3,
+    "docs/claims.md": 1,
+    "docs/command-line.md": 9,
+    "docs/components.md": 1,
+    "docs/doctor.md": 4,
+    "docs/same-bits.md": 1,
+    "docs/wrist-sensor.md": 2,
+}
+"""Pages whose command lines are typed, with the least number of lines that each has."""
 MINE = '''"""A controller that holds the arm by springs, with names of its own."""
 
 from adaptimp_fmu import SampledModel
@@ -35,7 +46,9 @@ def lines_of_page(page: str) -> list[str]:
     """Command lines of a page: indented after ``uv run``, or in a fence of ``sh``."""
     text = (ROOT / page).read_text(encoding="utf-8")
     fences = "".join(re.findall(r"^```sh\n(.*?)^```$", text, re.MULTILINE | re.DOTALL))
-    return re.findall(r"^    uv run (adaptimp .*)$", text, re.MULTILINE) or re.findall(r"(?m)^adaptimp .*$", fences)
+    return re.findall(r"^    (?:uv run )?(adaptimp .*)$", text, re.MULTILINE) or re.findall(
+        r"(?m)^adaptimp .*$", fences
+    )
 
 
 @pytest.fixture
@@ -44,7 +57,7 @@ def prepared(adaptimp: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
 
     def reproduce(folder: Path, *_: object, **__: object) -> Report:
         (folder / "claims.json").write_text("[]")
-        return Report([], folder / "claims.json", [], {}, kept=False)
+        return Report([], folder / "claims.json", folder / "report.html", [], {}, kept=False)
 
     monkeypatch.setattr(report, "reproduce", reproduce)
     (tmp_path / "mine.py").write_text(MINE, encoding="utf-8")
@@ -78,12 +91,15 @@ def test_examples_of_the_help(
         type_in(prepared, line)
 
 
-@pytest.mark.parametrize(("page", "number"), [("README.md", 20), ("docs/command-line.md", 9), ("docs/caches.md", 3)])
+@pytest.mark.parametrize(("page", "number"), PAGES_OF_COMMANDS.items())
 def test_command_lines_of_pages(
     prepared: Command, page: str, number: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     if page == "docs/caches.md":  # other processes of this machine are not to lose theirs
         monkeypatch.setenv("ADAPTIMP_CACHE", str(tmp_path / "cache"))
+    if page == "docs/doctor.md":  # files of the reader's own
+        assert prepared("export", "fig2", "--out", "mine.ssp").code == 0
+        (tmp_path / "mine.fmu").rename(tmp_path / "theirs.fmu")
     lines = lines_of_page(page)
     assert len(lines) >= number, lines
     for line in lines:

@@ -35,6 +35,11 @@ class Diagnosis:
     <Diagnosis of fig2, gauss-seidel with a step of 0.0001 s: 0 errors, 0 warnings, ... notes>
     >>> diagnosis.healthy, diagnosis.of("stability").severity
     (True, <Severity.NOTE: 'note'>)
+    >>> diagnosis.worst, diagnosis.count(diagnosis.worst) == len(diagnosis.findings), diagnosis.counts[:20]
+    (<Severity.NOTE: 'note'>, True, '0 errors, 0 warnings')
+    >>> import json
+    >>> json.loads(diagnosis.json()) == diagnosis.as_dict()
+    True
     """
 
     system: str

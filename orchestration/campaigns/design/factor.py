@@ -43,6 +43,8 @@ class Factor:
     >>> study = Study(scenario("fig2"), measure="max(abs(controller.e[1]))", stop_time=0.2).grid(both)
     >>> study.run()["K"].values.tolist()
     [2000.0, 3000.0, 4000.0]
+    >>> both.short, both.bare().values, Factor("plant.K_f", "plant.K_f", [1e4, 1e5]).short
+    ('K', None, 'K_f')
     """
 
     name: str

@@ -48,6 +48,15 @@ class Measure:
     >>> study = Study(scenario("fig2"), measure=measure, stop_time=0.2).grid({"plant.mu": [0.0, 0.2]})
     >>> study.run()["reach"].attrs["units"]
     'm'
+
+    It can also be tried on a result:
+
+    >>> from orchestration import simulate
+    >>> result = simulate(scenario("fig2"), stop_time=0.2)
+    >>> [round(value, 3) for value in measure.values(result)], measure.label, measure.needed
+    ([0.286], 'reach', ('plant.x',))
+    >>> len(measure.identity), measure.expanded(scenario("fig2").elements) is measure
+    (64, True)
     """
 
     names: tuple[str, ...]
