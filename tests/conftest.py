@@ -15,7 +15,7 @@ from tests.closing_line import pytest_terminal_summary  # noqa: F401, pytest fin
 from tests.driver import Driver
 from tests.sharing import made_once
 
-TOGETHER = ("tests/conformance/platforms/", "tests/reference/")
+TOGETHER = ("tests/conformance/platforms/", "tests/install/", "tests/reference/")
 """Folders whose tests one worker runs, because the others would wait for what the first of these tests makes."""
 
 

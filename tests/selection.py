@@ -28,6 +28,7 @@ PROCESSES = (
     "faults/test_check_command.py",
     "faults/test_kills.py",
     "faults/test_lies.py",
+    "install/*",
     "interop/*",
     "pooled/*",
     "scenarios/test_containers_page.py",

@@ -370,7 +370,9 @@ def main() -> None:
         sys.exit(exit_code_of(error))
     except Exception as error:
         missing = missing_part(error) if isinstance(error, ImportError) else None
-        if missing is not None and not output.debug:
+        if missing is not None:
+            if output.debug:
+                traceback.print_exception(error)
             output.error(f"Error: {missing}")
             sys.exit(exit_code_of(missing))
         traceback.print_exc()
