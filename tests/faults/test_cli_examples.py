@@ -44,7 +44,7 @@ def prepared(adaptimp: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
 
     def reproduce(folder: Path, *_: object, **__: object) -> Report:
         (folder / "claims.json").write_text("[]")
-        return Report([], folder / "claims.json", [], {}, kept=False)
+        return Report([], folder / "claims.json", folder / "report.html", [], {}, kept=False)
 
     monkeypatch.setattr(report, "reproduce", reproduce)
     (tmp_path / "mine.py").write_text(MINE, encoding="utf-8")

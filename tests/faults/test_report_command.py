@@ -1,4 +1,4 @@
-"""Evidence that ``adaptimp report`` and ``run --plot F.html`` write pages, and refuse what they cannot do before work."""
+"""Evidence that ``adaptimp report`` and ``run --plot F.html`` write pages, and refuse bad requests before work."""
 
 from pathlib import Path
 
