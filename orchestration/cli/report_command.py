@@ -15,7 +15,7 @@ def report(
     runs: Annotated[
         list[str],
         typer.Argument(
-            metavar="RUN [RUN]",
+            metavar="RUN",
             help="A result, .csv or .parquet, or a system to run: a scenario, an .ssp or .ssd file, a folder. Two are"
             " compared.",
             autocompletion=completion.subjects,

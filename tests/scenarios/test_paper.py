@@ -16,6 +16,7 @@ IDS = (
 ).split()
 MUST_HOLD = ("C1", "C2", "C3a", "C15", "C18")  # what conventional control and the equations decide
 FIGURES = ("fig2.png", "fig3.png", "fig4.png")
+LARGEST_PAGE = 2.5e6  # bytes
 PNG = b"\x89PNG\r\n\x1a\n"
 
 
@@ -53,7 +54,8 @@ def test_measured_numbers_meet_the_stated_criteria(paper: Paper) -> None:
 
 def test_report_lists_what_was_written(paper: Paper) -> None:
     written = {path.name for path in paper.folder.iterdir()}
-    assert {*FIGURES, "claims.json"} <= written
+    assert {*FIGURES, "claims.json", "report.html"} <= written
+    assert paper.report.page.stat().st_size < LARGEST_PAGE
     assert {path.name for path in paper.report.figures} | {paper.report.claims_file.name} <= written
     assert not [name for name in written if name.endswith(".part")]
     assert [claim.id for claim in paper.report.claims] == IDS
