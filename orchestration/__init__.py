@@ -55,6 +55,7 @@ if TYPE_CHECKING:
     from orchestration.master.stiffness import StiffnessWarning
     from orchestration.master.time_series import TimeSeries
     from orchestration.master.walls import DifferentWallsWarning
+    from orchestration.paper.page.report import write_report
     from orchestration.paper.ready import scenario
     from orchestration.results.comparison import ColumnDifference, Comparison, compare
     from orchestration.results.prediction import Prediction
@@ -118,6 +119,7 @@ _HOME = {
     "sensitivity": "campaigns.sensitivity",
     "simulate": "master.simulate",
     "stream": "master.simulate",
+    "write_report": "paper.page.report",
 }
 
 __all__ = [
@@ -176,6 +178,7 @@ __all__ = [
     "sensitivity",
     "simulate",
     "stream",
+    "write_report",
 ]
 
 

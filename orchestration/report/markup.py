@@ -9,6 +9,7 @@ from markupsafe import Markup
 from orchestration.errors import printable
 from orchestration.fmi.display import escaped
 
+MOST_ON_A_PHONE = 3  # columns that fit
 MOST_OPEN = 2  # runs whose parts are not folded
 
 
@@ -32,18 +33,19 @@ def render(package: str, name: str, **values: Any) -> Markup:
 
 
 def table(head: Sequence[str], rows: Sequence[Sequence[object]], caption: str = "") -> Markup:
-    """A table that becomes a list of blocks on a narrow screen; numbers are aligned right.
+    """A table; one of many columns becomes a list on a narrow screen. Numbers are aligned right.
 
     Parameters
     ----------
     rows
         Cells; a float is shown with six digits, `Markup` as it is.
     """
+    kind = ' class="stack"' if len(head) > MOST_ON_A_PHONE else ""
     names = "".join(f'<th scope="col">{escaped(name)}</th>' for name in head)
     body = "".join(f"<tr>{''.join(map(_cell, head, row))}</tr>" for row in rows)
     title = f"<caption>{escaped(caption)}</caption>" if caption else ""
     content = f"{title}<thead><tr>{names}</tr></thead><tbody>{body}</tbody>"
-    found = f'<div class="table"><table class="stack">{content}</table></div>'
+    found = f'<div class="table"><table{kind}>{content}</table></div>'
     return Markup(found)  # noqa: S704 - cells are escaped
 
 

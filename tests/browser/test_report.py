@@ -2,6 +2,7 @@
 
 import json
 import re
+import sys
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
@@ -59,10 +60,13 @@ def stored(page: Page, run: int = 0) -> dict[str, dict[str, float]]:
 
 
 @pytest.mark.parametrize("name", ["fig5", "both", "stranger"])
-def test_a_page_opens_without_a_network_or_a_complaint(browser: Browser, pages: Path, name: str) -> None:
+def test_a_page_opens_without_a_network_or_a_complaint(
+    browser: Browser, pages: Path, name: str, capsys: pytest.CaptureFixture[str]
+) -> None:
     file = pages / f"{name}.html"
     found = opened(browser, file)
-    print(f"{name}: {file.stat().st_size / 1e6:.2f} MB, ready after {found.ready():.0f} ms")
+    with capsys.disabled():
+        sys.stdout.write(f"\n{name}.html: {file.stat().st_size / 1e6:.2f} MB, ready after {found.ready():.0f} ms\n")
     assert file.stat().st_size < LARGEST
     assert found.requests == [file.as_uri()]
     assert found.complaints == []

@@ -18,7 +18,7 @@ TORQUE, VIRTUAL, TARGET = "actuator.tau", "trajectory.x_v", "controller.x_t"
 MOVED = (TIP, JOINTS, FORCE, TORQUE, VIRTUAL, TARGET)
 """Arrays that the drawing shows; all but the first may be missing."""
 SCRIPT = "arm.js"
-SCALE, ROOM = 100, 0.25  # units of the drawing for a metre; m around what moves
+SCALE, ROOM = 100, 0.45  # units of the drawing for a metre; m around what moves
 LENS = 46 + 6  # units: radius of the magnifier and room around it
 
 

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from adaptimp_fmu.files.whole_file import write_whole
 from orchestration.errors import OrchestrationError
+from orchestration.fmi.given import a_path
 from orchestration.paper.claims.claim import Claim
 from orchestration.paper.figures.phases import FORCE, phases
 from orchestration.paper.page.again import command_again
@@ -22,8 +23,42 @@ from orchestration.results.result import Result
 from orchestration.results.row_hash import row_hash
 from orchestration.system.system import System
 
-NAME = "report.html"
+NAME, SUFFIX = "report.html", ".html"
 MOST_RUNS = 2
+
+
+def write_report(results: Mapping[str, Result], path: str | Path, systems: Mapping[str, System] | None = None) -> None:
+    """Write a page about one run or two: plots, numbers, the system and its origin; of the paper's loop also the arm.
+
+    Parameters
+    ----------
+    results
+        Results by their labels, one or two.
+    path
+        File for the page, with the suffix ``.html``. The page needs no network.
+    systems
+        Systems that were run, by the label of the run, as far as they are at hand. With them the page tells the energy
+        that the coupling has added.
+
+    Raises
+    ------
+    OrchestrationError
+        If there are no results or more than two, a result has no rows, the suffix is another one, or the file cannot be
+        written.
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> from orchestration import scenario, simulate, write_report
+    >>> write_report({"fig2": simulate(scenario("fig2"), stop_time=1.2)}, "fig2.html")
+    >>> Path("fig2.html").read_text(encoding="utf-8").splitlines()[0]
+    '<!DOCTYPE html>'
+    """
+    target = a_path("The file of a page", path)
+    if target.suffix.lower() != SUFFIX:
+        msg = f"{target}: a page has the suffix {SUFFIX}; Result.plot draws pictures."
+        raise OrchestrationError(msg)
+    write_page(report_page(results, systems), target)
 
 
 def report_page(results: Mapping[str, Result], systems: Mapping[str, System] | None = None) -> Page:

@@ -10,7 +10,7 @@
 import { rowAt, valuesAt } from "../../../report/script/data.js";
 
 const SCALE = 100; // units of the drawing for a metre
-const [ARROW, RADIUS, WIDEST] = [60, 15, 2.4]; // units, units, rad: largest force, arcs of torques, largest torque
+const [ARROW, RADIUS, WIDEST] = [45, 15, 2.4]; // units, units, rad: largest force, arcs of torques, largest torque
 const [MAGNIFIED, PATH_POINTS] = [24, 600];
 const NAMES = ["plant.q", "plant.x", "plant.F_ext", "actuator.tau", "trajectory.x_v", "controller.x_t"];
 const columnsOf = (/** @type {string} */ name) => [`${name}[1]`, `${name}[2]`];

@@ -68,7 +68,8 @@ export async function start({ showRuns, runs }) {
   /** @param {Setting} setting @param {string} words */
   function complain(setting, words) {
     element(`${setting.key}-error`).textContent = words;
-    element(setting.key).toggleAttribute("aria-invalid", words !== "");
+    if (words) element(setting.key).setAttribute("aria-invalid", "true");
+    else element(setting.key).removeAttribute("aria-invalid");
   }
 
   /** @param {Setting} setting @param {number} value in the unit of the variables */
