@@ -145,7 +145,7 @@ def test_the_newest_request_wins(live: Opened) -> None:
     slider = "document.getElementById('live-m2-slider')"
     for place in range(400, 420):
         live.page.evaluate(f"() => {{ {slider}.value = {place}; {slider}.dispatchEvent(new Event('input')); }}")
-    expect(live.at("status")).to_contain_text(f"Mass m2 of the arm: {live.at('m2').input_value()} kg", timeout=PATIENCE)
+    expect(live.at("status")).to_contain_text(f"m2 = {live.at('m2').input_value()} kg", timeout=PATIENCE)
     assert 1 <= live.page.evaluate("window.answers") < 20
 
 
@@ -236,7 +236,7 @@ def test_a_pinned_run_stays_beside_the_live_one(live: Opened) -> None:
     live.go("try=fig2&m2=2")
     legend = live.page.locator(".legend").first
     for mass in ("1.5 kg (pinned)", "2 kg"):
-        expect(legend.locator("li", has_text=f"Mass m2 of the arm: {mass}")).not_to_have_count(0)
+        expect(legend.locator("li", has_text=f"m2 = {mass}")).not_to_have_count(0)
     live.at("unpin").click()
     expect(legend.locator("li", has_text="(pinned)")).to_have_count(0)
 
