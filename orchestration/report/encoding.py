@@ -70,6 +70,7 @@ def pack(values: np.ndarray, size: int) -> Packed:
     low, high = (float(values[finite].min()), float(values[finite].max())) if finite.any() else (0.0, 0.0)
     largest = 256**size - 1 - NO_NUMBERS
     step = (high / (largest - 1) - low / (largest - 1)) if high > low else 0.0
+    step = max(step, float(np.finfo(float).tiny)) if step else 0.0  # smaller numbers have fewer digits
     low = step * math.floor(low / step) if step and low <= 0 <= high else low  # zero stays zero
     codes = np.full(values.shape, largest + 1, dtype=np.int64)  # NaN
     codes[values == np.inf] = largest + 2

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from orchestration.fmi.names import base_name
-from orchestration.master.algorithm import SEQUENTIAL
+from orchestration.master.algorithm import ALGORITHMS, SEQUENTIAL
 from orchestration.results.result import Result
 
 _EXCHANGE = re.compile(r"exchange='(\w+)'")
@@ -72,6 +72,8 @@ def origin_of(result: Result) -> Origin | None:
         return None
     order = _parsed(told["order"])
     algorithm = told.get("algorithm", "")
+    if algorithm in ALGORITHMS:
+        algorithm = repr(ALGORITHMS[algorithm])
     name = _NAME.search(algorithm)
     return Origin(
         system=told.get("system", ""),

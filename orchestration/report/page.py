@@ -14,11 +14,11 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-import jinja2
 from markupsafe import Markup
 
-from orchestration.errors import OrchestrationError, printable
+from orchestration.errors import OrchestrationError
 from orchestration.report.encoding import packed_bytes
+from orchestration.report.markup import render
 
 _IMPORT = re.compile(r"""(\bfrom\s+|\bimport\s+)(["'])(?:\.{1,2}/)+(?:[\w-]+/)*([\w-]+\.m?js)\2""")
 """An import of a module by a relative path; the last group is the name of its file."""
@@ -83,19 +83,17 @@ class Page:
         """
         texts = _module_texts([*own_modules(), *self.modules])
         imports = {name: f"data:text/javascript;base64,{_base64(text)}" for name, text in texts.items()}
-        blocks = {**{name: packed_bytes(bokeh_script(name)) for name in BOKEH}}
-        blocks |= {name: packed_bytes(content) for name, content in self.blocks.items()}
-        environment = jinja2.Environment(
-            loader=jinja2.PackageLoader("orchestration.report"), autoescape=True, undefined=jinja2.StrictUndefined
-        )
-        return environment.get_template("page.html.j2").render(
-            title=printable(self.title),
-            lead=printable(self.lead),
+        contents = {**{name: bokeh_script(name) for name in BOKEH}, **self.blocks}
+        return render(
+            "orchestration.report",
+            "page.html.j2",
+            title=self.title,
+            lead=self.lead,
             style=Markup(read_text("style", "page.css")),  # noqa: S704 - our own text
             sections=[(section, Markup(section.html)) for section in self.sections],  # noqa: S704 - markup by its type
             data={name: script_json(value) for name, value in self.data.items()},
             import_map=script_json({"imports": imports}),
-            blocks=blocks,
+            blocks={name: Markup(packed_bytes(content)) for name, content in contents.items()},  # noqa: S704 - base64
             starts=self.starts,
         )
 

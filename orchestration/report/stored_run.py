@@ -96,21 +96,17 @@ def store(label: str, result: Result, budget: int, first: Sequence[str] = (), **
         used -= len(columns[name].data)
         columns[name] = pack(extremes(result[name], bins[name]), SIZES[-1])
         used += len(columns[name].data)
-    for name in names if len(result.time) <= SHORT else [n for n in names if n in first]:
-        for size in SIZES[:-1]:
-            finer = pack(result[name], size) if bins[name] == 1 and _may_be(size, result) else columns[name]
-            if used - len(columns[name].data) + len(finer.data) <= budget:
-                used += len(finer.data) - len(columns[name].data)
-                columns[name] = finer
+    refined = names if len(result.time) <= SHORT else [name for name in names if name in first]
+    for name in (name for name in refined if bins[name] == 1):
+        for size in SIZES[:-1] if len(result.time) <= SHORTEST else SIZES[1:-1]:
+            finer = pack(result[name], size)
+            more = len(finer.data) - len(columns[name].data)
+            if used + more <= budget:
+                used, columns[name] = used + more, finer
                 break
     units = {name: result.unit(name) for name in names}
     sizes = {name: rows for name, rows in bins.items() if rows > 1}
     return StoredRun(label, _time(result.time), columns, units, sizes, sorted(result.sample_times), **views)
-
-
-def _may_be(size: int, result: Result) -> bool:
-    """Whether it is worth while to try a form: six bytes are for short runs."""
-    return size < SIZES[0] or len(result.time) <= SHORTEST
 
 
 def _time(time: np.ndarray) -> dict[str, Any]:
