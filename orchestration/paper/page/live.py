@@ -6,8 +6,6 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
-from markupsafe import Markup
-
 from orchestration.containers.wasm.module import host
 from orchestration.paper.page.live_data import live_data, plain_script, programs
 from orchestration.paper.page.live_settings import OPEN, STATED
@@ -70,9 +68,8 @@ def live_parts(hashes: Mapping[str, str] | None = None) -> LiveParts:
     made = programs()
     data = live_data(made, hashes)
     groups = [(title, about, [s for s in data["settings"] if s["group"] == title]) for title, about in ABOUT.items()]
-    style = Markup((_folder() / "templates" / "live.css").read_text(encoding="utf-8"))  # noqa: S704 - our own text
     form, claims, copies = (
-        render("orchestration.paper.page", f"{name}.html.j2", **data, groups=groups, style=style)
+        render("orchestration.paper.page", f"{name}.html.j2", **data, groups=groups)
         for name in ("live", "live_claims", "live_copies")
     )
     return LiveParts(

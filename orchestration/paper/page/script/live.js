@@ -45,7 +45,7 @@ export async function start({ showRuns, runs }) {
     element("link").value = `${location.href.split("#")[0]}#${linkOf(data, state)}`;
     element("command").textContent = commandOf(data, state);
     element("hash").textContent = "not computed yet";
-    element("native").textContent = "";
+    element("native").textContent = "not compared yet";
     element("claims").setAttribute("aria-busy", "true");
     ask("show", drawer);
     ask("claims", judge);
@@ -68,7 +68,8 @@ export async function start({ showRuns, runs }) {
   /** @param {Setting} setting @param {string} words */
   function complain(setting, words) {
     element(`${setting.key}-error`).textContent = words;
-    element(setting.key).toggleAttribute("aria-invalid", words !== "");
+    if (words) element(setting.key).setAttribute("aria-invalid", "true");
+    else element(setting.key).removeAttribute("aria-invalid");
   }
 
   /** @param {Setting} setting @param {number} value in the unit of the variables */
@@ -197,7 +198,7 @@ export async function start({ showRuns, runs }) {
     const changes = Object.entries(state.changes).map(([key, value]) => {
       const setting = /** @type {Setting} */ (data.settings.find((s) => s.key === key));
       const option = setting.options.find((o) => o.value === value);
-      return `${setting.label}: ${option ? option.label : `${short(value * setting.factor, 4)} ${setting.unit}`.trim()}`;
+      return option ? `${setting.label}: ${option.label}` : `${key} = ${short(value * setting.factor, 4)} ${setting.unit}`.trim();
     });
     const own = state.controller === data.figures[state.figure].controller;
     return [`Live ${state.figure}`, ...(own ? [] : [data.controllers[state.controller].label]), ...changes].join(", ");
