@@ -55,7 +55,7 @@ def _stamp(path: Path) -> tuple[int, int] | None:
 def reproduce_paper(out: Path, image: str, *, fresh: bool) -> None:
     """Reproduce the figures and claims of the paper, and print the table of claims."""
     let_matplotlib_write()
-    for package in ("casadi", "scipy"):
+    for package in ("bokeh", "casadi", "scipy"):
         imported(package, "paper")
     from orchestration.paper.claims.claim import HOLDS
     from orchestration.paper.report import reproduce

@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+from adaptimp_fmu.files.parts import require
 from orchestration.cli.output import output, watched
 from orchestration.cli.places import require_folder, written
 from orchestration.cli.systems import SystemRequest
@@ -32,6 +33,8 @@ def report_runs(words: Sequence[str], out: Path) -> None:
     ------
     OrchestrationError
         If there are more than two, a file cannot be read, a run fails, or the page cannot be written.
+    MissingPartError
+        If Bokeh is not installed.
     """
     if len(words) > MOST_RUNS:
         msg = f"{len(words)} runs were given; a report is about one run, or compares two."
@@ -42,6 +45,7 @@ def report_runs(words: Sequence[str], out: Path) -> None:
     if not is_page(out):
         msg = f"{out}: a page has the suffix {PAGE}; 'adaptimp plot' draws pictures."
         raise SystemDescriptionError(msg)
+    require("bokeh")
     require_folder(out.parent)
     systems: dict[str, System] = {}
     results: dict[str, Result] = {}

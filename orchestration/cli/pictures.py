@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from adaptimp_fmu.files.cache_folder import let_matplotlib_write
+from adaptimp_fmu.files.parts import require
 from orchestration.cli.output import output, watched
 from orchestration.cli.pages import PAGE, is_page, write_page_of
 from orchestration.cli.places import require_folder, written
@@ -54,6 +55,8 @@ class PictureRequest:
         ------
         SystemDescriptionError
             If the suffix is not that of a format, or the path is a folder.
+        MissingPartError
+            If the file is a page, and Bokeh is not installed.
         """
         if self.path is None:
             return
@@ -61,7 +64,9 @@ class PictureRequest:
         if page and self.dark:
             msg = f"--dark is for pictures; {self.path} is a page, which has a button for that."
             raise SystemDescriptionError(msg)
-        if not page:
+        if page:
+            require("bokeh")
+        else:
             require_picture(self.path, SystemDescriptionError, (*FORMATS, *MOVING, *((PAGE,) if self.page else ())))
         if self._moves and self.names:
             msg = f"{self.path}: a moving picture shows the arm and no chosen columns; leave {self.names[0]} out."

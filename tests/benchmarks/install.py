@@ -24,7 +24,15 @@ from tests.benchmarks.report import Goal, machine, print_goals, write_json
 
 ROOT = Path(__file__).parents[2]
 CORE = "core"
-PARTS = (CORE, "files", "studies", "paper", "build", "build,cluster,files,paper,sensitivity,studies,tuning")
+PARTS = (
+    CORE,
+    "report",
+    "files",
+    "studies",
+    "paper",
+    "build",
+    "build,cluster,files,paper,report,sensitivity,studies,tuning",
+)
 DOWNLOAD_LIMIT, DISK_LIMIT, FIGURE_LIMIT = 150.0, 550.0, 60.0  # MB, MB, s; of the core
 MB = 1e6
 FIGURE = ("run", "fig2", "--plot", "fig2.png")
