@@ -25,6 +25,7 @@ import casadi as ca
 
 from adaptimp_fmu import NOT_NEGATIVE, POSITIVE, SampledModel, Type
 from fmus import icons
+from fmus.elements import along
 from fmus.project import group_signals, publish
 from fmus.sensor_failure import declare_failure
 
@@ -36,7 +37,7 @@ def force_sensor(name: str = "ForceSensor", *, failing: bool = False) -> Sampled
     """Declare the model of a wrist force sensor, which is ideal by default and may have a failure."""
     model = SampledModel(name, f"Wrist force sensor with bounded noise{' and a failure' if failing else ''}")
     publish(model, icons.sensor(), __name__, *(["fmus.sensor_failure"] if failing else []), "fmus")
-    F_ext = model.input("F_ext", [0.0, 0.0], unit="N", description="Force of the tip on the wall")
+    F_ext = model.input("F_ext", [0.0, 0.0], unit="N", description=along("Force of the tip on the wall"))
     std = model.parameter(
         "noise_std",
         0.0,
@@ -71,7 +72,7 @@ def force_sensor(name: str = "ForceSensor", *, failing: bool = False) -> Sampled
         "noise_bound must be positive where noise_std is",
     )
     ticks = ticks_per_draw(model)
-    bias = model.parameter("bias", [0.0, 0.0], unit="N", description="Constant error of each component")
+    bias = model.parameter("bias", [0.0, 0.0], unit="N", description=along("Constant error"))
     resolution = model.parameter(
         "resolution",
         0.0,
@@ -95,7 +96,7 @@ def force_sensor(name: str = "ForceSensor", *, failing: bool = False) -> Sampled
     steps = ca.floor(within / resolution + 0.5)
     F_hat = ca.if_else(resolution > 0, steps * resolution, within)
     F_hat = F_hat if failure is None else failure.reading(model, F_hat, F_ext)
-    model.output("F_hat", F_hat, unit="N", description="Measured force")
+    model.output("F_hat", F_hat, unit="N", description=along("Measured force"))
     if failure is not None:
         model.output("failed", failure.active, type=Type.BOOLEAN, description="Whether the sensor fails")
     group_signals(model)

@@ -26,6 +26,7 @@ from fmus.control.adaptation import declare_adaptation
 from fmus.control.controller import EQUATIONS, Controller, declare_controller
 from fmus.control.gains import declare_gain, require_semidefinite
 from fmus.control.impedance import target_acceleration
+from fmus.elements import along, of_axes
 from fmus.mechanics.algebra import solve_2x2, times
 from fmus.project import publish
 
@@ -73,7 +74,7 @@ def slotine_li_adaptive_impedance(
     gradient = ca.mtimes(Y_r.T, solve_2x2(J, s))
     model.update_slowly(p_hat, adaptation.next_estimate(p_hat, gradient, s), divisor="update_divisor")
     model = controller.finish(tau_cmd, p_hat)
-    model.output("s", s, unit="m/s", description="Augmented error de + Psi e, eq. (30)")
+    model.output("s", s, unit="m/s", description=along("Augmented error de + Psi e, eq. (30),"))
     return model
 
 
@@ -86,7 +87,7 @@ def _declare_K_d(controller: Controller) -> ca.SX:
         full=controller.full,
         unit="N.s/m",
         limits=NOT_NEGATIVE,
-        description="Damping gain on s, eq. (32)",
+        description=of_axes("Damping gain on s, eq. (32),", full=controller.full),
     )
     if controller.full:
         require_semidefinite(

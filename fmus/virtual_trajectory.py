@@ -16,6 +16,7 @@ import casadi as ca
 
 from adaptimp_fmu import POSITIVE, SampledModel
 from fmus import icons, start
+from fmus.elements import LENGTH, along
 from fmus.environment.half_space import HalfSpace, declare_half_space
 from fmus.project import group_signals, publish
 
@@ -32,11 +33,13 @@ def virtual_trajectory(name: str = "VirtualTrajectory", walls: int = 1) -> Sampl
         start.SEMI_AXIS,
         unit="m",
         limits=POSITIVE,
-        description=["Semi-axis of the ellipse along x1", "Semi-axis of the ellipse along x2"],
+        description=along("Semi-axis of the ellipse"),
     )
     period = model.parameter("period", start.PERIOD, unit="s", limits=POSITIVE, description="Time of one turn")
     borders = [declare_half_space(model, number) for number in range(1, walls + 1)]
-    depth = model.parameter("depth", 0.01, unit="m", description="Depth of the straight segment inside the wall")
+    depth = model.parameter(
+        "depth", 0.01, unit="m", display_unit=LENGTH, description="Depth of the straight segment inside the wall"
+    )
 
     rate = 2 * math.pi / period
     angle = rate * model.time
@@ -49,9 +52,11 @@ def virtual_trajectory(name: str = "VirtualTrajectory", walls: int = 1) -> Sampl
     clipped = _clip_at_one(lines[0], excess[0]) if walls == 1 else _clip_at_both(model, lines, excess)
     rates, accelerations = ([line.along_normal(vector) for line in lines] for vector in (dx, ddx))
 
-    model.output("x_v", clipped(x, excess), unit="m", description="Virtual position of the tip")
-    model.output("dx_v", clipped(dx, rates), unit="m/s", description="Virtual velocity of the tip")
-    model.output("ddx_v", clipped(ddx, accelerations), unit="m/s2", description="Virtual acceleration of the tip")
+    model.output("x_v", clipped(x, excess), unit="m", description=along("Virtual position of the tip"))
+    model.output("dx_v", clipped(dx, rates), unit="m/s", description=along("Virtual velocity of the tip"))
+    model.output(
+        "ddx_v", clipped(ddx, accelerations), unit="m/s2", description=along("Virtual acceleration of the tip")
+    )
     group_signals(model)
     return model
 

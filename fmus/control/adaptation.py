@@ -20,6 +20,7 @@ import casadi as ca
 from adaptimp_fmu import NOT_NEGATIVE, POSITIVE, Limits, Type
 from fmus.control.controller import Controller, parameter_descriptions, parameter_units
 from fmus.control.gains import declare_gain, require_definite, require_semidefinite
+from fmus.elements import of_axes, of_joints
 from fmus.mechanics.algebra import is_diagonal, times
 
 UNLIMITED = 1e9  # an upper bound of p that is none
@@ -87,7 +88,7 @@ def declare_adaptation(controller: Controller, gains: Sequence[float], gain_unit
         "saturated",
         [False] * n,
         type=Type.BOOLEAN,
-        description="Whether the actuator is saturated (optional)",
+        description=[f"{text} is saturated (optional)" for text in of_joints("Whether the actuator", n)],
     )
     Gamma = _declare_Gamma(controller, gains, gain_units)
     Psi = declare_gain(
@@ -97,7 +98,7 @@ def declare_adaptation(controller: Controller, gains: Sequence[float], gain_unit
         full=controller.full,
         unit="1/s",
         limits=POSITIVE,
-        description="Gain of the error filter de + Psi e",
+        description=of_axes("Gain of the error filter de + Psi e", full=controller.full),
     )
     if controller.full:
         require_definite(model, Psi, "Psi must be positive definite")

@@ -30,6 +30,7 @@ from fmus.control.adaptation import Adaptation
 from fmus.control.controller import Controller
 from fmus.control.full_tirt import FullImpedance
 from fmus.control.gains import require_definite
+from fmus.elements import along
 
 
 @dataclass(frozen=True)
@@ -110,7 +111,7 @@ def declare_noise_rejection(adaptation: Adaptation, mobility: ca.SX) -> NoiseRej
 def declare_outputs(rejection: NoiseRejection, adaptation: Adaptation, F_c: ca.SX) -> None:
     """Declare the outputs that the theory of algorithm 1 speaks about."""
     model = adaptation.controller.model
-    model.output("e_star", rejection.e_star, unit="m/s", description="Augmented error de + Psi e, eq. (14)")
+    model.output("e_star", rejection.e_star, unit="m/s", description=along("Augmented error de + Psi e, eq. (14),"))
     for name, unit, text in (
         ("alpha", "m2/s3", "X' Q X, eq. (23)"),
         ("beta", "m/s", "Norm of e_star, eq. (23)"),
@@ -119,7 +120,7 @@ def declare_outputs(rejection: NoiseRejection, adaptation: Adaptation, F_c: ca.S
         ("gamma_bound", "1/s", "gamma* of eq. (26) where it bounds the right side of (25), else 0"),
     ):
         model.output(name, getattr(rejection, name), unit=unit, description=text, scalar=True)
-    model.output("F_c", F_c, unit="N", description="Control force against the sensor's noise, eq. (22)")
+    model.output("F_c", F_c, unit="N", description=along("Control force against the sensor's noise, eq. (22),"))
 
 
 def _alpha(adaptation: Adaptation, e: ca.SX, de: ca.SX) -> ca.SX:
