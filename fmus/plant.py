@@ -17,8 +17,10 @@ from operator import add
 
 import casadi as ca
 
-from adaptimp_fmu import NOT_NEGATIVE, POSITIVE, ContinuousModel
+from adaptimp_fmu import NOT_NEGATIVE, POSITIVE, ContinuousModel, Formula, Formulas
 from fmus import icons, start
+from fmus.drawings.arm import arm as drawn_arm
+from fmus.drawings.loop import PLANT
 from fmus.elements import ACCELERATION, ANGLE, LENGTH, RATE, along, of_joints, of_links
 from fmus.environment.contact import Wall
 from fmus.environment.half_space import declare_half_space, ordinal, suffix
@@ -27,6 +29,21 @@ from fmus.mechanics.arm import Arm
 from fmus.mechanics.payload import declare_payload, force_on_payload
 from fmus.mechanics.planar_arm import PlanarArm
 from fmus.project import group_signals, publish
+
+FORMULAS = Formulas(
+    "Motion of the arm",
+    [
+        Formula(
+            r"H(q)\,\ddot{q} + C(q, \dot{q})\,\dot{q} + g(q) + f(\dot{q}) = \tau - J(q)^{T} F_{\text{ext}}",
+            "The torques of the joints move the arm, and the contact force at the tip acts back.",
+            "1",
+        ),
+        Formula(
+            r"f_i = v_i\,\dot{q}_i + c_i\,\tanh\frac{\dot{q}_i}{\omega_c}",
+            "Friction of joint i has the coefficients v (viscous) and c (coulomb), and the width coulomb_velocity.",
+        ),
+    ],
+)
 
 
 def plant(n: int = 2, name: str = "Plant", walls: int = 1, *, wrist: bool = False) -> ContinuousModel:
@@ -39,6 +56,8 @@ def plant(n: int = 2, name: str = "Plant", walls: int = 1, *, wrist: bool = Fals
     publish(
         model,
         icons.arm(n, corner=walls > 1),
+        PLANT,
+        [drawn_arm(n, walls)],
         __name__,
         "fmus.mechanics.planar_arm",
         "fmus.environment.contact",

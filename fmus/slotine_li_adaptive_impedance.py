@@ -20,12 +20,13 @@ and its adaptation remains that of (33) and (34), with dx_r.
 
 import casadi as ca
 
-from adaptimp_fmu import NOT_NEGATIVE, SampledModel
+from adaptimp_fmu import NOT_NEGATIVE, Formula, Formulas, SampledModel
 from fmus import icons
 from fmus.control.adaptation import declare_adaptation
-from fmus.control.controller import EQUATIONS, Controller, declare_controller
+from fmus.control.controller import EQUATIONS, Controller, declare_controller, drawings
 from fmus.control.gains import declare_gain, require_semidefinite
 from fmus.control.impedance import target_acceleration
+from fmus.drawings.loop import CONTROLLER
 from fmus.elements import along, of_axes
 from fmus.mechanics.algebra import solve_2x2, times
 from fmus.project import publish
@@ -33,6 +34,25 @@ from fmus.project import publish
 # p^2/(N.m) for m, viscous, coulomb
 GAIN_UNITS = (("kg.s2/m2", "kg.s/rad", "kg"), ("N.m.s2/rad2", "N.m.s/rad"), ("N.m",))
 GAINS = (0.0, 4.0, 0.0, 0.0, 0.0, 0.0)  # assumed: m2 is the unknown payload's mass
+
+
+FORMULAS = Formulas(
+    "Algorithm 2",
+    [
+        Formula(
+            r"s = \dot{e} + \Psi e, \quad \dot{x}_r = \dot{x}_t - \Psi e, \quad \ddot{x}_r = \ddot{x}_t - \Psi \dot{e}",
+            "The augmented error, and the velocity and acceleration that lead back to the target.",
+            "30",
+        ),
+        Formula(
+            r"F = \hat{H}_x \ddot{x}_r + \hat{C}_x \dot{x}_r + \hat{g}_x + \hat{f}_x + \hat{F} - K_d s, \quad"
+            r" \tau = J^{T} F",
+            "The law needs no acceleration.",
+            "32",
+        ),
+        Formula(r"\frac{d\hat{p}}{dt} = -\Gamma\,W_s^{T} s", "The estimates follow the augmented error.", "33"),
+    ],
+)
 
 
 def slotine_li_adaptive_impedance(
@@ -49,7 +69,15 @@ def slotine_li_adaptive_impedance(
     """
     text = "Adaptive impedance control, algorithm 2 (after Slotine and Li)"
     controller = declare_controller(name, text if coriolis_of_s else f"{text}, without C_x s", full=full)
-    publish(controller.model, icons.adaptive_impedance(2), __name__, "fmus.control.adaptation", *EQUATIONS)
+    publish(
+        controller.model,
+        icons.adaptive_impedance(2),
+        CONTROLLER,
+        drawings(controller.arm.n),
+        __name__,
+        "fmus.control.adaptation",
+        *EQUATIONS,
+    )
     adaptation = declare_adaptation(controller, GAINS, GAIN_UNITS)
     model, measured, arm = controller.model, controller.measured, controller.arm
     K_d = _declare_K_d(controller)

@@ -9,12 +9,14 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from adaptimp_fmu import NOT_NEGATIVE, POSITIVE, SampledModel
+from adaptimp_fmu import NOT_NEGATIVE, POSITIVE, Drawing, SampledModel
 from fmus import start
 from fmus.control.full_tirt import LARGEST_NORM, FullImpedance, companion, row_norm
 from fmus.control.gains import declare_gain, require_definite
 from fmus.control.impedance import ArmModel, Measured
 from fmus.control.tirt import Impedance
+from fmus.drawings.arm import arm as drawn_arm
+from fmus.drawings.characteristics import impedance as drawn_impedance
 from fmus.elements import ACCELERATION, ANGLE, LENGTH, RATE, along, of_axes, of_joints, of_links
 from fmus.mechanics.algebra import factors_spd
 from fmus.mechanics.arm import Arm
@@ -179,6 +181,11 @@ def declare_controller(name: str, description: str, n: int = 2, *, full: bool = 
         x_t=model.state("x_t", x_v),
         dx_t=model.state("dx_t", dx_v),
     )
+
+
+def drawings(n: int) -> list[Drawing]:
+    """Draw what the variables of every controller mean: the target impedance, and the frames of the arm."""
+    return [drawn_impedance(), drawn_arm(n)]
 
 
 def parameter_units(n: int) -> Sequence[str]:
