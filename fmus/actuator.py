@@ -9,11 +9,30 @@ Lag and rate limit are off by default: tau is the target. The first tick starts 
 
 import casadi as ca
 
-from adaptimp_fmu import NOT_NEGATIVE, POSITIVE, SampledModel, Type
+from adaptimp_fmu import NOT_NEGATIVE, POSITIVE, Formula, Formulas, SampledModel, Type
 from fmus import icons
+from fmus.drawings.characteristics import saturation
+from fmus.drawings.loop import ACTUATOR
+from fmus.elements import of_joints
 from fmus.project import group_signals, publish
 
 OFF = 1e9  # N.m or N.m/s, a limit that is none
+
+
+FORMULAS = Formulas(
+    "Torque at tick k",
+    [
+        Formula(
+            r"\bar{\tau} = \max(-\tau_{\text{max}}, \; \min(\tau_{\text{max}}, \; \tau_{\text{cmd}}))",
+            "The target is the command within the limits of the torque.",
+        ),
+        Formula(
+            r"\tau_k = \tau_{k-1} + \mathrm{sat}_{\dot{\tau}_{\text{max}} T_s}"
+            r"\left( (1 - e^{-T_s / T})(\bar{\tau} - \tau_{k-1}) \right)",
+            "A lag with the time constant T and a limit of the rate follow; sat limits the change per tick.",
+        ),
+    ],
+)
 
 
 def actuator(n: int = 2, name: str = "Actuator") -> SampledModel:
@@ -26,22 +45,22 @@ def actuator(n: int = 2, name: str = "Actuator") -> SampledModel:
     (3, 1)
     """
     model = SampledModel(name, "Joint actuators with torque limits")
-    publish(model, icons.saturation(n), __name__, "fmus")
-    tau_cmd = model.input("tau_cmd", [0.0] * n, unit="N.m", description="Commanded joint torque")
+    publish(model, icons.saturation(n), ACTUATOR, [saturation()], __name__, "fmus")
+    tau_cmd = model.input("tau_cmd", [0.0] * n, unit="N.m", description=of_joints("Commanded torque", n))
     tau_max = model.parameter(
         "tau_max",
         [OFF] * n,
         unit="N.m",
         limits=POSITIVE,
         tunable=True,
-        description="Largest absolute joint torque; 1e9 = no limit",
+        description=[f"{text}; 1e9 = no limit" for text in of_joints("Largest absolute torque", n)],
     )
     rate_max = model.parameter(
         "tau_rate_max",
         [OFF] * n,
         unit="N.m/s",
         limits=POSITIVE,
-        description="Largest absolute rate of the joint torque; 1e9 = no limit",
+        description=[f"{text}; 1e9 = no limit" for text in of_joints("Largest absolute rate of the torque", n)],
     )
     time_constant = model.parameter(
         "time_constant",
@@ -59,12 +78,12 @@ def actuator(n: int = 2, name: str = "Actuator") -> SampledModel:
     too_fast = ca.logic_and(rate_max < OFF, ca.fabs(lagged - previous) > most)
     tau = ca.if_else(too_fast, limited, lagged)
     model.update(previous, tau)
-    model.output("tau", tau, unit="N.m", description="Joint torque")
+    model.output("tau", tau, unit="N.m", description=of_joints("Torque", n))
     model.output(
         "saturated",
         ca.logic_or(ca.fabs(tau_cmd) > tau_max, too_fast),
         type=Type.BOOLEAN,
-        description="Whether the command exceeds the torque or the rate limit",
+        description=of_joints("Whether the command exceeds the torque or the rate limit", n),
     )
     group_signals(model)
     return model

@@ -15,18 +15,36 @@ theory does not say where to. Projection with p_min > 0 excludes both.
 
 import casadi as ca
 
-from adaptimp_fmu import SampledModel
+from adaptimp_fmu import Formula, Formulas, SampledModel
 from fmus import icons
 from fmus.control.adaptation import declare_adaptation
-from fmus.control.controller import EQUATIONS, declare_controller
+from fmus.control.controller import EQUATIONS, declare_controller, drawings
 from fmus.control.impedance import resolved_torque, target_acceleration
 from fmus.control.noise_rejection import declare_noise_rejection, declare_outputs
+from fmus.drawings.loop import CONTROLLER
 from fmus.mechanics.algebra import solve_2x2, solve_spd
 from fmus.project import publish
 
 # p^2 s^2/m^2 for m, viscous, coulomb
 GAIN_UNITS = (("kg2.s2/m2", "kg.N.s3/m.rad", "kg.N.s2/m"), ("N2.s4/rad2", "N2.s3/rad"), ("N2.s2",))
 GAINS = (0.0, 5.0, 0.0, 0.0, 0.0, 0.0)  # assumed: m2 is the unknown payload's mass
+
+
+FORMULAS = Formulas(
+    "Algorithm 1 as Craig has it",
+    [
+        Formula(
+            r"\tau = \hat{H} \ddot{q}^{*} + \hat{C} \dot{q} + \hat{g} + \hat{f} + J^{T} (\hat{F} + F_c)",
+            "The law of impedance control with estimates in the place of the arm's parameters.",
+            "8",
+        ),
+        Formula(
+            r"\frac{d\hat{p}}{dt} = -\Gamma\,W_c^{T} \hat{H}_x^{-1} e^{*}",
+            "The estimates follow the augmented error.",
+            "19",
+        ),
+    ],
+)
 
 
 def craig_adaptive_impedance(name: str = "CraigAdaptiveImpedance", *, full: bool = False) -> SampledModel:
@@ -46,6 +64,8 @@ def craig_adaptive_impedance(name: str = "CraigAdaptiveImpedance", *, full: bool
     publish(
         controller.model,
         icons.adaptive_impedance(1),
+        CONTROLLER,
+        drawings(controller.arm.n),
         __name__,
         "fmus.control.noise_rejection",
         "fmus.control.adaptation",

@@ -23,13 +23,34 @@ import math
 
 import casadi as ca
 
-from adaptimp_fmu import NOT_NEGATIVE, POSITIVE, SampledModel, Type
+from adaptimp_fmu import NOT_NEGATIVE, POSITIVE, Formula, Formulas, SampledModel, Type
 from fmus import icons
+from fmus.drawings.characteristics import sensor
+from fmus.drawings.loop import SENSOR
+from fmus.elements import along
 from fmus.project import group_signals, publish
 from fmus.sensor_failure import declare_failure
 
 OFF = 1e9  # N, a range that limits nothing
 ROUNDING = 1e-9  # relative, by which a multiple of the sampling period may be off
+
+
+FORMULAS = Formulas(
+    "Measurement at tick k",
+    [
+        Formula(
+            r"\hat{F} = F_{\text{ext}} + b + \varepsilon, \quad \|\varepsilon\| \le \delta",
+            "The reading is the force with a bias b and an error that never exceeds delta, the noise_bound.",
+            "21",
+        ),
+        Formula(
+            r"\varepsilon = r\,(\cos 2\pi u_1, \; \sin 2\pi u_1)^{T}, \quad"
+            r" r = \sigma \sqrt{-2 \ln\left( 1 - u_0 (1 - e^{-\delta^2 / 2\sigma^2}) \right)}",
+            "The error has the density of a normal distribution with noise_std, cut at delta. The numbers u0 and u1"
+            " are uniform, and follow from seed and tick.",
+        ),
+    ],
+)
 
 
 def force_sensor(name: str = "ForceSensor", *, failing: bool = False) -> SampledModel:
@@ -42,8 +63,9 @@ def force_sensor(name: str = "ForceSensor", *, failing: bool = False) -> Sampled
     'Wrist force sensor with bounded noise and a failure'
     """
     model = SampledModel(name, f"Wrist force sensor with bounded noise{' and a failure' if failing else ''}")
-    publish(model, icons.sensor(), __name__, *(["fmus.sensor_failure"] if failing else []), "fmus")
-    F_ext = model.input("F_ext", [0.0, 0.0], unit="N", description="Force of the tip on the wall")
+    failure_modules = ["fmus.sensor_failure"] if failing else []
+    publish(model, icons.sensor(), SENSOR, [sensor()], __name__, *failure_modules, "fmus")
+    F_ext = model.input("F_ext", [0.0, 0.0], unit="N", description=along("Force of the tip on the wall"))
     std = model.parameter(
         "noise_std",
         0.0,
@@ -78,7 +100,7 @@ def force_sensor(name: str = "ForceSensor", *, failing: bool = False) -> Sampled
         "noise_bound must be positive where noise_std is",
     )
     ticks = ticks_per_draw(model)
-    bias = model.parameter("bias", [0.0, 0.0], unit="N", description="Constant error of each component")
+    bias = model.parameter("bias", [0.0, 0.0], unit="N", description=along("Constant error"))
     resolution = model.parameter(
         "resolution",
         0.0,
@@ -102,7 +124,7 @@ def force_sensor(name: str = "ForceSensor", *, failing: bool = False) -> Sampled
     steps = ca.floor(within / resolution + 0.5)
     F_hat = ca.if_else(resolution > 0, steps * resolution, within)
     F_hat = F_hat if failure is None else failure.reading(model, F_hat, F_ext)
-    model.output("F_hat", F_hat, unit="N", description="Measured force")
+    model.output("F_hat", F_hat, unit="N", description=along("Measured force"))
     if failure is not None:
         model.output("failed", failure.active, type=Type.BOOLEAN, description="Whether the sensor fails")
     group_signals(model)

@@ -17,8 +17,11 @@ from operator import add
 
 import casadi as ca
 
-from adaptimp_fmu import NOT_NEGATIVE, POSITIVE, ContinuousModel
+from adaptimp_fmu import NOT_NEGATIVE, POSITIVE, ContinuousModel, Formula, Formulas
 from fmus import icons, start
+from fmus.drawings.arm import arm as drawn_arm
+from fmus.drawings.loop import PLANT
+from fmus.elements import ACCELERATION, ANGLE, LENGTH, RATE, along, of_joints, of_links
 from fmus.environment.contact import Wall
 from fmus.environment.half_space import declare_half_space, ordinal, suffix
 from fmus.mechanics.algebra import solve_spd
@@ -26,6 +29,21 @@ from fmus.mechanics.arm import Arm
 from fmus.mechanics.payload import declare_payload, force_on_payload
 from fmus.mechanics.planar_arm import PlanarArm
 from fmus.project import group_signals, publish
+
+FORMULAS = Formulas(
+    "Motion of the arm",
+    [
+        Formula(
+            r"H(q)\,\ddot{q} + C(q, \dot{q})\,\dot{q} + g(q) + f(\dot{q}) = \tau - J(q)^{T} F_{\text{ext}}",
+            "The torques of the joints move the arm, and the contact force at the tip acts back.",
+            "1",
+        ),
+        Formula(
+            r"f_i = v_i\,\dot{q}_i + c_i\,\tanh\frac{\dot{q}_i}{\omega_c}",
+            "Friction of joint i has the coefficients v (viscous) and c (coulomb), and the width coulomb_velocity.",
+        ),
+    ],
+)
 
 
 def plant(n: int = 2, name: str = "Plant", walls: int = 1, *, wrist: bool = False) -> ContinuousModel:
@@ -45,6 +63,8 @@ def plant(n: int = 2, name: str = "Plant", walls: int = 1, *, wrist: bool = Fals
     publish(
         model,
         icons.arm(n, corner=walls > 1),
+        PLANT,
+        [drawn_arm(n, walls)],
         __name__,
         "fmus.mechanics.planar_arm",
         "fmus.environment.contact",
@@ -54,29 +74,36 @@ def plant(n: int = 2, name: str = "Plant", walls: int = 1, *, wrist: bool = Fals
     )
     arm: Arm = PlanarArm(n)
     begin = start.ARMS[n]
-    tau = model.input("tau", [0.0] * arm.n, unit="N.m", description="Joint torque")
-    q_start = model.parameter("q_start", begin.q, unit="rad", description="Joint angle at the start")
-    dq_start = model.parameter("dq_start", begin.dq, unit="rad/s", description="Joint rate at the start")
-    m = model.parameter("m", begin.masses, unit="kg", limits=POSITIVE, description="Point mass at the end of a link")
-    l = model.parameter("l", begin.link_lengths, unit="m", limits=POSITIVE, description="Length of a link")
+    tau = model.input("tau", [0.0] * arm.n, unit="N.m", description=of_joints("Torque", arm.n))
+    q_start = model.parameter(
+        "q_start", begin.q, unit="rad", display_unit=ANGLE, description=of_joints("Angle at the start", arm.n)
+    )
+    dq_start = model.parameter(
+        "dq_start", begin.dq, unit="rad/s", display_unit=RATE, description=of_joints("Rate at the start", arm.n)
+    )
+    m = model.parameter(
+        "m", begin.masses, unit="kg", limits=POSITIVE, description=of_links("Point mass at the end", arm.n)
+    )
+    l = model.parameter("l", begin.link_lengths, unit="m", limits=POSITIVE, description=of_links("Length", arm.n))
     viscous = model.parameter(
         "viscous",
         [0.0] * arm.n,
         unit="N.m.s/rad",
         limits=NOT_NEGATIVE,
-        description="Coefficient of viscous joint friction",
+        description=of_joints("Coefficient of viscous friction", arm.n),
     )
     coulomb = model.parameter(
         "coulomb",
         [0.0] * arm.n,
         unit="N.m",
         limits=NOT_NEGATIVE,
-        description="Coulomb joint friction torque",
+        description=of_joints("Coulomb friction torque", arm.n),
     )
     coulomb_velocity = model.parameter(
         "coulomb_velocity",
         start.COULOMB_VELOCITY,
         unit="rad/s",
+        display_unit=RATE,
         limits=POSITIVE,
         description="Joint rate over which Coulomb friction changes sign (tanh)",
     )
@@ -99,24 +126,41 @@ def plant(n: int = 2, name: str = "Plant", walls: int = 1, *, wrist: bool = Fals
     model.derivative(q, dq)
     model.derivative(dq, ddq)
 
-    model.output("q", q, unit="rad", description="Joint angle, relative to the previous link")
-    model.output("dq", dq, unit="rad/s", description="Joint rate")
-    model.output("ddq", ddq, unit="rad/s2", description="Joint acceleration; at a communication point its left limit")
-    model.output("x", x, unit="m", description="Tip position")
-    model.output("dx", dx, unit="m/s", description="Tip velocity")
-    model.output("F_ext", F_ext, unit="N", description="Force of the tip on the wall")
+    _show_motion(model, arm, (q, dq, ddq), (x, dx))
+    model.output("F_ext", F_ext, unit="N", description=along("Force of the tip on the wall"))
     if payload is not None:
         ddx = ca.mtimes(J, ddq) + ca.mtimes(arm.jacobian_rate(q, dq, l), dq)
         F_wrist = force_on_payload(payload, F_ext, ddx, gravity)
-        model.output("F_wrist", F_wrist, unit="N", description="Force of the arm on what is beyond the wrist sensor")
+        model.output(
+            "F_wrist", F_wrist, unit="N", description=along("Force of the arm on what is beyond the wrist sensor")
+        )
     for number, wall in touched.items():
         _show_depth(model, wall.gap(x), number)
     if walls > 1:
         for number, force in forces.items():
             text = f"Force of the tip on the {'first wall' if number == 1 else ordinal(number)}"
-            model.output(f"F_wall{suffix(number)}", force, unit="N", description=text)
+            model.output(f"F_wall{suffix(number)}", force, unit="N", description=along(text))
     group_signals(model)
     return model
+
+
+def _show_motion(
+    model: ContinuousModel, arm: Arm, joints: tuple[ca.SX, ca.SX, ca.SX], tip: tuple[ca.SX, ca.SX]
+) -> None:
+    """Declare the outputs that tell how the arm moves: q, dq, ddq of the joints, and x, dx of the tip."""
+    for name, value, unit, shown, what in (
+        ("q", joints[0], "rad", ANGLE, "Angle"),
+        ("dq", joints[1], "rad/s", RATE, "Rate"),
+        ("ddq", joints[2], "rad/s2", ACCELERATION, "Acceleration"),
+    ):
+        said = of_joints(what, arm.n)
+        if name == "q":
+            said = [said[0] + ", from x1", *(f"{text}, from the previous link" for text in said[1:])]
+        if name == "ddq":
+            said = [f"{text}; at a communication point its left limit" for text in said]
+        model.output(name, value, unit=unit, display_unit=shown, description=said)
+    model.output("x", tip[0], unit="m", description=along("Position of the tip"))
+    model.output("dx", tip[1], unit="m/s", description=along("Velocity of the tip"))
 
 
 def _force(model: ContinuousModel, wall: Wall, x: ca.SX, dx: ca.SX, number: int) -> ca.SX:
@@ -133,6 +177,7 @@ def _show_depth(model: ContinuousModel, gap: ca.SX, number: int) -> None:
         f"gap{end}",
         gap,
         unit="m",
+        display_unit=LENGTH,
         description=f"Signed depth of the tip in the {wall}, n.x - wall_offset{end}",
         scalar=True,
     )
@@ -140,6 +185,7 @@ def _show_depth(model: ContinuousModel, gap: ca.SX, number: int) -> None:
         f"penetration{end}",
         ca.fmax(gap, 0),
         unit="m",
+        display_unit=LENGTH,
         description=f"Depth of the tip in the {wall}, 0 outside",
         scalar=True,
     )

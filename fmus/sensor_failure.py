@@ -15,6 +15,7 @@ from dataclasses import dataclass
 import casadi as ca
 
 from adaptimp_fmu import NOT_NEGATIVE, Limits, SampledModel, Type
+from fmus.elements import along
 
 NONE, DROPOUT, STUCK, SPIKE = range(4)
 ROUNDING = 1e-9  # of the sampling period, by which a tick may come before the time that it stands for
@@ -74,7 +75,7 @@ def declare_failure(model: SampledModel) -> Failure:
     duration = model.parameter(
         "failure_duration", 0.0, unit="s", limits=NOT_NEGATIVE, description="Time for which the sensor fails"
     )
-    force = model.parameter("failure_force", [0.0, 0.0], unit="N", description="Force that a spike adds")
+    force = model.parameter("failure_force", [0.0, 0.0], unit="N", description=along("Force that a spike adds"))
     since = model.time - begin + ROUNDING * model.period
     active = ca.logic_and(kind != NONE, ca.logic_and(since >= 0, since < duration))
     return Failure(kind, active, force)

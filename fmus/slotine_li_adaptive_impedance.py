@@ -20,18 +20,39 @@ and its adaptation remains that of (33) and (34), with dx_r.
 
 import casadi as ca
 
-from adaptimp_fmu import NOT_NEGATIVE, SampledModel
+from adaptimp_fmu import NOT_NEGATIVE, Formula, Formulas, SampledModel
 from fmus import icons
 from fmus.control.adaptation import declare_adaptation
-from fmus.control.controller import EQUATIONS, Controller, declare_controller
+from fmus.control.controller import EQUATIONS, Controller, declare_controller, drawings
 from fmus.control.gains import declare_gain, require_semidefinite
 from fmus.control.impedance import target_acceleration
+from fmus.drawings.loop import CONTROLLER
+from fmus.elements import along, of_axes
 from fmus.mechanics.algebra import solve_2x2, times
 from fmus.project import publish
 
 # p^2/(N.m) for m, viscous, coulomb
 GAIN_UNITS = (("kg.s2/m2", "kg.s/rad", "kg"), ("N.m.s2/rad2", "N.m.s/rad"), ("N.m",))
 GAINS = (0.0, 4.0, 0.0, 0.0, 0.0, 0.0)  # assumed: m2 is the unknown payload's mass
+
+
+FORMULAS = Formulas(
+    "Algorithm 2",
+    [
+        Formula(
+            r"s = \dot{e} + \Psi e, \quad \dot{x}_r = \dot{x}_t - \Psi e, \quad \ddot{x}_r = \ddot{x}_t - \Psi \dot{e}",
+            "The augmented error, and the velocity and acceleration that lead back to the target.",
+            "30",
+        ),
+        Formula(
+            r"F = \hat{H}_x \ddot{x}_r + \hat{C}_x \dot{x}_r + \hat{g}_x + \hat{f}_x + \hat{F} - K_d s, \quad"
+            r" \tau = J^{T} F",
+            "The law needs no acceleration.",
+            "32",
+        ),
+        Formula(r"\frac{d\hat{p}}{dt} = -\Gamma\,W_s^{T} s", "The estimates follow the augmented error.", "33"),
+    ],
+)
 
 
 def slotine_li_adaptive_impedance(
@@ -54,7 +75,15 @@ def slotine_li_adaptive_impedance(
     """
     text = "Adaptive impedance control, algorithm 2 (after Slotine and Li)"
     controller = declare_controller(name, text if coriolis_of_s else f"{text}, without C_x s", full=full)
-    publish(controller.model, icons.adaptive_impedance(2), __name__, "fmus.control.adaptation", *EQUATIONS)
+    publish(
+        controller.model,
+        icons.adaptive_impedance(2),
+        CONTROLLER,
+        drawings(controller.arm.n),
+        __name__,
+        "fmus.control.adaptation",
+        *EQUATIONS,
+    )
     adaptation = declare_adaptation(controller, GAINS, GAIN_UNITS)
     model, measured, arm = controller.model, controller.measured, controller.arm
     K_d = _declare_K_d(controller)
@@ -79,7 +108,7 @@ def slotine_li_adaptive_impedance(
     gradient = ca.mtimes(Y_r.T, solve_2x2(J, s))
     model.update_slowly(p_hat, adaptation.next_estimate(p_hat, gradient, s), divisor="update_divisor")
     model = controller.finish(tau_cmd, p_hat)
-    model.output("s", s, unit="m/s", description="Augmented error de + Psi e, eq. (30)")
+    model.output("s", s, unit="m/s", description=along("Augmented error de + Psi e, eq. (30),"))
     return model
 
 
@@ -92,7 +121,7 @@ def _declare_K_d(controller: Controller) -> ca.SX:
         full=controller.full,
         unit="N.s/m",
         limits=NOT_NEGATIVE,
-        description="Damping gain on s, eq. (32)",
+        description=of_axes("Damping gain on s, eq. (32),", full=controller.full),
     )
     if controller.full:
         require_semidefinite(

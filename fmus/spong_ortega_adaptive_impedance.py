@@ -18,15 +18,32 @@ while the adaptation uses ddq. H(p) + H(phi_hat) must stay positive definite: ch
 
 import casadi as ca
 
-from adaptimp_fmu import NOT_NEGATIVE, SampledModel
+from adaptimp_fmu import NOT_NEGATIVE, Formula, Formulas, SampledModel
 from fmus import icons
 from fmus.control.adaptation import declare_adaptation
-from fmus.control.controller import EQUATIONS, declare_controller
+from fmus.control.controller import EQUATIONS, declare_controller, drawings
 from fmus.control.impedance import resolved_torque, target_acceleration
 from fmus.control.noise_rejection import declare_noise_rejection, declare_outputs
 from fmus.craig_adaptive_impedance import GAIN_UNITS, GAINS
+from fmus.drawings.loop import CONTROLLER
 from fmus.mechanics.algebra import solve_2x2, solve_spd
 from fmus.project import publish
+
+FORMULAS = Formulas(
+    "Algorithm 1 with one fixed inverse",
+    [
+        Formula(
+            r"F = \hat{F} + C_0 \dot{x} + g_0 + f_0"
+            r" + H_0 \left\{ \ddot{x}_v - M^{-1} [\dots] + \delta a \right\} + F_c,"
+            r" \quad \delta a = -H_0^{-1} W_c \hat{\varphi}",
+            "The model has the parameters p_start (index 0); a correction stands for what differs from them.",
+        ),
+        Formula(
+            r"\frac{d\hat{\varphi}}{dt} = \Gamma\,W_c^{T} H_0^{-1} e^{*}, \quad \hat{p} = p_0 - \hat{\varphi}",
+            "The estimates follow the augmented error.",
+        ),
+    ],
+)
 
 
 def spong_ortega_adaptive_impedance(name: str = "SpongOrtegaAdaptiveImpedance", *, full: bool = False) -> SampledModel:
@@ -50,6 +67,8 @@ def spong_ortega_adaptive_impedance(name: str = "SpongOrtegaAdaptiveImpedance", 
     publish(
         controller.model,
         icons.adaptive_impedance(3),
+        CONTROLLER,
+        drawings(controller.arm.n),
         __name__,
         "fmus.craig_adaptive_impedance",
         "fmus.control.noise_rejection",

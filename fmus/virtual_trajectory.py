@@ -14,12 +14,31 @@ from collections.abc import Callable
 
 import casadi as ca
 
-from adaptimp_fmu import POSITIVE, SampledModel
+from adaptimp_fmu import POSITIVE, Formula, Formulas, SampledModel
 from fmus import icons, start
+from fmus.drawings.characteristics import cut_ellipse
+from fmus.drawings.loop import TRAJECTORY
+from fmus.elements import LENGTH, along
 from fmus.environment.half_space import HalfSpace, declare_half_space
 from fmus.project import group_signals, publish
 
 PARALLEL = 1e-6  # n1.n2 of two walls stays away from 1 and -1 by this much
+
+
+FORMULAS = Formulas(
+    "Virtual trajectory",
+    [
+        Formula(
+            r"x_v = \left( a \cos\frac{2\pi t}{T}, \; b \sin\frac{2\pi t}{T} \right)^{T}",
+            "An ellipse with the semi-axes a and b, run through in the time T, the period.",
+        ),
+        Formula(
+            r"n^{T} x_v \le d_0 + d",
+            "The component along the wall's normal is held where it would lie deeper than d, the depth, inside the"
+            " wall; d0 is wall_offset.",
+        ),
+    ],
+)
 
 
 def virtual_trajectory(name: str = "VirtualTrajectory", walls: int = 1) -> SampledModel:
@@ -34,17 +53,19 @@ def virtual_trajectory(name: str = "VirtualTrajectory", walls: int = 1) -> Sampl
     """
     place = {1: "the wall", 2: "each of two walls"}[walls]
     model = SampledModel(name, f"Ellipse with a straight segment inside {place}")
-    publish(model, icons.cut_ellipse(corner=walls > 1), __name__, "fmus")
+    publish(model, icons.cut_ellipse(corner=walls > 1), TRAJECTORY, [cut_ellipse(walls)], __name__, "fmus")
     semi_axis = model.parameter(
         "semi_axis",
         start.SEMI_AXIS,
         unit="m",
         limits=POSITIVE,
-        description=["Semi-axis of the ellipse along x1", "Semi-axis of the ellipse along x2"],
+        description=along("Semi-axis of the ellipse"),
     )
     period = model.parameter("period", start.PERIOD, unit="s", limits=POSITIVE, description="Time of one turn")
     borders = [declare_half_space(model, number) for number in range(1, walls + 1)]
-    depth = model.parameter("depth", 0.01, unit="m", description="Depth of the straight segment inside the wall")
+    depth = model.parameter(
+        "depth", 0.01, unit="m", display_unit=LENGTH, description="Depth of the straight segment inside the wall"
+    )
 
     rate = 2 * math.pi / period
     angle = rate * model.time
@@ -57,9 +78,11 @@ def virtual_trajectory(name: str = "VirtualTrajectory", walls: int = 1) -> Sampl
     clipped = _clip_at_one(lines[0], excess[0]) if walls == 1 else _clip_at_both(model, lines, excess)
     rates, accelerations = ([line.along_normal(vector) for line in lines] for vector in (dx, ddx))
 
-    model.output("x_v", clipped(x, excess), unit="m", description="Virtual position of the tip")
-    model.output("dx_v", clipped(dx, rates), unit="m/s", description="Virtual velocity of the tip")
-    model.output("ddx_v", clipped(ddx, accelerations), unit="m/s2", description="Virtual acceleration of the tip")
+    model.output("x_v", clipped(x, excess), unit="m", description=along("Virtual position of the tip"))
+    model.output("dx_v", clipped(dx, rates), unit="m/s", description=along("Virtual velocity of the tip"))
+    model.output(
+        "ddx_v", clipped(ddx, accelerations), unit="m/s2", description=along("Virtual acceleration of the tip")
+    )
     group_signals(model)
     return model
 

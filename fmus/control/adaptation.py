@@ -17,12 +17,25 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from adaptimp_fmu import NOT_NEGATIVE, POSITIVE, Limits, Type
+from adaptimp_fmu import NOT_NEGATIVE, POSITIVE, Formula, Formulas, Limits, Type
 from fmus.control.controller import Controller, parameter_descriptions, parameter_units
 from fmus.control.gains import declare_gain, require_definite, require_semidefinite
+from fmus.elements import of_axes, of_joints
 from fmus.mechanics.algebra import is_diagonal, times
 
 UNLIMITED = 1e9  # an upper bound of p that is none
+FORMULAS = Formulas(
+    "Update of the estimates",
+    [
+        Formula(
+            r"\hat{p}_{k+N} = \hat{p}_k - N\,T_s\,\Gamma\,g_k",
+            "Every N-th tick (update_divisor) the estimates follow the gradient g of the law above. With projection"
+            " they stay within p_min and p_max.",
+        )
+    ],
+)
+
+
 GainUnits = tuple[tuple[str, str, str], tuple[str, str], tuple[str]]
 """Units of Gamma for m, viscous and coulomb: the rows of the upper triangle of a 3 x 3 matrix."""
 
@@ -87,7 +100,7 @@ def declare_adaptation(controller: Controller, gains: Sequence[float], gain_unit
         "saturated",
         [False] * n,
         type=Type.BOOLEAN,
-        description="Whether the actuator is saturated (optional)",
+        description=of_joints("Whether the actuator is saturated (optional)", n),
     )
     Gamma = _declare_Gamma(controller, gains, gain_units)
     Psi = declare_gain(
@@ -97,7 +110,7 @@ def declare_adaptation(controller: Controller, gains: Sequence[float], gain_unit
         full=controller.full,
         unit="1/s",
         limits=POSITIVE,
-        description="Gain of the error filter de + Psi e",
+        description=of_axes("Gain of the error filter de + Psi e", full=controller.full),
     )
     if controller.full:
         require_definite(model, Psi, "Psi must be positive definite")

@@ -9,12 +9,15 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from adaptimp_fmu import NOT_NEGATIVE, POSITIVE, SampledModel
+from adaptimp_fmu import NOT_NEGATIVE, POSITIVE, Drawing, SampledModel
 from fmus import start
 from fmus.control.full_tirt import LARGEST_NORM, FullImpedance, companion, row_norm
 from fmus.control.gains import declare_gain, require_definite
 from fmus.control.impedance import ArmModel, Measured
 from fmus.control.tirt import Impedance
+from fmus.drawings.arm import arm as drawn_arm
+from fmus.drawings.characteristics import impedance as drawn_impedance
+from fmus.elements import ACCELERATION, ANGLE, LENGTH, RATE, along, of_axes, of_joints, of_links
 from fmus.mechanics.algebra import factors_spd
 from fmus.mechanics.arm import Arm
 from fmus.mechanics.planar_arm import PlanarArm
@@ -104,10 +107,12 @@ class Controller:
     def finish(self, tau_cmd: ca.SX, p_hat: ca.SX) -> SampledModel:
         """Declare the common outputs and the terminals, let the TIRT advance, and return the model."""
         model = self.model
-        model.output("tau_cmd", tau_cmd, unit="N.m", description="Commanded joint torque")
-        model.output("x_t", self.x_t, unit="m", description="Target-impedance reference trajectory, eq. (11)")
-        model.output("dx_t", self.dx_t, unit="m/s", description="Rate of x_t")
-        model.output("e", self.e, unit="m", description="Regression error x - x_t")
+        model.output("tau_cmd", tau_cmd, unit="N.m", description=of_joints("Commanded torque", self.arm.n))
+        size = self.arm.task_size
+        text = "Target-impedance reference trajectory, eq. (11),"
+        model.output("x_t", self.x_t, unit="m", description=along(text, size))
+        model.output("dx_t", self.dx_t, unit="m/s", description=along("Rate of x_t", size))
+        model.output("e", self.e, unit="m", display_unit=LENGTH, description=along("Regression error x - x_t", size))
         model.output(
             "p_hat",
             p_hat,
@@ -129,20 +134,26 @@ def declare_controller(name: str, description: str, n: int = 2, *, full: bool = 
     model = SampledModel(name, f"{description}, with full matrices" if full else description)
     arm: Arm = PlanarArm(n)
     begin = start.ARMS[n]
-    q = model.input("q", begin.q, unit="rad", description="Joint angle")
-    dq = model.input("dq", begin.dq, unit="rad/s", description="Joint rate")
-    ddq = model.input("ddq", begin.ddq, unit="rad/s2", description="Joint acceleration")
-    F_hat = model.input("F_hat", [0.0] * arm.task_size, unit="N", description="Measured tip force")
-    x_v = model.input("x_v", start.X_V, unit="m", description="Virtual position of the tip")
-    dx_v = model.input("dx_v", start.DX_V, unit="m/s", description="Virtual velocity of the tip")
-    ddx_v = model.input("ddx_v", start.DDX_V, unit="m/s2", description="Virtual acceleration of the tip")
+    q = model.input("q", begin.q, unit="rad", display_unit=ANGLE, description=of_joints("Angle", n))
+    dq = model.input("dq", begin.dq, unit="rad/s", display_unit=RATE, description=of_joints("Rate", n))
+    ddq = model.input(
+        "ddq", begin.ddq, unit="rad/s2", display_unit=ACCELERATION, description=of_joints("Acceleration", n)
+    )
+    size = arm.task_size
+    F_hat = model.input(
+        "F_hat", [0.0] * size, unit="N", description=along("Measured force of the tip on the wall", size)
+    )
+    x_v = model.input("x_v", start.X_V, unit="m", description=along("Virtual position of the tip", size))
+    dx_v = model.input("dx_v", start.DX_V, unit="m/s", description=along("Virtual velocity of the tip", size))
+    ddx_v = model.input("ddx_v", start.DDX_V, unit="m/s2", description=along("Virtual acceleration of the tip", size))
     impedance = _impedance(model, full=full)
-    l = model.parameter("l", begin.link_lengths, unit="m", limits=POSITIVE, description="Length of a link")
+    l = model.parameter("l", begin.link_lengths, unit="m", limits=POSITIVE, description=of_links("Length", n))
     gravity = model.parameter("gravity", 0.0, unit="m/s2", description="Gravitational acceleration along -x2")
     coulomb_velocity = model.parameter(
         "coulomb_velocity",
         start.COULOMB_VELOCITY,
         unit="rad/s",
+        display_unit=RATE,
         limits=POSITIVE,
         description="Joint rate over which Coulomb friction changes sign (tanh)",
     )
@@ -172,6 +183,11 @@ def declare_controller(name: str, description: str, n: int = 2, *, full: bool = 
     )
 
 
+def drawings(n: int) -> list[Drawing]:
+    """Draw what the variables of every controller mean: the target impedance, and the frames of the arm."""
+    return [drawn_impedance(), drawn_arm(n)]
+
+
 def parameter_units(n: int) -> Sequence[str]:
     """Units of p = (m, viscous, coulomb)."""
     return ["kg"] * n + ["N.m.s/rad"] * n + ["N.m"] * n
@@ -191,8 +207,8 @@ def _impedance(model: SampledModel, *, full: bool) -> Impedance | FullImpedance:
         "K": ((4000.0, 4000.0), "N/m", "Target stiffness"),
     }
     M, B, K = (
-        declare_gain(model, name, values, full=full, unit=unit, limits=POSITIVE, description=description)
-        for name, (values, unit, description) in declarations.items()
+        declare_gain(model, name, values, full=full, unit=unit, limits=POSITIVE, description=of_axes(text, full=full))
+        for name, (values, unit, text) in declarations.items()
     )
     if not full:
         return Impedance(M, B, K)

@@ -25,11 +25,31 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from adaptimp_fmu import NOT_NEGATIVE, POSITIVE, Limits
+from adaptimp_fmu import NOT_NEGATIVE, POSITIVE, Formula, Formulas, Limits
 from fmus.control.adaptation import Adaptation
 from fmus.control.controller import Controller
 from fmus.control.full_tirt import FullImpedance
 from fmus.control.gains import require_definite
+from fmus.elements import along
+
+FORMULAS = Formulas(
+    "Rejection of the sensor's noise",
+    [
+        Formula(r"e^{*} = \dot{e} + \Psi e", "The augmented error.", "14"),
+        Formula(r"F_c = -\frac{\gamma}{2} \hat{H}_x e^{*}", "A force against the noise.", "22"),
+        Formula(
+            r"\gamma = \gamma_m \max\left( 0, \; \frac{2\mu\delta - \alpha}{\beta^2 + \varepsilon^2} \right)",
+            "Its gain, with the factor gamma_margin; gamma_eps, written as epsilon, keeps the gain finite.",
+            "25",
+        ),
+        Formula(
+            r"\alpha = X^{T} Q X, \quad \beta = \|e^{*}\|, \quad \mu = \|\hat{H}_x^{-1} e^{*}\|, \quad"
+            r" X = (e, \dot{e})",
+            "The numbers in the gain.",
+            "23",
+        ),
+    ],
+)
 
 
 @dataclass(frozen=True)
@@ -110,7 +130,7 @@ def declare_noise_rejection(adaptation: Adaptation, mobility: ca.SX) -> NoiseRej
 def declare_outputs(rejection: NoiseRejection, adaptation: Adaptation, F_c: ca.SX) -> None:
     """Declare the outputs that the theory of algorithm 1 speaks about."""
     model = adaptation.controller.model
-    model.output("e_star", rejection.e_star, unit="m/s", description="Augmented error de + Psi e, eq. (14)")
+    model.output("e_star", rejection.e_star, unit="m/s", description=along("Augmented error de + Psi e, eq. (14),"))
     for name, unit, text in (
         ("alpha", "m2/s3", "X' Q X, eq. (23)"),
         ("beta", "m/s", "Norm of e_star, eq. (23)"),
@@ -119,7 +139,7 @@ def declare_outputs(rejection: NoiseRejection, adaptation: Adaptation, F_c: ca.S
         ("gamma_bound", "1/s", "gamma* of eq. (26) where it bounds the right side of (25), else 0"),
     ):
         model.output(name, getattr(rejection, name), unit=unit, description=text, scalar=True)
-    model.output("F_c", F_c, unit="N", description="Control force against the sensor's noise, eq. (22)")
+    model.output("F_c", F_c, unit="N", description=along("Control force against the sensor's noise, eq. (22),"))
 
 
 def _alpha(adaptation: Adaptation, e: ca.SX, de: ca.SX) -> ca.SX:

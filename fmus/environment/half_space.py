@@ -13,6 +13,7 @@ import casadi as ca
 
 from adaptimp_fmu import Model
 from fmus import start
+from fmus.elements import along
 
 NORMAL_TOLERANCE = 1e-9  # by which the normal's length may miss 1
 
@@ -61,7 +62,9 @@ def declare_half_space(model: Model, number: int = 1) -> HalfSpace:
     """
     end, wall = suffix(number), ordinal(number)
     normal = model.parameter(
-        f"wall_normal{end}", start.WALL_NORMALS[number], description=f"Unit normal of the {wall}, pointing into it"
+        f"wall_normal{end}",
+        start.WALL_NORMALS[number],
+        description=along(f"Component of the unit normal into the {wall}"),
     )
     offset = model.parameter(
         f"wall_offset{end}",
