@@ -10,6 +10,7 @@ from types import ModuleType
 PARTS = {
     "casadi": "build",
     "fmpy": "build",
+    "latex2mathml": "build",
     "ziglang": "build",
     "pyarrow": "files",
     "bokeh": "report",
