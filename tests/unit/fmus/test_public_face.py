@@ -1,6 +1,7 @@
 """The functions that declare the models of the catalog: each has an example in its docstring that runs."""
 
 from functools import partial
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -9,8 +10,9 @@ import pytest
 from fmus.catalog import MODELS, VARIANTS, model
 from tests.unit.examples import failures, has_example
 
-DECLARED = [declare.func if isinstance(declare, partial) else declare for declare in (MODELS | VARIANTS).values()]
-FUNCTIONS: dict[str, Any] = {function.__name__: function for function in (*DECLARED, model)}
+MODULES = sorted({declare.args[0] for declare in (MODELS | VARIANTS).values() if isinstance(declare, partial)})
+"""Modules that the catalog imports when a model is declared; each has a function of its name."""
+FUNCTIONS: dict[str, Any] = {name: getattr(import_module(f"fmus.{name}"), name) for name in MODULES} | {"model": model}
 
 
 @pytest.mark.parametrize("name", FUNCTIONS)
