@@ -9,6 +9,7 @@ from fmus.craig_adaptive_impedance import craig_adaptive_impedance
 from fmus.force_sensor import force_sensor
 from fmus.hogan_impedance import MOBILITY, hogan_impedance
 from fmus.plant import plant
+from fmus.robots.planar_robot import PlanarRobot
 from fmus.slotine_li_adaptive_impedance import slotine_li_adaptive_impedance
 from fmus.spong_ortega_adaptive_impedance import spong_ortega_adaptive_impedance
 from fmus.virtual_trajectory import virtual_trajectory
@@ -22,9 +23,9 @@ MODELS: dict[str, Callable[[], Model]] = {
     "SpongOrtegaAdaptiveImpedance": spong_ortega_adaptive_impedance,
     "Actuator": actuator,
     "Plant": plant,
-    "HoganImpedance3R": partial(hogan_impedance, 3, "HoganImpedance3R"),
+    "HoganImpedance3R": partial(hogan_impedance, PlanarRobot(3), "HoganImpedance3R"),
     "Actuator3R": partial(actuator, 3, "Actuator3R"),
-    "Plant3R": partial(plant, 3, "Plant3R"),
+    "Plant3R": partial(plant, PlanarRobot(3), "Plant3R"),
 }
 
 _CRAIG, _SLOTINE_LI, _SPONG_ORTEGA = (

@@ -5,8 +5,10 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fmus.mechanics.arm import Arm
+from adaptimp_fmu import SampledModel
+from fmus.mechanics.arm import ArmModel
 from fmus.mechanics.planar_arm import PlanarArm
+from fmus.robots.planar_robot import PlanarRobot
 from tests.property.samples import EPS, evaluate, random_arms
 
 SIZE = 500
@@ -29,18 +31,29 @@ def rate(matrix: ca.SX, q: ca.SX, dq: ca.SX) -> ca.SX:
     return ca.reshape(ca.jtimes(ca.vec(matrix), q, dq), *matrix.shape)
 
 
-@pytest.mark.parametrize("n", [2, 3])
-def test_equations_have_the_shapes_of_the_arm_s_protocol(n: int) -> None:
-    arm: Arm = PlanarArm(n)
-    k = arm.task_size
-    shapes = {
-        **{"forward_kinematics": (k, 1), "jacobian": (k, n), "jacobian_rate": (k, n), "inertia": (n, n)},
-        **{"coriolis": (n, n), "gravity_torque": (n, 1), "friction_torque": (n, 1), "inverse_dynamics": (n, 1)},
-        "regressor": (n, 3 * n),
+@pytest.mark.parametrize("robot", [PlanarRobot(), PlanarRobot(3), PlanarRobot(3, pose=True)])
+def test_equations_have_the_shapes_of_the_protocol(robot: PlanarRobot) -> None:
+    model = SampledModel("Shapes", "A model for its parameters")
+    arm: ArmModel = robot.declare_known(model)
+    n, m, r = arm.n, arm.task.size, len(arm.parameters)
+    q, dq, v, a, p = (ca.SX.sym("value", size) for size in (n, n, n, n, r))
+    found = {
+        "forward_kinematics": (arm.forward_kinematics(q), (m, 1)),
+        "jacobian": (arm.jacobian(q), (m, n)),
+        "jacobian_rate": (arm.jacobian_rate(q, dq), (m, n)),
+        "inertia": (arm.inertia(q, p), (n, n)),
+        "bias": (arm.bias(q, dq, p), (n, 1)),
+        "inverse_dynamics": (arm.inverse_dynamics(q, dq, v, a, p), (n, 1)),
+        "regressor": (arm.regressor(q, dq, v, a), (n, r)),
+        "demands": (arm.demands(q)[0].value, (1, 1)),
     }
-    assert shapes.keys() == Arm.__annotations__.keys()
-    assert {name: getattr(arm, name).size_out(0) for name in shapes} == shapes
-    assert [part.numel() for part in arm.split(ca.SX.sym("p", 3 * n))] == [n, n, n]
+    methods = {name for name, member in vars(ArmModel).items() if callable(member) and not name.startswith("_")}
+    assert found.keys() == methods
+    assert {name: value.shape for name, (value, _) in found.items()} == {
+        name: size for name, (_, size) in found.items()
+    }
+    assert len(robot.p_start) == len(robot.uncertain) == r
+    assert [len(values) for values in (robot.start.q, robot.start.x_v)] == [n, m]
 
 
 def test_two_joints_have_the_paper_s_closed_forms() -> None:

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from fmus.control.impedance import (
-    ArmModel,
+    ArmEstimate,
     Measured,
     null_space_damping,
     target_acceleration,
@@ -21,6 +21,7 @@ from fmus.control.impedance import (
 )
 from fmus.control.tirt import Impedance
 from fmus.mechanics.planar_arm import PlanarArm
+from fmus.mechanics.planar_model import PlanarArmModel
 from tests.property.samples import EPS, Samples, evaluate, random_arms
 
 SIZE = 500
@@ -61,7 +62,7 @@ def functions(n: int) -> dict[str, ca.Function]:
     q, dq, p, l = (ca.SX.sym(name, k) for name, k in (("q", n), ("dq", n), ("p", 3 * n), ("l", n)))
     gravity, coulomb_velocity = ca.SX.sym("gravity"), ca.SX.sym("coulomb_velocity")
     F, x_v, dx_v, ddx_v, M, B, K = task = [ca.SX.sym(name, 2) for name in ("F", "x_v", "dx_v", "ddx_v", "M", "B", "K")]
-    measured, model = Measured(q, dq, F), ArmModel(arm, p, l, gravity, coulomb_velocity)
+    measured, model = Measured(q, dq, F), ArmEstimate(PlanarArmModel(arm, l, gravity, coulomb_velocity), p)
     virtual, impedance = (x_v, dx_v, ddx_v), Impedance(M, B, K)
     x, dx = arm.forward_kinematics(q, l), ca.mtimes(arm.jacobian(q, l), dq)
     laws = {name: form(measured, model, virtual, impedance) for name, form in FORMS.items() if n == 2 or name == "(5)"}
