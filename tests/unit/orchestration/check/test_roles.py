@@ -158,10 +158,10 @@ def test_other_names_are_mapped(fmu_folder: Path, tmp_path: Path, fig2: System) 
     """The torques are a thousandth of what the loop needs: the tip is left behind."""
     path = foreign(fmu_folder, tmp_path)
     assert check(path).role is None
-    report = check(path, mapping={**FOREIGN, "Gamma": "q"}, loop=lambda _: Loop(fig2, (500.0, 300.0)))
+    report = check(path, mapping={**FOREIGN, "Gamma": "q"}, loop=lambda *_: Loop(fig2, (500.0, 300.0)))
     assert report.role == "controller"
     assert_found(report, ROLE, ERROR, "There is no variable q, which should be the Gamma")
-    report = check(path, mapping=FOREIGN, loop=lambda _: Loop(fig2, (500.0, 300.0)))
+    report = check(path, mapping=FOREIGN, loop=lambda *_: Loop(fig2, (500.0, 300.0)))
     assert_found(report, ROLE, NOTE, r"tau_cmd\[2\] of the controller is in N.mm")
     assert_found(report, LOOP, ERROR, r"The tip misses the virtual trajectory by [\d.]+ m .*: the loop diverges")
     assert not [f for f in report.findings if "limit" in f.message], "limits are in N.m"
@@ -171,7 +171,7 @@ def test_other_names_are_mapped(fmu_folder: Path, tmp_path: Path, fig2: System) 
 def test_names_that_only_others_have_are_no_obstacle(fmu_folder: Path, fig2: System) -> None:
     """A mapping for Fig. 5 names gains that the controller of this loop lacks."""
     mapping = {"Gamma": "p_hat"}
-    report = check(fmu_folder / "HoganImpedance.fmu", mapping=mapping, loop=lambda _: Loop(fig2, (500.0, 300.0)))
+    report = check(fmu_folder / "HoganImpedance.fmu", mapping=mapping, loop=lambda *_: Loop(fig2, (500.0, 300.0)))
     assert not report.failed
     assert_found(report, LOOP, NOTE, "Mapping Gamma=p_hat: the loop's own controller has no Gamma")
     assert report.facts[-1].startswith("Closed loop")
@@ -184,7 +184,7 @@ def looped(
     mapping: Mapping[str, str] | None = None,
 ) -> Report:
     """A report with the closed loop."""
-    return check(path, mapping=mapping, loop=lambda joints: Loop(system, limits) if joints == 2 else None)
+    return check(path, mapping=mapping, loop=lambda joints, _: Loop(system, limits) if joints == 2 else None)
 
 
 def test_a_controller_in_the_loop(fmu_folder: Path, fig2: System) -> None:
