@@ -5,9 +5,9 @@ from functools import cache
 import casadi as ca
 import numpy as np
 
-from adaptimp_fmu import ContinuousModel
+from adaptimp_fmu import ContinuousModel, SampledModel
 from adaptimp_fmu.variables import Role
-from fmus.catalog import MODELS
+from fmus.catalog import model as declared
 
 
 def outputs(identifier: str, **columns: np.ndarray) -> dict[str, np.ndarray]:
@@ -22,7 +22,7 @@ def outputs(identifier: str, **columns: np.ndarray) -> dict[str, np.ndarray]:
     Returns
     -------
     dict
-        By name, shape (size, k).
+        By name, shape (size, k); states of a sampled model after the tick as ``NAME_next``.
     """
     function, starts = _function(identifier)
     size = max(values.shape[1] for values in columns.values())
@@ -35,7 +35,7 @@ def outputs(identifier: str, **columns: np.ndarray) -> dict[str, np.ndarray]:
 @cache
 def _function(identifier: str) -> tuple[ca.Function, dict[str, np.ndarray]]:
     """The map to all outputs, and the start values of inputs and parameters."""
-    model = MODELS[identifier]()
+    model = declared(identifier)
     parameters = [variable for variable in model.variables if variable.role.is_parameter]
     inputs, shown = model.with_role(Role.INPUT), model.with_role(Role.OUTPUT)
     symbols = dict(zip(_names(parameters), model.parameter_symbols, strict=True))
@@ -48,6 +48,8 @@ def _function(identifier: str) -> tuple[ca.Function, dict[str, np.ndarray]]:
     if isinstance(model, ContinuousModel):
         symbols |= {f"mode_{event.name}": event.mode for event in model.events}
     values = dict(zip(_names(shown), model.output_values, strict=True))
+    if isinstance(model, SampledModel):
+        values |= {f"{state.name}_next": state.evolution for state in model.states if state.evolution is not None}
     result = {f"{name}_out" if name in symbols else name: value for name, value in values.items()}
     return ca.Function("unit", list(symbols.values()), list(result.values()), list(symbols), list(result)), starts
 
