@@ -99,7 +99,8 @@ def _declare_payload(model: ContinuousModel, robot: Robot, arm: ArmModel, p: ca.
     """Declare what is beyond the wrist sensor; returns the force on it, N, shape (2,), of F_ext and ddx."""
     if not isinstance(arm, PlanarArmModel) or robot.task != Task():
         msg = (
-            f"{model.name}: the force at the wrist is known of planar arms with a task of two positions only; leave it"
+            f"{model.name}: the force at the wrist is known of planar arms with a task of two positions only; leave"
+            " wrist out."
         )
         raise DefinitionError(msg)
     payload, gravity = declare_payload(model, p[robot.n - 1]), arm.gravity

@@ -90,7 +90,7 @@ def _declare_constants(model: SampledModel, task: Task) -> tuple[ca.SX, ca.SX]:
     if task.positions > len(start.SEMI_AXIS):
         height = model.parameter("height", 0.0, unit="m", description="Virtual position of the tip along x3")
     if task.angles:
-        turned = [start.ORIENTATION] if task.angles == 1 else [0.0] * task.angles
+        turned = start.ORIENTATION if task.angles == 1 else [0.0] * task.angles
         orientation = model.parameter(
             "orientation",
             turned,

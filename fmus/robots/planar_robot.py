@@ -6,7 +6,7 @@ from functools import cached_property
 
 import casadi as ca
 
-from adaptimp_fmu import NOT_NEGATIVE, POSITIVE, Icon, Model
+from adaptimp_fmu import NOT_NEGATIVE, POSITIVE, DefinitionError, Icon, Model
 from fmus import icons, start
 from fmus.elements import RATE, of_joints, of_links
 from fmus.mechanics.arm import ArmModel, ArmParameter
@@ -25,10 +25,26 @@ class PlanarRobot:
         Number of joints, 2 or 3.
     pose
         Whether the task is position and angle of the tip, which needs three joints; else it is the position.
+
+    Raises
+    ------
+    DefinitionError
+        If there are no start values of such an arm.
     """
 
     n: int = 2
     pose: bool = False
+
+    def __post_init__(self) -> None:
+        """Refuse arms without start values."""
+        if self.pose and self.n != len(start.POSE_ARM.q):
+            known = len(start.POSE_ARM.q)
+            msg = f"PlanarRobot: there is an arm with a task of position and angle with {known} joints, not {self.n}."
+            raise DefinitionError(msg)
+        if self.n not in start.ARMS:
+            known = " or ".join(map(str, start.ARMS))
+            msg = f"PlanarRobot: there are arms with {known} joints, not {self.n}."
+            raise DefinitionError(msg)
 
     @cached_property
     def arm(self) -> PlanarArm:
