@@ -16,7 +16,7 @@ import casadi as ca
 
 from fmus.environment.half_space import HalfSpace
 
-SPACE = 3  # coordinates of a point in space
+PLANE = 2  # coordinates of a point of the plane
 
 
 @dataclass(frozen=True)
@@ -53,7 +53,7 @@ class Wall(HalfSpace):
             1 while `gap`, respectively `damping_factor`, is positive, else 0.
         """
         normal_force = in_contact * pushing * self.K_f * self.gap(x) * self.damping_factor(dx)
-        if x.shape[0] == SPACE:
+        if x.shape[0] > PLANE:
             return normal_force * (self.normal + self.mu * self._sliding_in_space(dx))
         speed = ca.if_else(self.mu > 0, self.along_surface(dx), 0)  # tanh(0) costs nothing
         sliding = ca.tanh(speed / self.friction_velocity)
@@ -61,7 +61,7 @@ class Wall(HalfSpace):
 
     def _sliding_in_space(self, dx: ca.SX) -> ca.SX:
         """Direction of sliding times tanh(speed / friction_velocity), shape (3,); smooth where the tip is at rest."""
-        slide = ca.if_else(self.mu > 0, self.in_surface(dx), ca.SX.zeros(SPACE, 1))
+        slide = ca.if_else(self.mu > 0, self.in_surface(dx), ca.SX.zeros(*dx.shape))
         speed = ca.norm_2(slide)
         per_speed = ca.if_else(speed > 0, ca.tanh(speed / self.friction_velocity) / speed, 0)
         return per_speed * slide

@@ -179,7 +179,9 @@ def _elements(base: str, signal: Signal, sizes: _Sizes, known: Mapping[str, Decl
 
 def _missing(missing: list[str], present: list[Declared], signal: Signal, role: Role) -> Iterator[Finding]:
     """Report elements of a signal that the FMU lacks."""
-    base, name, unit = _base(missing[0]), role.name, f" in {signal.unit}" if signal.unit else ""
+    base, name = _base(missing[0]), role.name
+    units = dict.fromkeys(unit for element in missing if (unit := _element_of(signal, element).unit))
+    unit = f" in {' and '.join(units)}" if units else ""
     what = ", ".join(missing)
     if base in role.required:
         yield error(ROLE, f"The output {what}{unit} of the {name} is missing.")

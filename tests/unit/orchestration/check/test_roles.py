@@ -8,7 +8,9 @@ import pytest
 
 from orchestration.check import Report, Severity
 from orchestration.check.findings import ROLE
-from orchestration.check.interface import UNITS
+from orchestration.check.interface import UNITS, interface_is_kept
+from orchestration.check.static.archive_rules import open_package
+from orchestration.paper.built_fmus import built
 from orchestration.paper.closed_loop import LOOP, Loop, judge
 from orchestration.paper.ride import Ride
 from orchestration.paper.roles import ROLES
@@ -130,6 +132,35 @@ def test_every_unit_in_every_role(fmu_folder: Path, unit: str, role: str) -> Non
         assert report.role == other
         assert report.failed == (other != role), other
         assert other == role or any(other in f.message for f in report.findings if f.rule == ROLE)
+
+
+POSES = {
+    "sensor": ("ForceSensorPose", "F_ext[3]", "N.m"),
+    "trajectory": ("VirtualTrajectoryPose", "dx_v[3]", "rad/s"),
+    "controller": ("HoganImpedance3RPose", "x_v[3]", "rad"),
+    "plant": ("Plant3RPose", "x[3]", "rad"),
+}
+"""FMUs of a task with an angle by role; of each an element of the angle with its unit."""
+
+
+@pytest.mark.parametrize("role", POSES)
+def test_an_fmu_has_the_angle_of_the_tip_in_all_its_signals_or_in_none(tmp_path: Path, role: str) -> None:
+    name, element, unit = POSES[role]
+    base = element.partition("[")[0]
+
+    def found(edit: Edit | None) -> list[str]:
+        path = built(name) if edit is None else edited(built(name), tmp_path, edit)
+        return [f"{f.severity}: {f.message}" for f in interface_is_kept(open_package(path).document, ROLES[role])]
+
+    def in_another_unit(xml: str) -> str:
+        before, after = xml[: xml.index(f'name="{element}"')], xml[xml.index(f'name="{element}"') :]
+        return before + after.replace(f'unit="{unit}"', 'unit="1/s"', 1)
+
+    assert found(None) == []
+    assert any(re.search(rf"{base}\[3\] of the {role} has the unit 1/s", text) for text in found(in_another_unit))
+    if role == "sensor":  # its other signal still has a moment
+        renamed = found(lambda xml: xml.replace('name="F_hat[3]"', 'name="other"'))
+        assert renamed == [f"{ERROR}: The output F_hat[3] in N.m of the sensor is missing."]
 
 
 def test_no_role_is_guessed_without_its_output(fmu_folder: Path, tmp_path: Path) -> None:
