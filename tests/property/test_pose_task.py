@@ -166,7 +166,7 @@ def test_algorithm_1_obeys_equation_12(law: str) -> None:
     mobility = np.linalg.inv(chains.H_x(loop.given["p_start"] if law == SPONG_ORTEGA else at.p_hat))
     size = norm(mobility) * sum(norm(part) for part in parts)
     size += norm(dde) + norm(at.of("B") / M * loop.de) + norm(at.of("K") / M * loop.e)
-    assert (norm(left - apply(mobility, sum(parts))) <= TOLERANCE * size * loop.condition).all()
+    assert (norm(left - apply(mobility, np.sum(parts, axis=0))) <= TOLERANCE * size * loop.condition).all()
     assert {(bool(f.any()), bool(g > 0)) for f, g in zip(loop.F_ext, loop.shown["gamma"][:, 0], strict=True)} == {
         (False, False),
         (False, True),
