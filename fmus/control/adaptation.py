@@ -16,7 +16,7 @@ from dataclasses import dataclass, field
 
 import casadi as ca
 
-from adaptimp_fmu import NOT_NEGATIVE, POSITIVE, Limits, Type
+from adaptimp_fmu import NOT_NEGATIVE, POSITIVE, Formula, Formulas, Limits, Type
 from fmus.control.controller import Controller
 from fmus.control.gain_units import gain_units
 from fmus.control.gains import declare_gain, require_definite, require_semidefinite
@@ -26,6 +26,18 @@ from fmus.mechanics.task import Metric
 from fmus.metric import declare_metric
 
 UNLIMITED = 1e9  # an upper bound of p that is none
+
+
+FORMULAS = Formulas(
+    "Update of the estimates",
+    [
+        Formula(
+            r"\hat{p}_{k+N} = \hat{p}_k - N\,T_s\,\Gamma\,g_k",
+            "Every N-th tick (update_divisor) the estimates follow the gradient g of the law above. With projection"
+            " they stay within p_min and p_max.",
+        )
+    ],
+)
 
 
 @dataclass(frozen=True)
@@ -91,7 +103,7 @@ def declare_adaptation(controller: Controller, gain: float, per: str) -> Adaptat
         "saturated",
         [False] * n,
         type=Type.BOOLEAN,
-        description=[f"{text} is saturated (optional)" for text in of_joints("Whether the actuator", n)],
+        description=of_joints("Whether the actuator is saturated (optional)", n),
     )
     Gamma = _declare_Gamma(controller, gain, per)
     Psi = declare_gain(

@@ -8,11 +8,12 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from adaptimp_fmu import NOT_NEGATIVE, POSITIVE, DefinitionError, SampledModel
+from adaptimp_fmu import NOT_NEGATIVE, POSITIVE, DefinitionError, Drawing, SampledModel
 from fmus.control.full_tirt import LARGEST_NORM, FullImpedance, companion, row_norm
 from fmus.control.gains import declare_gain, require_definite
 from fmus.control.impedance import ArmEstimate, Measured
 from fmus.control.tirt import Impedance
+from fmus.drawings.characteristics import impedance as drawn_impedance
 from fmus.elements import ACCELERATION, ANGLE, LENGTH, RATE, of_axes, of_joints, of_task
 from fmus.mechanics.algebra import factors_spd
 from fmus.mechanics.arm import ArmModel
@@ -183,6 +184,11 @@ def require_square(controller: Controller, law: str) -> None:
             " another task."
         )
         raise DefinitionError(msg)
+
+
+def drawings(robot: Robot) -> list[Drawing]:
+    """Draw what the variables of every controller mean: the target impedance, and the frames of the arm."""
+    return [drawn_impedance(), robot.drawing()]
 
 
 def _declare_measurements(model: SampledModel, robot: Robot) -> tuple[Measured, ca.SX]:

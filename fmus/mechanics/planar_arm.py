@@ -20,10 +20,31 @@ from functools import cached_property
 
 import casadi as ca
 
+from adaptimp_fmu import Formula, Formulas
 from fmus.mechanics.task import Task
 
 DIMENSION = 2
 """Number of coordinates of a point of the plane."""
+
+
+FORMULAS = Formulas(
+    "Kinematics",
+    [
+        Formula(
+            r"x = \sum_{i=1}^{n} l_i \left( \cos\varphi_i, \; \sin\varphi_i \right)^{T}, \quad"
+            r" \varphi_i = q_1 + \dots + q_i",
+            "The tip is where the chain of the links ends.",
+        ),
+        Formula(
+            r"\dot{x} = J(q)\,\dot{q}, \quad \ddot{x} = J(q)\,\ddot{q} + \dot{J}(q, \dot{q})\,\dot{q}",
+            "The Jacobian leads from the joints to the tip.",
+        ),
+        Formula(
+            r"H a + C v + g + f = Y(q, \dot{q}, v, a)\,p",
+            "The dynamics are linear in the parameters p: masses, viscous and Coulomb friction.",
+        ),
+    ],
+)
 
 
 @dataclass(frozen=True)
