@@ -60,7 +60,8 @@ def plant(robot: Robot | None = None, name: str = "Plant", walls: int = 1, *, wr
     """
     robot = robot or PlanarRobot()
     place = {1: "against a compliant wall", 2: "in a corner of two compliant walls"}[walls]
-    model = ContinuousModel(name, f"{robot.title} {place}")
+    aims = "; position and angle of its tip are the task" if robot.task.angles else ""
+    model = ContinuousModel(name, f"{robot.title} {place}{aims}")
     publish(
         model,
         robot.icon(corner=walls > 1),

@@ -5,8 +5,8 @@
 Everything follows from the forward kinematics by symbolic differentiation, for any number of
 joints n. Angles are relative: the absolute angle of link i is q[1] + ... + q[i], counted from the
 x1 axis, counter-clockwise. Gravity acts along -x2. F_ext is the force of the tip on the
-environment. The task is the position of the tip; with `pose` also the absolute angle of the last link, and F_ext then
-ends with the moment.
+environment. Task coordinates are the position of the tip, and for some arms also the absolute angle of the last
+link; F_ext then ends with a moment.
 
 Each function is a CasADi `Function`: called with symbols it gives an expression, called with
 NumPy arrays it gives numbers.

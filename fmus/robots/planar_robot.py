@@ -80,7 +80,7 @@ class PlanarRobot:
     @property
     def title(self) -> str:
         """What its plant is."""
-        return f"Planar arm with point masses{' and a task of position and angle' if self.pose else ''}"
+        return "Planar arm with point masses"
 
     @property
     def modules(self) -> Sequence[str]:
