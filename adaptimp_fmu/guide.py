@@ -19,6 +19,11 @@ class Formula:
         What the formula says, in words.
     number
         Number of the equation in its source, such as ``11``; empty if the equation has no number.
+
+    Examples
+    --------
+    >>> from adaptimp_fmu import Formula
+    >>> law = Formula(r"F = K (x_v - x)", "The force grows with the deviation.", "3")
     """
 
     latex: str
@@ -44,7 +49,17 @@ class Formulas:
 
 @dataclass(frozen=True)
 class Drawing:
-    """A drawing: an ``svg`` element, and the caption below it. The element has a title for those who cannot see it."""
+    """A drawing: an ``svg`` element, and the caption below it. The element has a title for those who cannot see it.
+
+    Examples
+    --------
+    >>> from adaptimp_fmu import Drawing, Guide, SampledModel
+    >>> from adaptimp_fmu.svg import Picture
+    >>> picture = Picture(120, 40, "A force that points to the right")
+    >>> picture.arrow([(10, 20), (110, 20)])
+    >>> model = SampledModel("Force", "A force")
+    >>> model.guide = Guide(drawings=[Drawing(picture.svg(), "The force is positive to the right.")])
+    """
 
     svg: str
     caption: str
@@ -52,7 +67,13 @@ class Drawing:
 
 @dataclass(frozen=True)
 class Signal:
-    """Where a signal comes from and where it goes to, as components of the system that the FMU is made for."""
+    """Where a signal comes from and where it goes to, as components of the system that the FMU is made for.
+
+    Examples
+    --------
+    >>> from adaptimp_fmu import Guide, Signal
+    >>> guide = Guide(signals={"F": Signal("controller", ["cart"]), "x": Signal("cart", ["controller"])})
+    """
 
     source: str
     targets: Sequence[str]
@@ -74,6 +95,13 @@ class Guide:
         Partners of inputs and outputs, by the name of a variable or of an array.
     topics
         Names of parameters or of their arrays, by topic. Parameters without a topic come last.
+
+    Examples
+    --------
+    >>> from adaptimp_fmu import Guide, SampledModel
+    >>> model = SampledModel("Gain", "A gain")
+    >>> k = model.parameter("k", 2.0, description="Gain")
+    >>> model.guide = Guide(topics={"Law": ["k"], "Sampling": ["sample_time"]})
     """
 
     formulas: Sequence[Formulas] = ()

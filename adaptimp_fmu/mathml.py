@@ -7,9 +7,15 @@ import re
 from functools import cache
 
 from latex2mathml.converter import convert
+from lxml import etree
 
 from adaptimp_fmu.errors import DefinitionError
 
+_ARGUMENTS = {
+    **dict.fromkeys(("mfrac", "mover", "mroot", "msub", "msup", "munder"), 2),
+    **dict.fromkeys(("msubsup", "munderover"), 3),
+}
+"""Elements of MathML that need so many parts; the converter leaves out what the formula lacks."""
 _UNKNOWN = re.compile(r"\\[A-Za-z]+")
 
 
@@ -43,4 +49,20 @@ def mathml(latex: str, *, block: bool = True) -> str:
     if unknown := _UNKNOWN.search(text):
         msg = f"Formula {latex!r}: the command {unknown[0]} is not known; write the formula without it."
         raise DefinitionError(msg)
+    if (fault := _incomplete(latex, text)) is not None:
+        msg = f"Formula {latex!r} is incomplete: {fault}; complete the formula."
+        raise DefinitionError(msg)
     return text
+
+
+def _incomplete(latex: str, text: str) -> str | None:
+    """What a formula lacks, although the converter took it."""
+    braces = re.findall(r"\\.|[{}]", latex)
+    opened, closed = braces.count("{"), braces.count("}")
+    if opened != closed:
+        return f"{opened} braces open and {closed} close"
+    for element in etree.fromstring(text).iter():
+        name = etree.QName(element).localname
+        if len(element) != _ARGUMENTS.get(name, len(element)):
+            return f"{name} has {len(element)} of {_ARGUMENTS[name]} parts"
+    return None
