@@ -25,7 +25,7 @@ from fmus.mechanics.algebra import is_diagonal, times
 from fmus.mechanics.task import Metric
 from fmus.metric import declare_metric
 
-UNLIMITED = 1e9  # an upper bound of p that is none
+UNLIMITED = 1e9  # a bound of p that is none
 
 
 FORMULAS = Formulas(
@@ -120,7 +120,7 @@ def declare_adaptation(controller: Controller, gain: float, per: str) -> Adaptat
     r, units = len(robot.parameters), controller.units_of_p
     p_min = model.parameter(
         "p_min",
-        [0.0] * r,
+        [-UNLIMITED if parameter.signed else 0.0 for parameter in robot.parameters],
         unit=units,
         description=controller.texts_of_p("Lower bound of the"),
     )
