@@ -140,7 +140,8 @@ def declare_controller(name: str, description: str, robot: Robot | None = None, 
     """
     robot = robot or PlanarRobot()
     _require_diagonal_gains_of_angles(name, robot.task, full=full)
-    model = SampledModel(name, f"{description}, with full matrices" if full else description)
+    whose = ", for positions and angles of the tip" if robot.task.angles else ""
+    model = SampledModel(name, f"{description}{', with full matrices' if full else ''}{whose}")
     measured, ddq = _declare_measurements(model, robot)
     virtual = _declare_virtual(model, robot)
     impedance = _impedance(model, robot.task, full=full)

@@ -5,7 +5,7 @@ from operator import mul
 
 import casadi as ca
 
-SQUARINGS = 12  # of a matrix, for its largest eigenvalue
+SQUARINGS = 10  # of a matrix, for its largest eigenvalue
 
 
 def solve_spd(A: ca.SX, b: ca.SX) -> ca.SX:
@@ -98,17 +98,17 @@ def gram_determinant(A: ca.SX) -> ca.SX:
 def spectral_norm(A: ca.SX) -> ca.SX:
     """Spectral norm of a symmetric matrix A of shape (n, n): the largest absolute eigenvalue.
 
-    For more than two rows the result is trace(A^N)^(1/N) with N = 2^12. It is never below the norm, and above it by a
-    factor of at most n^(1/N), that is 1.0005 for n = 6.
+    For more than two rows the result is trace(A^N)^(1/N) with N = 2^10. It is never below the norm, and above it by a
+    factor of at most n^(1/N), that is 1.0018 for n = 6.
     """
     if A.shape[0] == 2:
         mean, difference = 0.5 * (A[0, 0] + A[1, 1]), 0.5 * (A[0, 0] - A[1, 1])
         return ca.fabs(mean) + ca.sqrt(difference**2 + A[0, 1] ** 2)
     power, logarithm = A, ca.SX(0)
     for k in range(1, SQUARINGS + 1):
-        power = ca.mtimes(power, power)
+        power = _square_of_symmetric(power)
         trace = ca.trace(power)
-        logarithm, power = logarithm + ca.log(trace) / 2**k, power / trace
+        logarithm, power = logarithm + ca.log(trace) / 2**k, power * (1 / trace)
     return ca.exp(logarithm)
 
 
@@ -125,6 +125,17 @@ def determinant_2x2(A: ca.SX) -> ca.SX:
 def adjugate_2x2(A: ca.SX) -> ca.SX:
     """Adjugate of a 2 x 2 matrix: A adj(A) = det(A) I."""
     return ca.vertcat(ca.horzcat(A[1, 1], -A[0, 1]), ca.horzcat(-A[1, 0], A[0, 0]))
+
+
+def _square_of_symmetric(A: ca.SX) -> ca.SX:
+    """Product A A of a symmetric matrix, whose elements below the diagonal are those above it."""
+    n = A.shape[0]
+    square = ca.SX(n, n)
+    for i in range(n):
+        for j in range(i, n):
+            square[i, j] = ca.dot(A[i, :], A[j, :])
+            square[j, i] = square[i, j]
+    return square
 
 
 def _solve_3x3(A: ca.SX, b: ca.SX) -> ca.SX:

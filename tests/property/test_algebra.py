@@ -4,7 +4,14 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from fmus.mechanics.algebra import gram_determinant, solve_mobility, solve_spd, solve_square, spectral_norm
+from fmus.mechanics.algebra import (
+    SQUARINGS,
+    gram_determinant,
+    solve_mobility,
+    solve_spd,
+    solve_square,
+    spectral_norm,
+)
 from tests.property.samples import EPS, evaluate
 
 SIZE = 300
@@ -89,4 +96,4 @@ def test_the_spectral_norm_is_a_close_upper_bound(n: int, definite: bool) -> Non
     function = ca.Function("norm", [symbol], [spectral_norm(ca.reshape(symbol, n, n))])
     found, exact = evaluate(function, columns(A)).ravel(), np.linalg.norm(A, 2, axis=(1, 2))
     assert (found >= exact * (1 - 1e-12)).all()
-    assert (found <= exact * (n ** (1 / 2**12) + 1e-12)).all()
+    assert (found <= exact * (n ** (1 / 2**SQUARINGS) + 1e-12)).all()
