@@ -18,10 +18,27 @@ def _declared(module: str, *arguments: Any, **options: Any) -> "Model":
     return getattr(imported(f"fmus.{module}"), module)(*arguments, **options)
 
 
+def _of_arm(module: str, name: str, *, pose: bool = False) -> "Model":
+    """The model for a planar arm with three joints, whose task is a position, or also an angle."""
+    robot = imported("fmus.robots.planar_robot").PlanarRobot(3, pose=pose)
+    return _declared(module, name=name, robot=robot)
+
+
+def _of_pose(module: str, name: str) -> "Model":
+    """The model for a task of position and angle."""
+    task = imported("fmus.robots.planar_robot").PlanarRobot(3, pose=True).task
+    return _declared(module, name=name, task=task)
+
+
 _CRAIG, _SLOTINE_LI, _SPONG_ORTEGA = (
     "CraigAdaptiveImpedanceFull",
     "SlotineLiAdaptiveImpedanceFull",
     "SpongOrtegaAdaptiveImpedanceFull",
+)
+_CRAIG_POSE, _SLOTINE_LI_POSE, _SPONG_ORTEGA_POSE = (
+    "CraigAdaptiveImpedance3RPose",
+    "SlotineLiAdaptiveImpedance3RPose",
+    "SpongOrtegaAdaptiveImpedance3RPose",
 )
 _NO_CORIOLIS = "SlotineLiAdaptiveImpedanceNoCoriolis"
 
@@ -34,9 +51,9 @@ MODELS: "dict[str, Callable[[], Model]]" = {
     "SpongOrtegaAdaptiveImpedance": partial(_declared, "spong_ortega_adaptive_impedance"),
     "Actuator": partial(_declared, "actuator"),
     "Plant": partial(_declared, "plant"),
-    "HoganImpedance3R": partial(_declared, "hogan_impedance", 3, "HoganImpedance3R"),
+    "HoganImpedance3R": partial(_of_arm, "hogan_impedance", "HoganImpedance3R"),
     "Actuator3R": partial(_declared, "actuator", 3, "Actuator3R"),
-    "Plant3R": partial(_declared, "plant", 3, "Plant3R"),
+    "Plant3R": partial(_of_arm, "plant", "Plant3R"),
 }
 
 VARIANTS: "dict[str, Callable[[], Model]]" = {
@@ -50,6 +67,13 @@ VARIANTS: "dict[str, Callable[[], Model]]" = {
     _SLOTINE_LI: partial(_declared, "slotine_li_adaptive_impedance", _SLOTINE_LI, full=True),
     _SPONG_ORTEGA: partial(_declared, "spong_ortega_adaptive_impedance", _SPONG_ORTEGA, full=True),
     _NO_CORIOLIS: partial(_declared, "slotine_li_adaptive_impedance", _NO_CORIOLIS, coriolis_of_s=False),
+    "VirtualTrajectoryPose": partial(_of_pose, "virtual_trajectory", "VirtualTrajectoryPose"),
+    "ForceSensorPose": partial(_of_pose, "force_sensor", "ForceSensorPose"),
+    "HoganImpedance3RPose": partial(_of_arm, "hogan_impedance", "HoganImpedance3RPose", pose=True),
+    _CRAIG_POSE: partial(_of_arm, "craig_adaptive_impedance", _CRAIG_POSE, pose=True),
+    _SLOTINE_LI_POSE: partial(_of_arm, "slotine_li_adaptive_impedance", _SLOTINE_LI_POSE, pose=True),
+    _SPONG_ORTEGA_POSE: partial(_of_arm, "spong_ortega_adaptive_impedance", _SPONG_ORTEGA_POSE, pose=True),
+    "Plant3RPose": partial(_of_arm, "plant", "Plant3RPose", pose=True),
 }
 """Models with other equations than those of the same name in `MODELS`."""
 

@@ -3,7 +3,12 @@
 The tip moves in the plane of x1, which points to the right, and x2, which points up. Joints count from the base.
 """
 
+from fmus.mechanics.task import Task
+
 AXES = ("x1 (right)", "x2 (up)")
+PLANE_NORMAL = "x3 (out of the plane)"
+TURNS = ("roll", "pitch", "yaw")
+SPACE = 3  # coordinates of a point in space
 ANGLE, RATE, ACCELERATION = "deg", "deg/s", "deg/s2"
 """Units in which tools show what the joints do; the values themselves are in rad."""
 LENGTH = "mm"
@@ -15,12 +20,25 @@ def along(text: str, size: int = 2) -> list[str]:
     return [f"{text} along {_axis(i)}" for i in range(size)]
 
 
-def of_axes(text: str, size: int = 2, *, full: bool = False) -> list[str]:
+def of_task(text: str, task: Task, turning: str = "") -> list[str]:
+    """Descriptions of a vector of a task: ``Force of the tip along x1 (right)``, and for angles ``about x3``.
+
+    Parameters
+    ----------
+    turning
+        What an angle's element is, such as ``Moment of the tip``; `text` by default.
+    """
+    axes = (PLANE_NORMAL,) if task.positions < SPACE else TURNS
+    return [*along(text, task.positions), *(f"{turning or text} about {axes[i]}" for i in range(task.angles))]
+
+
+def of_axes(text: str, task: Task, *, full: bool = False) -> list[str]:
     """Descriptions of a gain along the axes: of its diagonal, or if `full` of all elements of a matrix, row by row."""
+    diagonal = of_task(text, task)
     if not full:
-        return along(text, size)
-    places = [(i, j) for i in range(size) for j in range(size)]
-    return [along(text, size)[i] if i == j else f"{text} between x{i + 1} and x{j + 1}" for i, j in places]
+        return diagonal
+    places = [(i, j) for i in range(task.size) for j in range(task.size)]
+    return [diagonal[i] if i == j else f"{text} between x{i + 1} and x{j + 1}" for i, j in places]
 
 
 def of_joints(text: str, n: int) -> list[str]:

@@ -43,7 +43,7 @@ TOPICS = {
     "Arm": ("m", "l", "payload", "viscous", "coulomb", "coulomb_velocity", "gravity"),
     "Wall": ("wall_normal", "wall_offset", "K_f", "D_f", "mu", "friction_velocity"),
     "Second wall": ("wall_normal2", "wall_offset2", "K_f2", "D_f2", "mu2", "friction_velocity2"),
-    "Ellipse": ("semi_axis", "period", "depth"),
+    "Ellipse": ("semi_axis", "period", "depth", "height", "orientation"),
     "Target impedance": ("M", "B", "K", "null_damping"),
     "Adaptation": (
         *("Gamma", "Psi", "K_d", "p_min", "p_max", "projection", "dead_zone", "freeze_when_saturated"),
@@ -51,7 +51,8 @@ TOPICS = {
     ),
     "Noise": ("noise_std", "noise_bound", "noise_period", "contact_gated", "seed"),
     "Rejection of noise": ("contact_threshold", "gamma_margin", "gamma_eps"),
-    "Bias, range and resolution": ("bias", "range", "resolution"),
+    "Bias, range and resolution": ("bias", "range", "resolution", "moment_range", "moment_resolution"),
+    "Norms of positions and angles": ("L",),
     "Failure": ("failure", "failure_start", "failure_duration", "failure_force"),
     "Limits of the torque": ("tau_max", "tau_rate_max", "time_constant"),
     "Sampling and integration": ("sample_time", "dt_max"),
