@@ -1,0 +1,1 @@
+"""Robots in FMUs: the parameters that plants and controllers declare of them, and their start values."""
