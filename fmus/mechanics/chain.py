@@ -197,7 +197,7 @@ class Chain:
         """Refuse a last body that resists the motion of its joint by nothing: the inertia matrix would be singular."""
         joint = self.joints[-1]
         axis, body = np.array(joint.axis), joint.body
-        own = axis @ symmetric(body.parameters[4:]) @ axis if joint.turns else body.mass
+        own = axis @ symmetric(body.parameters[4:].tolist()) @ axis if joint.turns else body.mass
         if own + joint.rotor_inertia <= 0:
             unit = "kg m2" if joint.turns else "kg"
             msg = (

@@ -181,7 +181,7 @@ def merged(name: str, bodies: Sequence[Body]) -> Body:
     mass = sum(body.mass for body in bodies)
     if mass == 0:
         return Body(name, 0.0)
-    center = sum(body.mass * np.array(body.center) for body in bodies) / mass
+    center = np.sum([body.mass * np.array(body.center) for body in bodies], axis=0) / mass
     moments = np.zeros((3, 3))
     for body in bodies:
         d = np.array(body.center) - center

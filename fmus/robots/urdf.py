@@ -117,18 +117,7 @@ def _moving_joint(
     robot: UrdfRobot, joint: UrdfJoint, placement: Placement, moving: set[UrdfJoint], held: Mapping[str, float]
 ) -> Joint:
     """A joint of the chain with all that it carries up to the next one."""
-    if joint.mimics:
-        msg = (
-            f"{robot.file}, line {joint.line}: joint {joint.name} mimics joint {joint.mimics}, but each joint of the "
-            f"chain needs a drive of its own; remove <mimic>, or hold the joint: locked={{'{joint.name}': 0.0}}."
-        )
-        raise RobotError(msg)
-    if joint.kind not in set(JointKind):
-        msg = (
-            f"{robot.file}, line {joint.line}: joint {joint.name} is {joint.kind}, but joints of the chain are fixed, "
-            f"{', '.join(JointKind)}; write it as several of these, one behind the other."
-        )
-        raise RobotError(msg)
+    _check_drive(robot, joint)
     links: list[str] = []
     bodies = _carried(robot, joint.child, (moving, held), Placement(), links)
     body = merged(joint.child, bodies)
@@ -141,7 +130,28 @@ def _moving_joint(
     kind = JointKind(joint.kind)
     lower, upper, velocity, effort = joint.limits(bounded=kind is not JointKind.CONTINUOUS)
     limits = JointLimits(lower, upper, velocity, effort)
-    return Joint(joint.name, body, placement, joint.axis, kind, limits, joint.damping, joint.friction)
+    axis, damping, friction = joint.axis, joint.damping, joint.friction
+    try:
+        return Joint(joint.name, body, placement, axis, kind, limits, damping, friction)
+    except RobotError as error:
+        msg = f"{robot.file}, line {joint.line}: {error}"
+        raise RobotError(msg) from error
+
+
+def _check_drive(robot: UrdfRobot, joint: UrdfJoint) -> None:
+    """Refuse a joint of the chain that has no drive of its own, or that moves in another way than along one axis."""
+    if joint.mimics:
+        msg = (
+            f"{robot.file}, line {joint.line}: joint {joint.name} mimics joint {joint.mimics}, but each joint of the "
+            f"chain needs a drive of its own; remove <mimic>, or hold the joint: locked={{'{joint.name}': 0.0}}."
+        )
+        raise RobotError(msg)
+    if joint.kind not in set(JointKind):
+        msg = (
+            f"{robot.file}, line {joint.line}: joint {joint.name} is {joint.kind}, but joints of the chain are fixed, "
+            f"{', '.join(JointKind)}; write it as several of these, one behind the other."
+        )
+        raise RobotError(msg)
 
 
 def _carried(

@@ -129,8 +129,9 @@ class UrdfRobot:
         """The link that is no child of a joint."""
         roots = [link for link in self.links if link not in self.parents]
         if len(roots) != 1:
+            some = ", ".join(roots[:LISTED]) + (", ..." if len(roots) > LISTED else "")
             msg = (
-                f"{self.file}: {len(roots)} links are no child of a joint ({', '.join(roots) or 'none'}), so that the "
+                f"{self.file}: {len(roots)} links are no child of a joint ({some or 'none'}), so that the "
                 "base is not plain; name the base link."
             )
             raise RobotError(msg)
