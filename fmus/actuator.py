@@ -11,6 +11,7 @@ import casadi as ca
 
 from adaptimp_fmu import NOT_NEGATIVE, POSITIVE, SampledModel, Type
 from fmus import icons
+from fmus.elements import of_joints
 from fmus.project import group_signals, publish
 
 OFF = 1e9  # N.m or N.m/s, a limit that is none
@@ -20,21 +21,21 @@ def actuator(n: int = 2, name: str = "Actuator") -> SampledModel:
     """Declare the model of the actuators of n joints; they are ideal by default."""
     model = SampledModel(name, "Joint actuators with torque limits")
     publish(model, icons.saturation(n), __name__, "fmus")
-    tau_cmd = model.input("tau_cmd", [0.0] * n, unit="N.m", description="Commanded joint torque")
+    tau_cmd = model.input("tau_cmd", [0.0] * n, unit="N.m", description=of_joints("Commanded torque", n))
     tau_max = model.parameter(
         "tau_max",
         [OFF] * n,
         unit="N.m",
         limits=POSITIVE,
         tunable=True,
-        description="Largest absolute joint torque; 1e9 = no limit",
+        description=[f"{text}; 1e9 = no limit" for text in of_joints("Largest absolute torque", n)],
     )
     rate_max = model.parameter(
         "tau_rate_max",
         [OFF] * n,
         unit="N.m/s",
         limits=POSITIVE,
-        description="Largest absolute rate of the joint torque; 1e9 = no limit",
+        description=[f"{text}; 1e9 = no limit" for text in of_joints("Largest absolute rate of the torque", n)],
     )
     time_constant = model.parameter(
         "time_constant",
@@ -52,12 +53,12 @@ def actuator(n: int = 2, name: str = "Actuator") -> SampledModel:
     too_fast = ca.logic_and(rate_max < OFF, ca.fabs(lagged - previous) > most)
     tau = ca.if_else(too_fast, limited, lagged)
     model.update(previous, tau)
-    model.output("tau", tau, unit="N.m", description="Joint torque")
+    model.output("tau", tau, unit="N.m", description=of_joints("Torque", n))
     model.output(
         "saturated",
         ca.logic_or(ca.fabs(tau_cmd) > tau_max, too_fast),
         type=Type.BOOLEAN,
-        description="Whether the command exceeds the torque or the rate limit",
+        description=of_joints("Whether the command exceeds the torque or the rate limit", n),
     )
     group_signals(model)
     return model

@@ -18,23 +18,26 @@ import casadi as ca
 from adaptimp_fmu import SampledModel
 from fmus import icons
 from fmus.control.adaptation import declare_adaptation
-from fmus.control.controller import EQUATIONS, declare_controller
+from fmus.control.controller import EQUATIONS, declare_controller, require_square
 from fmus.control.impedance import resolved_torque, target_acceleration
 from fmus.control.noise_rejection import declare_noise_rejection, declare_outputs
-from fmus.mechanics.algebra import solve_2x2, solve_spd
+from fmus.mechanics.algebra import solve_spd, solve_square
 from fmus.project import publish
+from fmus.robots.robot import Robot
 
-# p^2 s^2/m^2 for m, viscous, coulomb
-GAIN_UNITS = (("kg2.s2/m2", "kg.N.s3/m.rad", "kg.N.s2/m"), ("N2.s4/rad2", "N2.s3/rad"), ("N2.s2",))
-GAINS = (0.0, 5.0, 0.0, 0.0, 0.0, 0.0)  # assumed: m2 is the unknown payload's mass
+GAIN = 5.0  # kg2.s2/m2, assumed: of the unknown payload's mass
+GAIN_UNIT = "s2/m2"  # of Gamma, beside the units of its two parameters
 
 
-def craig_adaptive_impedance(name: str = "CraigAdaptiveImpedance", *, full: bool = False) -> SampledModel:
+def craig_adaptive_impedance(
+    name: str = "CraigAdaptiveImpedance", robot: Robot | None = None, *, full: bool = False
+) -> SampledModel:
     """Declare the controller of algorithm 1: impedance control with the adaptation of Craig, Hsu and Sastry.
 
     With `full` the gains M, B, K, Gamma and Psi are symmetric matrices; else they are diagonal.
     """
-    controller = declare_controller(name, "Adaptive impedance control, algorithm 1 (after Craig)", full=full)
+    controller = declare_controller(name, "Adaptive impedance control, algorithm 1 (after Craig)", robot, full=full)
+    require_square(controller, "algorithm 1")
     publish(
         controller.model,
         icons.adaptive_impedance(1),
@@ -42,25 +45,27 @@ def craig_adaptive_impedance(name: str = "CraigAdaptiveImpedance", *, full: bool
         "fmus.control.noise_rejection",
         "fmus.control.adaptation",
         *EQUATIONS,
+        *controller.robot.modules,
+        "fmus",
     )
-    adaptation = declare_adaptation(controller, GAINS, GAIN_UNITS)
+    adaptation = declare_adaptation(controller, GAIN, GAIN_UNIT)
     measured, arm = controller.measured, controller.arm
     q, dq = measured.q, measured.dq
     p_hat = controller.model.state("p_hat", controller.p_start)
-    arm_model = controller.arm_model(p_hat)
-    J, H = arm.jacobian(q, controller.l), arm_model.inertia(q)
+    estimate = controller.with_parameters(p_hat)
+    J, H = arm.jacobian(q), estimate.inertia(q)
     controller.require_invertible(
         "H_hat", H, "p_hat", "start from positive masses, and keep them so by projection with p_min > 0"
     )
     rejection = declare_noise_rejection(adaptation, ca.mtimes(J, solve_spd(H, J.T)))
 
     demand = target_acceleration(controller.x, controller.dx, controller.virtual, measured.F_hat, controller.impedance)
-    tau_cmd = resolved_torque(measured, arm_model, demand + rejection.acceleration())
-    inertia_times = ca.mtimes(H, solve_2x2(J, rejection.acceleration()))
-    F_c = solve_2x2(J.T, inertia_times)
+    tau_cmd = resolved_torque(measured, estimate, demand + rejection.acceleration())
+    inertia_times = ca.mtimes(H, solve_square(J, rejection.acceleration()))
+    F_c = solve_square(J.T, inertia_times)
 
-    Y = arm.regressor(q, dq, dq, controller.ddq, controller.l, controller.gravity, controller.coulomb_velocity)
-    gradient = ca.mtimes(Y.T, solve_spd(H, ca.mtimes(J.T, rejection.e_star)))
+    Y = arm.regressor(q, dq, dq, controller.ddq)
+    gradient = ca.mtimes(Y.T, solve_spd(H, ca.mtimes(J.T, rejection.weighted)))
     updated = adaptation.next_estimate(p_hat, gradient, rejection.e_star)
     controller.model.update_slowly(p_hat, updated, divisor="update_divisor")
     model = controller.finish(tau_cmd, p_hat)

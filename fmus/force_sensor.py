@@ -17,26 +17,47 @@ force acts. A bias, a range and a resolution follow, all off by default:
     F_hat = resolution floor(clip(F_ext + bias + error, -range, range) / resolution + 1/2)
 
 The variant FailingForceSensor has a failure, too (`fmus.sensor_failure`).
+
+ForceSensorPose measures moments, too. It draws the errors of (F_p, F_phi / L) in pairs, each as above with the bound
+noise_bound / sqrt(number of pairs). So the norm of all errors is at most noise_bound, and a moment's error is L times
+that of a force. Moments have a range and a resolution of their own.
 """
 
 import math
+from functools import reduce
 
 import casadi as ca
 
 from adaptimp_fmu import NOT_NEGATIVE, POSITIVE, SampledModel, Type
 from fmus import icons
+from fmus.elements import of_task
+from fmus.mechanics.task import Metric, Task
+from fmus.metric import declare_metric
 from fmus.project import group_signals, publish
 from fmus.sensor_failure import declare_failure
 
 OFF = 1e9  # N, a range that limits nothing
+DIGITS = 2.0**26
 ROUNDING = 1e-9  # relative, by which a multiple of the sampling period may be off
 
 
-def force_sensor(name: str = "ForceSensor", *, failing: bool = False) -> SampledModel:
-    """Declare the model of a wrist force sensor, which is ideal by default and may have a failure."""
-    model = SampledModel(name, f"Wrist force sensor with bounded noise{' and a failure' if failing else ''}")
+def force_sensor(name: str = "ForceSensor", task: Task | None = None, *, failing: bool = False) -> SampledModel:
+    """Declare the model of a wrist force sensor, which is ideal by default and may have a failure.
+
+    Parameters
+    ----------
+    task
+        Whose force it measures, by default the two components of a force in the plane.
+    failing
+        Whether it may fail.
+    """
+    task = task or Task()
+    what = "force and moment sensor" if task.angles else "force sensor"
+    model = SampledModel(name, f"Wrist {what} with bounded noise{' and a failure' if failing else ''}")
     publish(model, icons.sensor(), __name__, *(["fmus.sensor_failure"] if failing else []), "fmus")
-    F_ext = model.input("F_ext", [0.0, 0.0], unit="N", description="Force of the tip on the wall")
+    units = task.each("N", "N.m")
+    texts = of_task("Force of the tip on the wall", task, "Moment of the tip on the wall")
+    F_ext = model.input("F_ext", [0.0] * task.size, unit=units, description=texts)
     std = model.parameter(
         "noise_std",
         0.0,
@@ -71,7 +92,28 @@ def force_sensor(name: str = "ForceSensor", *, failing: bool = False) -> Sampled
         "noise_bound must be positive where noise_std is",
     )
     ticks = ticks_per_draw(model)
-    bias = model.parameter("bias", [0.0, 0.0], unit="N", description="Constant error of each component")
+    bias = model.parameter("bias", [0.0] * task.size, unit=units, description=of_task("Constant error", task))
+    resolution, span = _declare_reading(model, task)
+    metric = declare_metric(model, task)
+    noise = model.random(lambda u: _noise(u, std, bound, metric), active=std, seed="seed", ticks=ticks)
+    free = ca.logic_and(gated, reduce(ca.logic_and, (component == 0 for component in ca.vertsplit(F_ext))))
+    force = F_ext + bias + ca.if_else(free, 0, noise)
+    failure = declare_failure(model, task) if failing else None
+    force = force if failure is None else failure.disturbed(force)
+    within = ca.fmin(ca.fmax(force, -span), span)
+    steps = ca.floor(within / resolution + 0.5)
+    F_hat = ca.if_else(resolution > 0, steps * resolution, within)
+    F_hat = F_hat if failure is None else failure.reading(model, F_hat, F_ext)
+    texts = of_task("Measured force", task, "Measured moment")
+    model.output("F_hat", F_hat, unit=units, description=texts)
+    if failure is not None:
+        model.output("failed", failure.active, type=Type.BOOLEAN, description="Whether the sensor fails")
+    group_signals(model)
+    return model
+
+
+def _declare_reading(model: SampledModel, task: Task) -> tuple[ca.SX, ca.SX]:
+    """Declare resolution and range, each of shape (1,), or (m,) where there are moments."""
     resolution = model.parameter(
         "resolution",
         0.0,
@@ -86,20 +128,41 @@ def force_sensor(name: str = "ForceSensor", *, failing: bool = False) -> Sampled
         limits=POSITIVE,
         description="Largest absolute component that is measured; 1e9 = no limit",
     )
-    noise = model.random(lambda u: truncated_normal(u[0], u[1], std, bound), active=std, seed="seed", ticks=ticks)
-    free = ca.logic_and(gated, ca.logic_and(F_ext[0] == 0, F_ext[1] == 0))
-    force = F_ext + bias + ca.if_else(free, 0, noise)
-    failure = declare_failure(model) if failing else None
-    force = force if failure is None else failure.disturbed(force)
-    within = ca.fmin(ca.fmax(force, -span), span)
-    steps = ca.floor(within / resolution + 0.5)
-    F_hat = ca.if_else(resolution > 0, steps * resolution, within)
-    F_hat = F_hat if failure is None else failure.reading(model, F_hat, F_ext)
-    model.output("F_hat", F_hat, unit="N", description="Measured force")
-    if failure is not None:
-        model.output("failed", failure.active, type=Type.BOOLEAN, description="Whether the sensor fails")
-    group_signals(model)
-    return model
+    if not task.angles:
+        return resolution, span
+    moment_resolution = model.parameter(
+        "moment_resolution",
+        0.0,
+        unit="N.m",
+        limits=NOT_NEGATIVE,
+        description="Step to which each moment is rounded; 0 = not rounded",
+    )
+    moment_span = model.parameter(
+        "moment_range",
+        OFF,
+        unit="N.m",
+        limits=POSITIVE,
+        description="Largest absolute moment that is measured; 1e9 = no limit",
+    )
+    parts = ((resolution, moment_resolution), (span, moment_span))
+    each = [
+        ca.vertcat(force * ca.SX.ones(task.positions, 1), moment * ca.SX.ones(task.angles, 1))
+        for force, moment in parts
+    ]
+    return each[0], each[1]
+
+
+def _noise(u: ca.SX, std: ca.SX, bound: ca.SX, metric: Metric) -> ca.SX:
+    """Error of a reading, N and N.m, shape (m,), from four uniform numbers."""
+    size = metric.task.size
+    pairs = (size + 1) // 2
+    if pairs == 1:
+        return truncated_normal(u[0], u[1], std, bound)[:size]
+    # Digits beyond the first 26 binary ones are uniform, too, and serve a third and a fourth pair.
+    more = u * DIGITS - ca.floor(u * DIGITS)
+    uniform = ca.vertcat(u, more)
+    drawn = [truncated_normal(uniform[2 * k], uniform[2 * k + 1], std, bound / math.sqrt(pairs)) for k in range(pairs)]
+    return metric.of_newtons(ca.vertcat(*drawn)[:size])
 
 
 def ticks_per_draw(model: SampledModel) -> ca.SX:

@@ -1,6 +1,6 @@
 """HoganImpedance: conventional impedance control, eqs. (4) to (7), with fixed parameters.
 
-For the square Jacobian of two joints the resolved form (6), (7) is evaluated, the cheapest of the
+For a square Jacobian, as many joints as task coordinates, the resolved form (6), (7) is evaluated, the cheapest of the
 three. HoganImpedanceMobility evaluates form (5), which the paper names for Figs. 2 and 4. More joints need form (5),
 which leaves the null space undamped unless `null_damping` is set:
 
@@ -14,36 +14,39 @@ from fmus import icons
 from fmus.control.controller import EQUATIONS, declare_controller
 from fmus.control.impedance import null_space_damping, torque_mobility, torque_resolved
 from fmus.project import publish
+from fmus.robots.planar_robot import PlanarRobot
+from fmus.robots.robot import Robot
 
 RESOLVED, MOBILITY = "resolved", "mobility"
-"""Forms of the law: (6) and (7), for two joints only, and (5)."""
+"""Forms of the law: (6) and (7), for square Jacobians only, and (5)."""
 
 
 def hogan_impedance(
-    n: int = 2, name: str = "HoganImpedance", *, form: str = RESOLVED, full: bool = False
+    robot: Robot | None = None, name: str = "HoganImpedance", *, form: str = RESOLVED, full: bool = False
 ) -> SampledModel:
-    """Declare a conventional impedance controller of an arm with n joints; p_hat stays at p_start.
+    """Declare a conventional impedance controller of a robot, by default the paper's; p_hat stays at p_start.
 
     Parameters
     ----------
     form
-        `RESOLVED` or `MOBILITY`. More than two joints have form (5), whatever is given.
+        `RESOLVED` or `MOBILITY`. A redundant robot has form (5), whatever is given.
     full
         Whether the gains M, B and K are symmetric matrices; else they are diagonal.
     """
+    robot = robot or PlanarRobot()
+    redundant = robot.n > robot.task.size
     text = "Conventional impedance control with fixed dynamic parameters"
-    by_choice = form == MOBILITY and n == 2
-    controller = declare_controller(name, f"{text}, form (5)" if by_choice else text, n, full=full)
-    publish(controller.model, icons.impedance(n), __name__, *EQUATIONS)
-    arm_model = controller.arm_model(controller.p_start)
-    task_size = controller.arm.task_size
-    if n == task_size and not by_choice:
+    by_choice = form == MOBILITY and not redundant
+    controller = declare_controller(name, f"{text}, form (5)" if by_choice else text, robot, full=full)
+    publish(controller.model, icons.impedance(robot.n), __name__, *EQUATIONS, *robot.modules, "fmus")
+    estimate = controller.with_parameters(controller.p_start)
+    if not redundant and not by_choice:
         law = torque_resolved
     else:
         law = torque_mobility
-        controller.require_invertible("H", arm_model.inertia(controller.measured.q), "p_start", "give positive masses")
-    tau_cmd = law(controller.measured, arm_model, controller.virtual, controller.impedance)
-    if n > task_size:
+        controller.require_invertible("H", estimate.inertia(controller.measured.q), "p_start", "give positive masses")
+    tau_cmd = law(controller.measured, estimate, controller.virtual, controller.impedance)
+    if redundant:
         damping = controller.model.parameter(
             "null_damping",
             0.0,
@@ -52,5 +55,5 @@ def hogan_impedance(
             tunable=True,
             description="Damping rate of joint motion that leaves the tip still; 0 = the paper's law",
         )
-        tau_cmd = tau_cmd + null_space_damping(controller.measured, arm_model, damping)
+        tau_cmd = tau_cmd + null_space_damping(controller.measured, estimate, damping)
     return controller.finish(tau_cmd, controller.p_start)

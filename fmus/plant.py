@@ -12,108 +12,124 @@ The variant PlantWristPayload says what a sensor at the wrist measures, F_wrist,
 the sensor (`fmus.mechanics.payload`).
 """
 
+from collections.abc import Callable
 from functools import reduce
 from operator import add
 
 import casadi as ca
 
-from adaptimp_fmu import NOT_NEGATIVE, POSITIVE, ContinuousModel
-from fmus import icons, start
+from adaptimp_fmu import NOT_NEGATIVE, POSITIVE, ContinuousModel, DefinitionError
+from fmus.elements import ACCELERATION, ANGLE, LENGTH, RATE, along, of_joints, of_task
 from fmus.environment.contact import Wall
 from fmus.environment.half_space import declare_half_space, ordinal, suffix
 from fmus.mechanics.algebra import solve_spd
-from fmus.mechanics.arm import Arm
+from fmus.mechanics.arm import ArmModel
 from fmus.mechanics.payload import declare_payload, force_on_payload
-from fmus.mechanics.planar_arm import PlanarArm
+from fmus.mechanics.planar_model import PlanarArmModel
+from fmus.mechanics.task import Task
 from fmus.project import group_signals, publish
+from fmus.robots.planar_robot import PlanarRobot
+from fmus.robots.robot import Robot
 
 
-def plant(n: int = 2, name: str = "Plant", walls: int = 1, *, wrist: bool = False) -> ContinuousModel:
-    """Declare the model of an arm of n joints, by default the paper's, with one wall or with two.
+def plant(robot: Robot | None = None, name: str = "Plant", walls: int = 1, *, wrist: bool = False) -> ContinuousModel:
+    """Declare the model of a robot, by default the paper's, with one wall or with two.
 
     With `wrist` a part of the last mass may sit beyond a sensor at the wrist.
+
+    Raises
+    ------
+    DefinitionError
+        If the wrist's force is wanted of a robot whose task is not a position in the plane.
     """
+    robot = robot or PlanarRobot()
     place = {1: "against a compliant wall", 2: "in a corner of two compliant walls"}[walls]
-    model = ContinuousModel(name, f"Planar arm with point masses {place}")
+    model = ContinuousModel(name, f"{robot.title} {place}")
     publish(
         model,
-        icons.arm(n, corner=walls > 1),
+        robot.icon(corner=walls > 1),
         __name__,
-        "fmus.mechanics.planar_arm",
+        *robot.modules,
         "fmus.environment.contact",
         "fmus.environment.half_space",
         *(["fmus.mechanics.payload"] if wrist else []),
         "fmus",
     )
-    arm: Arm = PlanarArm(n)
-    begin = start.ARMS[n]
-    tau = model.input("tau", [0.0] * arm.n, unit="N.m", description="Joint torque")
-    q_start = model.parameter("q_start", begin.q, unit="rad", description="Joint angle at the start")
-    dq_start = model.parameter("dq_start", begin.dq, unit="rad/s", description="Joint rate at the start")
-    m = model.parameter("m", begin.masses, unit="kg", limits=POSITIVE, description="Point mass at the end of a link")
-    l = model.parameter("l", begin.link_lengths, unit="m", limits=POSITIVE, description="Length of a link")
-    viscous = model.parameter(
-        "viscous",
-        [0.0] * arm.n,
-        unit="N.m.s/rad",
-        limits=NOT_NEGATIVE,
-        description="Coefficient of viscous joint friction",
+    n, task, begin = robot.n, robot.task, robot.start
+    tau = model.input("tau", [0.0] * n, unit="N.m", description=of_joints("Torque", n))
+    q_start = model.parameter(
+        "q_start", begin.q, unit="rad", display_unit=ANGLE, description=of_joints("Angle at the start", n)
     )
-    coulomb = model.parameter(
-        "coulomb",
-        [0.0] * arm.n,
-        unit="N.m",
-        limits=NOT_NEGATIVE,
-        description="Coulomb joint friction torque",
+    dq_start = model.parameter(
+        "dq_start", begin.dq, unit="rad/s", display_unit=RATE, description=of_joints("Rate at the start", n)
     )
-    coulomb_velocity = model.parameter(
-        "coulomb_velocity",
-        start.COULOMB_VELOCITY,
-        unit="rad/s",
-        limits=POSITIVE,
-        description="Joint rate over which Coulomb friction changes sign (tanh)",
-    )
-    gravity = model.parameter("gravity", 0.0, unit="m/s2", description="Gravitational acceleration along -x2")
-    payload = declare_payload(model, m[n - 1]) if wrist else None
-    touched = {number: _wall(model, number) for number in range(1, walls + 1)}
+    arm, p = robot.declare_true(model)
+    beyond = _declare_payload(model, robot, arm, p) if wrist else None
+    touched = {number: _wall(model, number, task.positions) for number in range(1, walls + 1)}
 
     q, dq = model.state("q", q_start), model.state("dq", dq_start)
-    x = arm.forward_kinematics(q, l)
-    J = arm.jacobian(q, l)
+    x = arm.forward_kinematics(q)
+    J = arm.jacobian(q)
     dx = ca.mtimes(J, dq)
-    forces = {number: _force(model, wall, x, dx, number) for number, wall in touched.items()}
-    F_ext = reduce(add, forces.values())
-    bias = (
-        ca.mtimes(arm.coriolis(q, dq, m, l), dq)
-        + arm.gravity_torque(q, m, l, gravity)
-        + _friction(arm, dq, viscous, coulomb, coulomb_velocity)
-    )
-    ddq = solve_spd(arm.inertia(q, m, l), tau - bias - ca.mtimes(J.T, F_ext))
+    point, velocity = x[: task.positions], dx[: task.positions]
+    forces = {number: _force(model, wall, point, velocity, number) for number, wall in touched.items()}
+    F_ext = ca.vertcat(reduce(add, forces.values()), ca.SX.zeros(task.angles, 1))
+    ddq = solve_spd(arm.inertia(q, p), tau - arm.bias(q, dq, p) - ca.mtimes(J.T, F_ext))
     model.derivative(q, dq)
     model.derivative(dq, ddq)
 
-    model.output("q", q, unit="rad", description="Joint angle, relative to the previous link")
-    model.output("dq", dq, unit="rad/s", description="Joint rate")
-    model.output("ddq", ddq, unit="rad/s2", description="Joint acceleration; at a communication point its left limit")
-    model.output("x", x, unit="m", description="Tip position")
-    model.output("dx", dx, unit="m/s", description="Tip velocity")
-    model.output("F_ext", F_ext, unit="N", description="Force of the tip on the wall")
-    if payload is not None:
-        ddx = ca.mtimes(J, ddq) + ca.mtimes(arm.jacobian_rate(q, dq, l), dq)
-        F_wrist = force_on_payload(payload, F_ext, ddx, gravity)
-        model.output("F_wrist", F_wrist, unit="N", description="Force of the arm on what is beyond the wrist sensor")
+    _show_motion(model, task, (q, dq, ddq), (x, dx))
+    texts = of_task("Force of the tip on the wall", task, "Moment of the tip on the wall")
+    model.output("F_ext", F_ext, unit=task.each("N", "N.m"), description=texts)
+    if beyond is not None:
+        ddx = ca.mtimes(J, ddq) + ca.mtimes(arm.jacobian_rate(q, dq), dq)
+        texts = along("Force of the arm on what is beyond the wrist sensor")
+        model.output("F_wrist", beyond(F_ext, ddx), unit="N", description=texts)
     for number, wall in touched.items():
-        _show_depth(model, wall.gap(x), number)
+        _show_depth(model, wall.gap(point), number)
     if walls > 1:
         for number, force in forces.items():
             text = f"Force of the tip on the {'first wall' if number == 1 else ordinal(number)}"
-            model.output(f"F_wall{suffix(number)}", force, unit="N", description=text)
+            model.output(f"F_wall{suffix(number)}", force, unit="N", description=along(text, task.positions))
     group_signals(model)
     return model
 
 
+def _declare_payload(model: ContinuousModel, robot: Robot, arm: ArmModel, p: ca.SX) -> Callable[[ca.SX, ca.SX], ca.SX]:
+    """Declare what is beyond the wrist sensor; returns the force on it, N, shape (2,), of F_ext and ddx."""
+    if not isinstance(arm, PlanarArmModel) or robot.task != Task():
+        msg = (
+            f"{model.name}: the force at the wrist is known of planar arms with a task of two positions only; leave"
+            " wrist out."
+        )
+        raise DefinitionError(msg)
+    payload, gravity = declare_payload(model, p[robot.n - 1]), arm.gravity
+    return lambda F_ext, ddx: force_on_payload(payload, F_ext, ddx, gravity)
+
+
+def _show_motion(
+    model: ContinuousModel, task: Task, joints: tuple[ca.SX, ca.SX, ca.SX], tip: tuple[ca.SX, ca.SX]
+) -> None:
+    """Declare the outputs that tell how the arm moves: q, dq, ddq of the joints, and x, dx of the tip."""
+    for name, value, unit, shown, what in (
+        ("q", joints[0], "rad", ANGLE, "Angle"),
+        ("dq", joints[1], "rad/s", RATE, "Rate"),
+        ("ddq", joints[2], "rad/s2", ACCELERATION, "Acceleration"),
+    ):
+        said = of_joints(what, value.numel())
+        if name == "q":
+            said = [said[0] + ", from x1", *(f"{text}, from the previous link" for text in said[1:])]
+        if name == "ddq":
+            said = [f"{text}; at a communication point its left limit" for text in said]
+        model.output(name, value, unit=unit, display_unit=shown, description=said)
+    texts = of_task("Position of the tip", task, "Angle of the tip")
+    model.output("x", tip[0], unit=task.each("m", "rad"), description=texts)
+    texts = of_task("Velocity of the tip", task, "Angular velocity of the tip")
+    model.output("dx", tip[1], unit=task.each("m/s", "rad/s"), description=texts)
+
+
 def _force(model: ContinuousModel, wall: Wall, x: ca.SX, dx: ca.SX, number: int) -> ca.SX:
-    """Declare the contact events of a wall; returns the force of the tip on the wall, N, shape (2,)."""
+    """Declare the contact events of a wall; returns the force of the tip on the wall, N, of the shape of x."""
     in_contact = model.event(f"contact{suffix(number)}", wall.gap(x))
     pushing = model.event(f"pushing{suffix(number)}", wall.damping_factor(dx))
     return wall.force(x, dx, in_contact, pushing)
@@ -126,6 +142,7 @@ def _show_depth(model: ContinuousModel, gap: ca.SX, number: int) -> None:
         f"gap{end}",
         gap,
         unit="m",
+        display_unit=LENGTH,
         description=f"Signed depth of the tip in the {wall}, n.x - wall_offset{end}",
         scalar=True,
     )
@@ -133,24 +150,16 @@ def _show_depth(model: ContinuousModel, gap: ca.SX, number: int) -> None:
         f"penetration{end}",
         ca.fmax(gap, 0),
         unit="m",
+        display_unit=LENGTH,
         description=f"Depth of the tip in the {wall}, 0 outside",
         scalar=True,
     )
 
 
-def _friction(arm: Arm, dq: ca.SX, viscous: ca.SX, coulomb: ca.SX, coulomb_velocity: ca.SX) -> ca.SX:
-    """The arm's friction torque, N.m; without Coulomb friction a joint's tanh is that of 0, which costs nothing."""
-    none = ca.SX.zeros(arm.n, 1)
-    rubbing = ca.if_else(coulomb > 0, dq, 0)
-    return arm.friction_torque(dq, viscous, none, coulomb_velocity) + arm.friction_torque(
-        rubbing, none, coulomb, coulomb_velocity
-    )
-
-
-def _wall(model: ContinuousModel, number: int) -> Wall:
+def _wall(model: ContinuousModel, number: int, size: int) -> Wall:
     """Declare the parameters of a wall; those of a second wall end with a 2."""
     end, wall = suffix(number), ordinal(number)
-    half_space = declare_half_space(model, number)
+    half_space = declare_half_space(model, number, size)
     K_f = model.parameter(f"K_f{end}", 1e5, unit="N/m", limits=NOT_NEGATIVE, description=f"Stiffness of the {wall}")
     D_f = model.parameter(
         f"D_f{end}",

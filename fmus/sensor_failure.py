@@ -15,6 +15,8 @@ from dataclasses import dataclass
 import casadi as ca
 
 from adaptimp_fmu import NOT_NEGATIVE, Limits, SampledModel, Type
+from fmus.elements import of_task
+from fmus.mechanics.task import Task
 
 NONE, DROPOUT, STUCK, SPIKE = range(4)
 ROUNDING = 1e-9  # of the sampling period, by which a tick may come before the time that it stands for
@@ -31,7 +33,7 @@ class Failure:
     active
         Whether the sensor fails at this tick, shape (1,).
     force
-        Force that a spike adds, N, shape (2,).
+        Force that a spike adds, N, shape (m,).
     """
 
     kind: ca.SX
@@ -39,18 +41,18 @@ class Failure:
     force: ca.SX
 
     def disturbed(self, force: ca.SX) -> ca.SX:
-        """Return the force that the sensor feels, N, shape (2,)."""
+        """Return the force that the sensor feels, N, shape (m,)."""
         return ca.if_else(ca.logic_and(self.active, self.kind == SPIKE), force + self.force, force)
 
     def reading(self, model: SampledModel, healthy: ca.SX, force: ca.SX) -> ca.SX:
-        """Declare the state that keeps the last reading, and return the reading at this tick, N, shape (2,).
+        """Declare the state that keeps the last reading, and return the reading at this tick, N, shape (m,).
 
         Parameters
         ----------
         healthy
-            What a sensor without a failure reads, N, shape (2,).
+            What a sensor without a failure reads, N, shape (m,).
         force
-            Force at the tip, N, shape (2,), which stands for the reading before the first tick.
+            Force at the tip, N, shape (m,), which stands for the reading before the first tick.
         """
         last = model.state("reading", force)
         held = ca.if_else(self.kind == STUCK, last, ca.if_else(self.kind == DROPOUT, 0, healthy))
@@ -59,7 +61,7 @@ class Failure:
         return reading
 
 
-def declare_failure(model: SampledModel) -> Failure:
+def declare_failure(model: SampledModel, task: Task) -> Failure:
     """Declare when and how a sensor fails; by default it never does."""
     kind = model.parameter(
         "failure",
@@ -74,7 +76,8 @@ def declare_failure(model: SampledModel) -> Failure:
     duration = model.parameter(
         "failure_duration", 0.0, unit="s", limits=NOT_NEGATIVE, description="Time for which the sensor fails"
     )
-    force = model.parameter("failure_force", [0.0, 0.0], unit="N", description="Force that a spike adds")
+    texts = of_task("Force that a spike adds", task, "Moment that a spike adds")
+    force = model.parameter("failure_force", [0.0] * task.size, unit=task.each("N", "N.m"), description=texts)
     since = model.time - begin + ROUNDING * model.period
     active = ca.logic_and(kind != NONE, ca.logic_and(since >= 0, since < duration))
     return Failure(kind, active, force)

@@ -23,19 +23,24 @@ import casadi as ca
 from adaptimp_fmu import NOT_NEGATIVE, SampledModel
 from fmus import icons
 from fmus.control.adaptation import declare_adaptation
-from fmus.control.controller import EQUATIONS, Controller, declare_controller
+from fmus.control.controller import EQUATIONS, Controller, declare_controller, require_square
 from fmus.control.gains import declare_gain, require_semidefinite
 from fmus.control.impedance import target_acceleration
-from fmus.mechanics.algebra import solve_2x2, times
+from fmus.elements import of_axes, of_task
+from fmus.mechanics.algebra import solve_square, times
 from fmus.project import publish
+from fmus.robots.robot import Robot
 
-# p^2/(N.m) for m, viscous, coulomb
-GAIN_UNITS = (("kg.s2/m2", "kg.s/rad", "kg"), ("N.m.s2/rad2", "N.m.s/rad"), ("N.m",))
-GAINS = (0.0, 4.0, 0.0, 0.0, 0.0, 0.0)  # assumed: m2 is the unknown payload's mass
+GAIN = 4.0  # kg.s2/m2, assumed: of the unknown payload's mass
+GAIN_UNIT = "1/N.m"  # of Gamma, beside the units of its two parameters
 
 
 def slotine_li_adaptive_impedance(
-    name: str = "SlotineLiAdaptiveImpedance", *, full: bool = False, coriolis_of_s: bool = True
+    name: str = "SlotineLiAdaptiveImpedance",
+    robot: Robot | None = None,
+    *,
+    full: bool = False,
+    coriolis_of_s: bool = True,
 ) -> SampledModel:
     """Declare the controller of algorithm 2: impedance control with the adaptation of Slotine and Li.
 
@@ -47,9 +52,18 @@ def slotine_li_adaptive_impedance(
         Whether the torque has the term C_hat_x s; section IV-B says that it may be ignored.
     """
     text = "Adaptive impedance control, algorithm 2 (after Slotine and Li)"
-    controller = declare_controller(name, text if coriolis_of_s else f"{text}, without C_x s", full=full)
-    publish(controller.model, icons.adaptive_impedance(2), __name__, "fmus.control.adaptation", *EQUATIONS)
-    adaptation = declare_adaptation(controller, GAINS, GAIN_UNITS)
+    controller = declare_controller(name, text if coriolis_of_s else f"{text}, without C_x s", robot, full=full)
+    require_square(controller, "algorithm 2")
+    publish(
+        controller.model,
+        icons.adaptive_impedance(2),
+        __name__,
+        "fmus.control.adaptation",
+        *EQUATIONS,
+        *controller.robot.modules,
+        "fmus",
+    )
+    adaptation = declare_adaptation(controller, GAIN, GAIN_UNIT)
     model, measured, arm = controller.model, controller.measured, controller.arm
     K_d = _declare_K_d(controller)
     q, dq, F_hat = measured.q, measured.dq, measured.F_hat
@@ -58,35 +72,38 @@ def slotine_li_adaptive_impedance(
     de = controller.dx - controller.dx_t
     ddx_t = target_acceleration(controller.x_t, controller.dx_t, controller.virtual, F_hat, controller.impedance)
     ddx_r = ddx_t - times(adaptation.Psi, de)
-    J, dJ = arm.jacobian(q, controller.l), arm.jacobian_rate(q, dq, controller.l)
-    dq_r = solve_2x2(J, controller.dx - s)
-    ddq_r = solve_2x2(J, ddx_r - ca.mtimes(dJ, dq_r))
-    arm_model = controller.arm_model(p_hat)
+    J, dJ = arm.jacobian(q), arm.jacobian_rate(q, dq)
+    dq_r = solve_square(J, controller.dx - s)
+    ddq_r = solve_square(J, ddx_r - ca.mtimes(dJ, dq_r))
+    estimate = controller.with_parameters(p_hat)
     if coriolis_of_s:
-        inertial = arm_model.torque(q, dq, dq_r, ddq_r)
+        inertial = estimate.torque(q, dq, dq_r, ddq_r)
     else:
-        inertial = arm_model.torque(q, dq, dq, solve_2x2(J, ddx_r - ca.mtimes(dJ, dq)))
+        inertial = estimate.torque(q, dq, dq, solve_square(J, ddx_r - ca.mtimes(dJ, dq)))
     tau_cmd = inertial + ca.mtimes(J.T, F_hat - times(K_d, s))
 
-    constants = (controller.l, controller.gravity, controller.coulomb_velocity)
-    Y_r = arm.regressor(q, dq, dq_r, ddq_r, *constants)
-    gradient = ca.mtimes(Y_r.T, solve_2x2(J, s))
+    Y_r = arm.regressor(q, dq, dq_r, ddq_r)
+    gradient = ca.mtimes(Y_r.T, solve_square(J, s))
     model.update_slowly(p_hat, adaptation.next_estimate(p_hat, gradient, s), divisor="update_divisor")
     model = controller.finish(tau_cmd, p_hat)
-    model.output("s", s, unit="m/s", description="Augmented error de + Psi e, eq. (30)")
+    task = arm.task
+    model.output(
+        "s", s, unit=task.each("m/s", "rad/s"), description=of_task("Augmented error de + Psi e, eq. (30),", task)
+    )
     return model
 
 
 def _declare_K_d(controller: Controller) -> ca.SX:
     """Declare the damping gain on s; a full one must be positive semidefinite."""
+    task = controller.arm.task
     K_d = declare_gain(
         controller.model,
         "K_d",
-        [100.0, 100.0],
+        [100.0] * task.positions + [2.25] * task.angles,
         full=controller.full,
-        unit="N.s/m",
+        unit="N.s/m" if controller.full else task.each("N.s/m", "N.m.s/rad"),
         limits=NOT_NEGATIVE,
-        description="Damping gain on s, eq. (32)",
+        description=of_axes("Damping gain on s, eq. (32),", task, full=controller.full),
     )
     if controller.full:
         require_semidefinite(

@@ -21,15 +21,18 @@ import casadi as ca
 from adaptimp_fmu import NOT_NEGATIVE, SampledModel
 from fmus import icons
 from fmus.control.adaptation import declare_adaptation
-from fmus.control.controller import EQUATIONS, declare_controller
+from fmus.control.controller import EQUATIONS, declare_controller, require_square
 from fmus.control.impedance import resolved_torque, target_acceleration
 from fmus.control.noise_rejection import declare_noise_rejection, declare_outputs
-from fmus.craig_adaptive_impedance import GAIN_UNITS, GAINS
-from fmus.mechanics.algebra import solve_2x2, solve_spd
+from fmus.craig_adaptive_impedance import GAIN, GAIN_UNIT
+from fmus.mechanics.algebra import solve_spd, solve_square
 from fmus.project import publish
+from fmus.robots.robot import Robot
 
 
-def spong_ortega_adaptive_impedance(name: str = "SpongOrtegaAdaptiveImpedance", *, full: bool = False) -> SampledModel:
+def spong_ortega_adaptive_impedance(
+    name: str = "SpongOrtegaAdaptiveImpedance", robot: Robot | None = None, *, full: bool = False
+) -> SampledModel:
     """Declare the controller of algorithm 1 with the inverse inertia of fixed parameters.
 
     With `full` the gains M, B, K, Gamma and Psi are symmetric matrices; else they are diagonal.
@@ -37,8 +40,10 @@ def spong_ortega_adaptive_impedance(name: str = "SpongOrtegaAdaptiveImpedance", 
     controller = declare_controller(
         name,
         "Adaptive impedance control, algorithm 1 with one fixed inverse (after Spong and Ortega)",
+        robot,
         full=full,
     )
+    require_square(controller, "algorithm 1")
     publish(
         controller.model,
         icons.adaptive_impedance(3),
@@ -47,8 +52,10 @@ def spong_ortega_adaptive_impedance(name: str = "SpongOrtegaAdaptiveImpedance", 
         "fmus.control.noise_rejection",
         "fmus.control.adaptation",
         *EQUATIONS,
+        *controller.robot.modules,
+        "fmus",
     )
-    adaptation = declare_adaptation(controller, GAINS, GAIN_UNITS)
+    adaptation = declare_adaptation(controller, GAIN, GAIN_UNIT)
     model, measured, arm = controller.model, controller.measured, controller.arm
     filter_time = model.parameter(
         "acc_filter_time",
@@ -58,26 +65,25 @@ def spong_ortega_adaptive_impedance(name: str = "SpongOrtegaAdaptiveImpedance", 
         description="Time constant of the filter on the acceleration that enters the torque",
     )
     q, dq = measured.q, measured.dq
-    phi_hat = model.state("phi_hat", ca.SX.zeros(3 * arm.n, 1))
+    phi_hat = model.state("phi_hat", ca.SX.zeros(len(arm.parameters), 1))
     previous = model.state("a_f", controller.ddq)
     a_f = previous + model.period / (filter_time + model.period) * (controller.ddq - previous)
-    fixed = controller.arm_model(controller.p_start)
-    J, H_0 = arm.jacobian(q, controller.l), fixed.inertia(q)
+    fixed = controller.with_parameters(controller.p_start)
+    J, H_0 = arm.jacobian(q), fixed.inertia(q)
     controller.require_invertible("H_0", H_0, "p_start", "give positive masses")
     rejection = declare_noise_rejection(adaptation, ca.mtimes(J, solve_spd(H_0, J.T)))
 
     demand = target_acceleration(controller.x, controller.dx, controller.virtual, measured.F_hat, controller.impedance)
 
     def correction(ddq: ca.SX) -> ca.SX:
-        constants = (controller.l, controller.gravity, controller.coulomb_velocity)
-        return arm.regressor(q, dq, dq, ddq, *constants)
+        return arm.regressor(q, dq, dq, ddq)
 
     tau_cmd = resolved_torque(measured, fixed, demand + rejection.acceleration())
     tau_cmd = tau_cmd - ca.mtimes(correction(a_f), phi_hat)
-    F_c = solve_2x2(J.T, ca.mtimes(H_0, solve_2x2(J, rejection.acceleration())))
+    F_c = solve_square(J.T, ca.mtimes(H_0, solve_square(J, rejection.acceleration())))
 
     p_hat = controller.p_start - phi_hat
-    direction = solve_spd(H_0, ca.mtimes(J.T, rejection.e_star))
+    direction = solve_spd(H_0, ca.mtimes(J.T, rejection.weighted))
     gradient = ca.mtimes(correction(controller.ddq).T, direction)
     updated = adaptation.next_estimate(p_hat, gradient, rejection.e_star)
     model.update_slowly(phi_hat, controller.p_start - updated, divisor="update_divisor")

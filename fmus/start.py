@@ -20,23 +20,38 @@ DX_V = (0.0, SEMI_AXIS[1] * 2 * math.pi / PERIOD)  # m/s
 DDX_V = (-SEMI_AXIS[0] * (2 * math.pi / PERIOD) ** 2, 0.0)  # m/s2
 
 
-@dataclass(frozen=True)
-class ArmStart:
-    """An arm and its state at the start: tip at (1.5, 0) m, moving at (0, pi) m/s.
+@dataclass(frozen=True, kw_only=True)
+class MotionStart:
+    """Motion at the start: of the joints, and of the virtual trajectory that the tip is on.
+
+    Attributes
+    ----------
+    q, dq, ddq
+        rad, rad/s and rad/s2, shape (n,); ddq = -H^-1 C dq is the acceleration without torque.
+    x_v, dx_v, ddx_v
+        m, m/s and m/s2, of angles rad, rad/s and rad/s2, shape (m,).
+    """
+
+    q: tuple[float, ...]
+    dq: tuple[float, ...]
+    ddq: tuple[float, ...]
+    x_v: tuple[float, ...] = X_V
+    dx_v: tuple[float, ...] = DX_V
+    ddx_v: tuple[float, ...] = DDX_V
+
+
+@dataclass(frozen=True, kw_only=True)
+class ArmStart(MotionStart):
+    """A planar arm and its motion at the start: tip at (1.5, 0) m, moving at (0, pi) m/s.
 
     Attributes
     ----------
     masses, link_lengths
         kg and m, shape (n,).
-    q, dq, ddq
-        rad, rad/s and rad/s2, shape (n,); ddq = -H^-1 C dq is the acceleration without torque.
     """
 
     masses: tuple[float, ...]
     link_lengths: tuple[float, ...]
-    q: tuple[float, ...]
-    dq: tuple[float, ...]
-    ddq: tuple[float, ...]
 
 
 ARMS = {
@@ -57,3 +72,17 @@ ARMS = {
         ddq=(2.5403557188, -6.5241913644, -1.0173216980),
     ),
 }
+
+ORIENTATION = math.pi  # rad, assumed: the last link points into the wall
+# Assumed, for a task of position and angle: the paper's arm with a hand of 0.3 m, which carries the payload. With the
+# hand towards the wall the wrist stays between 0.96 m and 1.8 m from the base all along the ellipse.
+POSE_ARM = ArmStart(
+    masses=(2.0, 0.5, 0.5),
+    link_lengths=(1.0, 1.0, 0.3),
+    q=(-0.4510268118, 0.9020536236, 2.6905658418),
+    dq=(1.7453292520, 0.0, -1.7453292520),
+    ddq=(1.2925139330, -5.7764202933, -5.0902709213),
+    x_v=(*X_V, ORIENTATION),
+    dx_v=(*DX_V, 0.0),
+    ddx_v=(*DDX_V, 0.0),
+)

@@ -7,6 +7,8 @@ held at wall_offset + depth with zero rate and acceleration; the tangential one 
 
 With two walls x_v is the nearest point that lies no deeper than `depth` in either: on the ellipse, on one of the two
 straight lines, or at rest where the lines meet.
+
+Angles of the tip, if the task has any, are held at `orientation`. In space the ellipse lies in the plane x3 = height.
 """
 
 import math
@@ -16,27 +18,43 @@ import casadi as ca
 
 from adaptimp_fmu import POSITIVE, SampledModel
 from fmus import icons, start
+from fmus.elements import ANGLE, LENGTH, along, of_task
 from fmus.environment.half_space import HalfSpace, declare_half_space
+from fmus.mechanics.task import Task
 from fmus.project import group_signals, publish
 
 PARALLEL = 1e-6  # n1.n2 of two walls stays away from 1 and -1 by this much
 
 
-def virtual_trajectory(name: str = "VirtualTrajectory", walls: int = 1) -> SampledModel:
-    """Declare the model that gives the virtual trajectory x_v and its first two derivatives, with one wall or two."""
+def virtual_trajectory(name: str = "VirtualTrajectory", walls: int = 1, task: Task | None = None) -> SampledModel:
+    """Declare the model that gives the virtual trajectory x_v and its first two derivatives.
+
+    Parameters
+    ----------
+    walls
+        One or two.
+    task
+        What x_v consists of; by default a position in the plane.
+    """
+    task = task or Task()
     place = {1: "the wall", 2: "each of two walls"}[walls]
-    model = SampledModel(name, f"Ellipse with a straight segment inside {place}")
+    held = " and a constant angle" if task.angles else ""
+    model = SampledModel(name, f"Ellipse with a straight segment inside {place}{held}")
     publish(model, icons.cut_ellipse(corner=walls > 1), __name__, "fmus")
     semi_axis = model.parameter(
         "semi_axis",
         start.SEMI_AXIS,
         unit="m",
         limits=POSITIVE,
-        description=["Semi-axis of the ellipse along x1", "Semi-axis of the ellipse along x2"],
+        description=along("Semi-axis of the ellipse"),
     )
     period = model.parameter("period", start.PERIOD, unit="s", limits=POSITIVE, description="Time of one turn")
-    borders = [declare_half_space(model, number) for number in range(1, walls + 1)]
-    depth = model.parameter("depth", 0.01, unit="m", description="Depth of the straight segment inside the wall")
+    borders = [declare_half_space(model, number, task.positions) for number in range(1, walls + 1)]
+    depth = model.parameter(
+        "depth", 0.01, unit="m", display_unit=LENGTH, description="Depth of the straight segment inside the wall"
+    )
+
+    height, orientation = _declare_constants(model, task)
 
     rate = 2 * math.pi / period
     angle = rate * model.time
@@ -44,16 +62,43 @@ def virtual_trajectory(name: str = "VirtualTrajectory", walls: int = 1) -> Sampl
     x = semi_axis * radius
     dx = rate * semi_axis * ca.vertcat(-radius[1], radius[0])
     ddx = -(rate**2) * x
+    x, dx, ddx = ca.vertcat(x, height), ca.vertcat(dx, 0 * height), ca.vertcat(ddx, 0 * height)
     lines = [HalfSpace(wall.normal, wall.offset + depth) for wall in borders]
     excess = [line.gap(x) for line in lines]
     clipped = _clip_at_one(lines[0], excess[0]) if walls == 1 else _clip_at_both(model, lines, excess)
     rates, accelerations = ([line.along_normal(vector) for line in lines] for vector in (dx, ddx))
 
-    model.output("x_v", clipped(x, excess), unit="m", description="Virtual position of the tip")
-    model.output("dx_v", clipped(dx, rates), unit="m/s", description="Virtual velocity of the tip")
-    model.output("ddx_v", clipped(ddx, accelerations), unit="m/s2", description="Virtual acceleration of the tip")
+    still = 0 * orientation
+    for name, value, constant, per, text, turning in (
+        ("x_v", clipped(x, excess), orientation, "", "position", "angle"),
+        ("dx_v", clipped(dx, rates), still, "/s", "velocity", "angular velocity"),
+        ("ddx_v", clipped(ddx, accelerations), still, "/s2", "acceleration", "angular acceleration"),
+    ):
+        model.output(
+            name,
+            ca.vertcat(value, constant),
+            unit=task.each(f"m{per}", f"rad{per}"),
+            description=of_task(f"Virtual {text} of the tip", task, f"Virtual {turning} of the tip"),
+        )
     group_signals(model)
     return model
+
+
+def _declare_constants(model: SampledModel, task: Task) -> tuple[ca.SX, ca.SX]:
+    """Declare what is constant beside the ellipse: the height in space, and the angles; empty if there are none."""
+    height, orientation = ca.SX(0, 1), ca.SX(0, 1)
+    if task.positions > len(start.SEMI_AXIS):
+        height = model.parameter("height", 0.0, unit="m", description="Virtual position of the tip along x3")
+    if task.angles:
+        turned = start.ORIENTATION if task.angles == 1 else [0.0] * task.angles
+        orientation = model.parameter(
+            "orientation",
+            turned,
+            unit="rad",
+            display_unit=ANGLE,
+            description=of_task("", task, "Virtual angle of the tip")[task.positions :],
+        )
+    return height, orientation
 
 
 Clip = Callable[[ca.SX, list[ca.SX]], ca.SX]

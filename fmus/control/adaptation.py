@@ -9,22 +9,23 @@ by explicit Euler every N = update_divisor ticks of length Ts:
 The gain Gamma is diagonal, or a symmetric positive semidefinite matrix; a row of zeros means that the parameter is
 known. Adaptation pauses inside the dead zone, |e*| or |s| <= dead_zone, and, if asked for, while an actuator is
 saturated. Clipping keeps the Lyapunov functions from growing only if Gamma does not couple parameters, so projection
-needs a diagonal Gamma.
+needs a diagonal Gamma. Norms of errors that have angles are those of `fmus.mechanics.task`, with the length L.
 """
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import casadi as ca
 
 from adaptimp_fmu import NOT_NEGATIVE, POSITIVE, Limits, Type
-from fmus.control.controller import Controller, parameter_descriptions, parameter_units
+from fmus.control.controller import Controller
+from fmus.control.gain_units import gain_units
 from fmus.control.gains import declare_gain, require_definite, require_semidefinite
+from fmus.elements import of_axes, of_joints
 from fmus.mechanics.algebra import is_diagonal, times
+from fmus.mechanics.task import Metric
+from fmus.metric import declare_metric
 
 UNLIMITED = 1e9  # an upper bound of p that is none
-GainUnits = tuple[tuple[str, str, str], tuple[str, str], tuple[str]]
-"""Units of Gamma for m, viscous and coulomb: the rows of the upper triangle of a 3 x 3 matrix."""
 
 
 @dataclass(frozen=True)
@@ -34,9 +35,11 @@ class Adaptation:
     Attributes
     ----------
     Gamma
-        Adaptation gain: its diagonal, shape (3 n,), or a matrix, shape (3 n, 3 n).
+        Adaptation gain: its diagonal, shape (r,), or a matrix, shape (r, r).
     Psi
-        Gain of the error filter, 1/s: its diagonal, shape (2,), or a matrix, shape (2, 2).
+        Gain of the error filter, 1/s: its diagonal, shape (m,), or a matrix, shape (m, m).
+    metric
+        Lengths of errors and forces.
     """
 
     controller: Controller
@@ -48,71 +51,72 @@ class Adaptation:
     dead_zone: ca.SX
     paused: ca.SX
     update_divisor: ca.SX
+    metric: Metric = field(default_factory=Metric)
 
     def filtered_error(self) -> ca.SX:
-        """Augmented error de + Psi e, m/s, shape (2,): e* of eq. (14), s of eq. (30)."""
+        """Augmented error de + Psi e, m/s or rad/s, shape (m,): e* of eq. (14), s of eq. (30)."""
         controller = self.controller
         return controller.dx - controller.dx_t + times(self.Psi, controller.e)
 
     def next_estimate(self, p_hat: ca.SX, gradient: ca.SX, error: ca.SX) -> ca.SX:
-        """p_hat after an update, shape (3 n,).
+        """p_hat after an update, shape (r,).
 
         Parameters
         ----------
         gradient
-            g above, shape (3 n,).
+            g above, shape (r,).
         error
-            e* or s, m/s, shape (2,).
+            e* or s, m/s or rad/s, shape (m,).
         """
         interval = self.update_divisor * self.controller.model.period
-        active = ca.logic_and(ca.norm_2(error) > self.dead_zone, ca.logic_not(self.paused))
+        active = ca.logic_and(ca.norm_2(self.metric.motion(error)) > self.dead_zone, ca.logic_not(self.paused))
         step = ca.if_else(active, interval, 0)
         moved = p_hat - times(step * self.Gamma, gradient)
         projected = ca.fmin(ca.fmax(moved, self.p_min), self.p_max)
         return ca.if_else(self.projection, projected, moved)
 
 
-def declare_adaptation(controller: Controller, gains: Sequence[float], gain_units: GainUnits) -> Adaptation:
+def declare_adaptation(controller: Controller, gain: float, per: str) -> Adaptation:
     """Declare the parameters and the optional input of the adaptation.
 
     Parameters
     ----------
-    gains
-        Start of Gamma, shape (3 n,).
-    gain_units
-        Units of its elements.
+    gain
+        Start of the elements of Gamma whose parameters are uncertain; the others start at 0.
+    per
+        Unit of a gain apart from those of its two parameters, such as ``1/N.m``.
     """
-    model, n = controller.model, controller.arm.n
+    model, robot, n = controller.model, controller.robot, controller.arm.n
     saturated = model.input(
         "saturated",
         [False] * n,
         type=Type.BOOLEAN,
-        description="Whether the actuator is saturated (optional)",
+        description=[f"{text} is saturated (optional)" for text in of_joints("Whether the actuator", n)],
     )
-    Gamma = _declare_Gamma(controller, gains, gain_units)
+    Gamma = _declare_Gamma(controller, gain, per)
     Psi = declare_gain(
         model,
         "Psi",
-        [100.0, 100.0],
+        [100.0] * robot.task.size,
         full=controller.full,
         unit="1/s",
         limits=POSITIVE,
-        description="Gain of the error filter de + Psi e",
+        description=of_axes("Gain of the error filter de + Psi e", robot.task, full=controller.full),
     )
     if controller.full:
         require_definite(model, Psi, "Psi must be positive definite")
-    units = parameter_units(n)
+    r, units = len(robot.parameters), controller.units_of_p
     p_min = model.parameter(
         "p_min",
-        [0.0] * 3 * n,
+        [0.0] * r,
         unit=units,
-        description=parameter_descriptions(n, "Lower bound of the"),
+        description=controller.texts_of_p("Lower bound of the"),
     )
     p_max = model.parameter(
         "p_max",
-        [UNLIMITED] * 3 * n,
+        [UNLIMITED] * r,
         unit=units,
-        description=parameter_descriptions(n, "Upper bound of the"),
+        description=controller.texts_of_p("Upper bound of the"),
     )
     projection = model.parameter(
         "projection", False, type=Type.BOOLEAN, description="Whether p_hat is kept within p_min and p_max"
@@ -144,28 +148,29 @@ def declare_adaptation(controller: Controller, gains: Sequence[float], gain_unit
             "projection needs a diagonal Gamma: clipping coupled estimates may make the error grow; set projection to"
             " false, or the elements of Gamma off the diagonal to 0",
         )
-    for i in range(3 * n):
+    for i in range(r):
         inside = ca.logic_and(p_min[i] <= controller.p_start[i], controller.p_start[i] <= p_max[i])
         model.require(
             ca.logic_or(ca.logic_not(projection), inside) - 0.5,
             f"p_start[{i + 1}] must lie within p_min[{i + 1}] and p_max[{i + 1}] when projection is on",
         )
     paused = ca.logic_and(freeze, ca.sum1(saturated) > 0)
-    return Adaptation(controller, Gamma, Psi, p_min, p_max, projection, dead_zone, paused, divisor)
+    metric = declare_metric(model, robot.task)
+    return Adaptation(controller, Gamma, Psi, p_min, p_max, projection, dead_zone, paused, divisor, metric)
 
 
-def _declare_Gamma(controller: Controller, gains: Sequence[float], gain_units: GainUnits) -> ca.SX:
+def _declare_Gamma(controller: Controller, gain: float, per: str) -> ca.SX:
     """Declare the adaptation gain; a full one must be positive semidefinite."""
-    model, n = controller.model, controller.arm.n
-    kinds = [kind for kind in range(3) for _ in range(n)]
-    places = [(i, j) for i in range(3 * n) for j in range(3 * n) if controller.full or i == j]
-    diagonal = parameter_descriptions(n, "Adaptation gain (0 = known) of the")
+    model, robot = controller.model, controller.robot
+    r, units = len(robot.parameters), gain_units(controller.units_of_p, per)
+    places = [(i, j) for i in range(r) for j in range(r) if controller.full or i == j]
+    diagonal = controller.texts_of_p("Adaptation gain (0 = known) of the")
     Gamma = declare_gain(
         model,
         "Gamma",
-        list(gains),
+        [gain if uncertain else 0.0 for uncertain in robot.uncertain],
         full=controller.full,
-        unit=[gain_units[min(kinds[i], kinds[j])][abs(kinds[j] - kinds[i])] for i, j in places],
+        unit=[units[i][j] for i, j in places],
         limits=NOT_NEGATIVE,
         description=[
             diagonal[i] if i == j else f"Adaptation gain between p[{i + 1}] and p[{j + 1}]" for i, j in places

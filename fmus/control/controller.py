@@ -4,34 +4,29 @@ A controller's outputs are those of a tick: e = x - x_t, the torque, p_hat and x
 the states advance to the next tick.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import casadi as ca
 
-from adaptimp_fmu import NOT_NEGATIVE, POSITIVE, SampledModel
-from fmus import start
+from adaptimp_fmu import NOT_NEGATIVE, POSITIVE, DefinitionError, SampledModel
 from fmus.control.full_tirt import LARGEST_NORM, FullImpedance, companion, row_norm
 from fmus.control.gains import declare_gain, require_definite
-from fmus.control.impedance import ArmModel, Measured
+from fmus.control.impedance import ArmEstimate, Measured
 from fmus.control.tirt import Impedance
+from fmus.elements import ACCELERATION, ANGLE, LENGTH, RATE, of_axes, of_joints, of_task
 from fmus.mechanics.algebra import factors_spd
-from fmus.mechanics.arm import Arm
-from fmus.mechanics.planar_arm import PlanarArm
+from fmus.mechanics.arm import ArmModel
+from fmus.mechanics.task import Task
 from fmus.project import group_signals
-
-# The smallest det(J J') / (l1 + ... + ln)^4 at which the arm is not taken for singular: with two
-# equal links, sin(q2) = 4e-6.
-SINGULARITY = 1e-12
+from fmus.robots.planar_robot import PlanarRobot
+from fmus.robots.robot import Robot
 
 EQUATIONS = (
     "fmus.control.controller",
     "fmus.control.impedance",
     "fmus.control.tirt",
-    "fmus.mechanics.planar_arm",
-    "fmus",
 )
-"""Modules with the equations that every controller shares, for its documentation."""
+"""Modules with the equations that every controller shares, for its documentation; those of the robot follow."""
 
 
 @dataclass(frozen=True)
@@ -43,24 +38,22 @@ class Controller:
     ddq
         Measured joint acceleration, rad/s2, shape (n,).
     virtual
-        x_v, dx_v, ddx_v, shape (2,) each.
+        x_v, dx_v, ddx_v, shape (m,) each.
     p_start
-        Parameters of the arm that the controller starts from, shape (3 n,).
+        Parameters of the arm that the controller starts from, shape (r,).
     x, dx
-        Tip position and velocity by the arm's kinematics, shape (2,).
+        Task coordinates and their rates by the arm's kinematics, shape (m,).
     x_t, dx_t
-        State of the TIRT, shape (2,).
+        State of the TIRT, shape (m,).
     """
 
     model: SampledModel
-    arm: Arm
+    robot: Robot
+    arm: ArmModel
     measured: Measured
     ddq: ca.SX
     virtual: tuple[ca.SX, ca.SX, ca.SX]
     impedance: Impedance | FullImpedance
-    l: ca.SX
-    gravity: ca.SX
-    coulomb_velocity: ca.SX
     p_start: ca.SX
     x: ca.SX
     dx: ca.SX
@@ -69,12 +62,21 @@ class Controller:
 
     @property
     def e(self) -> ca.SX:
-        """Regression error x - x_t, m, shape (2,)."""
+        """Regression error x - x_t, m or rad, shape (m,)."""
         return self.x - self.x_t
 
-    def arm_model(self, p: ca.SX) -> ArmModel:
-        """The arm with parameters p, shape (3 n,)."""
-        return ArmModel(self.arm, p, self.l, self.gravity, self.coulomb_velocity)
+    @property
+    def units_of_p(self) -> list[str]:
+        """Units of p, shape (r,)."""
+        return [parameter.unit for parameter in self.robot.parameters]
+
+    def texts_of_p(self, attribute: str) -> list[str]:
+        """Descriptions of the elements of p, beginning with `attribute`, shape (r,)."""
+        return [f"{attribute} {parameter.text}" for parameter in self.robot.parameters]
+
+    def with_parameters(self, p: ca.SX) -> ArmEstimate:
+        """The arm with parameters p, shape (r,)."""
+        return ArmEstimate(self.arm, p)
 
     @property
     def full(self) -> bool:
@@ -103,17 +105,19 @@ class Controller:
 
     def finish(self, tau_cmd: ca.SX, p_hat: ca.SX) -> SampledModel:
         """Declare the common outputs and the terminals, let the TIRT advance, and return the model."""
-        model = self.model
-        model.output("tau_cmd", tau_cmd, unit="N.m", description="Commanded joint torque")
-        model.output("x_t", self.x_t, unit="m", description="Target-impedance reference trajectory, eq. (11)")
-        model.output("dx_t", self.dx_t, unit="m/s", description="Rate of x_t")
-        model.output("e", self.e, unit="m", description="Regression error x - x_t")
+        model, task = self.model, self.arm.task
+        model.output("tau_cmd", tau_cmd, unit="N.m", description=of_joints("Commanded torque", self.arm.n))
+        text = "Target-impedance reference trajectory, eq. (11),"
+        model.output("x_t", self.x_t, unit=task.each("m", "rad"), description=of_task(text, task))
+        model.output("dx_t", self.dx_t, unit=task.each("m/s", "rad/s"), description=of_task("Rate of x_t", task))
         model.output(
-            "p_hat",
-            p_hat,
-            unit=parameter_units(self.arm.n),
-            description=parameter_descriptions(self.arm.n, "Estimated"),
+            "e",
+            self.e,
+            unit=task.each("m", "rad"),
+            display_unit=task.each(LENGTH, ANGLE),
+            description=of_task("Regression error x - x_t", task),
         )
+        model.output("p_hat", p_hat, unit=self.units_of_p, description=self.texts_of_p("Estimated"))
         x_t, dx_t = self.impedance.advance(self.x_t, self.dx_t, self.virtual, self.measured.F_hat, model.period)
         model.update(self.x_t, x_t)
         model.update(self.dx_t, dx_t)
@@ -121,78 +125,129 @@ class Controller:
         return model
 
 
-def declare_controller(name: str, description: str, n: int = 2, *, full: bool = False) -> Controller:
-    """Declare a controller of an arm with n joints: the common inputs, parameters and TIRT.
+def declare_controller(name: str, description: str, robot: Robot | None = None, *, full: bool = False) -> Controller:
+    """Declare a controller of a robot, by default of the paper's: the common inputs, parameters and TIRT.
 
     With `full` the gains are symmetric positive definite matrices; else they are diagonal.
+
+    Raises
+    ------
+    DefinitionError
+        If gains are to be full where coordinates are angles.
     """
+    robot = robot or PlanarRobot()
+    _require_diagonal_gains_of_angles(name, robot.task, full=full)
     model = SampledModel(name, f"{description}, with full matrices" if full else description)
-    arm: Arm = PlanarArm(n)
-    begin = start.ARMS[n]
-    q = model.input("q", begin.q, unit="rad", description="Joint angle")
-    dq = model.input("dq", begin.dq, unit="rad/s", description="Joint rate")
-    ddq = model.input("ddq", begin.ddq, unit="rad/s2", description="Joint acceleration")
-    F_hat = model.input("F_hat", [0.0] * arm.task_size, unit="N", description="Measured tip force")
-    x_v = model.input("x_v", start.X_V, unit="m", description="Virtual position of the tip")
-    dx_v = model.input("dx_v", start.DX_V, unit="m/s", description="Virtual velocity of the tip")
-    ddx_v = model.input("ddx_v", start.DDX_V, unit="m/s2", description="Virtual acceleration of the tip")
-    impedance = _impedance(model, full=full)
-    l = model.parameter("l", begin.link_lengths, unit="m", limits=POSITIVE, description="Length of a link")
-    gravity = model.parameter("gravity", 0.0, unit="m/s2", description="Gravitational acceleration along -x2")
-    coulomb_velocity = model.parameter(
-        "coulomb_velocity",
-        start.COULOMB_VELOCITY,
-        unit="rad/s",
-        limits=POSITIVE,
-        description="Joint rate over which Coulomb friction changes sign (tanh)",
-    )
+    measured, ddq = _declare_measurements(model, robot)
+    virtual = _declare_virtual(model, robot)
+    impedance = _impedance(model, robot.task, full=full)
+    arm = robot.declare_known(model)
     p_start = model.parameter(
         "p_start",
-        [*begin.masses, *([0.0] * 2 * arm.n)],
-        unit=parameter_units(arm.n),
+        robot.p_start,
+        unit=[parameter.unit for parameter in robot.parameters],
         limits=NOT_NEGATIVE,
-        description=parameter_descriptions(arm.n, "Assumed"),
+        description=[f"Assumed {parameter.text}" for parameter in robot.parameters],
     )
-    _require_regular(model, arm, q, l)
+    for demand in arm.demands(measured.q):
+        model.require(demand.value, demand.sentence)
     return Controller(
         model=model,
+        robot=robot,
         arm=arm,
-        measured=Measured(q, dq, F_hat),
+        measured=measured,
         ddq=ddq,
-        virtual=(x_v, dx_v, ddx_v),
+        virtual=virtual,
         impedance=impedance,
-        l=l,
-        gravity=gravity,
-        coulomb_velocity=coulomb_velocity,
         p_start=p_start,
-        x=arm.forward_kinematics(q, l),
-        dx=ca.mtimes(arm.jacobian(q, l), dq),
-        x_t=model.state("x_t", x_v),
-        dx_t=model.state("dx_t", dx_v),
+        x=arm.forward_kinematics(measured.q),
+        dx=ca.mtimes(arm.jacobian(measured.q), measured.dq),
+        x_t=model.state("x_t", virtual[0]),
+        dx_t=model.state("dx_t", virtual[1]),
     )
 
 
-def parameter_units(n: int) -> Sequence[str]:
-    """Units of p = (m, viscous, coulomb)."""
-    return ["kg"] * n + ["N.m.s/rad"] * n + ["N.m"] * n
+def require_square(controller: Controller, law: str) -> None:
+    """Refuse a redundant arm for a law that needs the inverse of J.
+
+    Raises
+    ------
+    DefinitionError
+        If the arm has another number of joints than of task coordinates.
+    """
+    n, m = controller.arm.n, controller.arm.task.size
+    if n != m:
+        msg = (
+            f"{controller.model.name}: {law} needs as many joints as task coordinates, since the paper derives it with"
+            f" the inverse of J; the arm has {n} joints and {m} task coordinates. Use HoganImpedance, form (5), or"
+            " another task."
+        )
+        raise DefinitionError(msg)
 
 
-def parameter_descriptions(n: int, attribute: str) -> Sequence[str]:
-    """Descriptions of the elements of p, beginning with `attribute`."""
-    parts = ("mass at the end of link", "viscous friction of joint", "Coulomb friction of joint")
-    return [f"{attribute} {part} {i + 1}" for part in parts for i in range(n)]
+def _declare_measurements(model: SampledModel, robot: Robot) -> tuple[Measured, ca.SX]:
+    """Declare the inputs that sensors give: q, dq, F_hat, and ddq beside them."""
+    n, begin, task = robot.n, robot.start, robot.task
+    q = model.input("q", begin.q, unit="rad", display_unit=ANGLE, description=of_joints("Angle", n))
+    dq = model.input("dq", begin.dq, unit="rad/s", display_unit=RATE, description=of_joints("Rate", n))
+    ddq = model.input(
+        "ddq", begin.ddq, unit="rad/s2", display_unit=ACCELERATION, description=of_joints("Acceleration", n)
+    )
+    texts = of_task("Measured force of the tip on the wall", task, "Measured moment of the tip on the wall")
+    F_hat = model.input("F_hat", [0.0] * task.size, unit=task.each("N", "N.m"), description=texts)
+    return Measured(q, dq, F_hat), ddq
 
 
-def _impedance(model: SampledModel, *, full: bool) -> Impedance | FullImpedance:
-    """Declare the target impedance, eq. (3)."""
+def _declare_virtual(model: SampledModel, robot: Robot) -> tuple[ca.SX, ca.SX, ca.SX]:
+    """Declare the inputs x_v, dx_v and ddx_v."""
+    begin, task = robot.start, robot.task
+    x_v, dx_v, ddx_v = (
+        model.input(
+            name,
+            value,
+            unit=task.each(f"m{per}", f"rad{per}"),
+            description=of_task(f"Virtual {text} of the tip", task, f"Virtual {turning} of the tip"),
+        )
+        for name, value, per, text, turning in (
+            ("x_v", begin.x_v, "", "position", "angle"),
+            ("dx_v", begin.dx_v, "/s", "velocity", "angular velocity"),
+            ("ddx_v", begin.ddx_v, "/s2", "acceleration", "angular acceleration"),
+        )
+    )
+    return x_v, dx_v, ddx_v
+
+
+def _require_diagonal_gains_of_angles(name: str, task: Task, *, full: bool) -> None:
+    """Refuse full gains between positions and angles."""
+    if full and task.angles:
+        msg = (
+            f"{name}: full gains are for tasks of positions, and this task has {task.angles} of {task.size} coordinates"
+            " in rad; use diagonal gains. A symmetric Psi between metres and radians has no meaning."
+        )
+        raise DefinitionError(msg)
+
+
+def _impedance(model: SampledModel, task: Task, *, full: bool) -> Impedance | FullImpedance:
+    """Declare the target impedance, eq. (3).
+
+    Assumed: that of angles is that of positions times (0.15 m)^2, so that all coordinates move alike.
+    """
     declarations = {
-        "M": ((2.0, 2.0), "kg", "Target inertia"),
-        "B": ((340.0, 340.0), "N.s/m", "Target damping"),
-        "K": ((4000.0, 4000.0), "N/m", "Target stiffness"),
+        "M": (2.0, "kg", 0.045, "kg.m2", "Target inertia"),
+        "B": (340.0, "N.s/m", 7.65, "N.m.s/rad", "Target damping"),
+        "K": (4000.0, "N/m", 90.0, "N.m/rad", "Target stiffness"),
     }
     M, B, K = (
-        declare_gain(model, name, values, full=full, unit=unit, limits=POSITIVE, description=description)
-        for name, (values, unit, description) in declarations.items()
+        declare_gain(
+            model,
+            name,
+            [value] * task.positions + [turned] * task.angles,
+            full=full,
+            unit=unit if full else task.each(unit, turning),
+            limits=POSITIVE,
+            description=of_axes(text, task, full=full),
+        )
+        for name, (value, unit, turned, turning, text) in declarations.items()
     )
     if not full:
         return Impedance(M, B, K)
@@ -205,14 +260,3 @@ def _impedance(model: SampledModel, *, full: bool) -> Impedance | FullImpedance:
         f" sum up to {LARGEST_NORM:.0f} or more; shorten sample_time, or reduce B and K",
     )
     return impedance
-
-
-def _require_regular(model: SampledModel, arm: Arm, q: ca.SX, l: ca.SX) -> None:
-    """Demand that the arm is not singular."""
-    J = arm.jacobian(q, l)
-    reach = ca.sum1(l)
-    manipulability = ca.det(ca.mtimes(J, J.T)) / reach**4
-    model.require(
-        manipulability - SINGULARITY,
-        "The arm is singular: q is stretched or folded, det(J J') / (sum of l)^4 must exceed 1e-12",
-    )

@@ -1,7 +1,7 @@
 """The target-impedance reference trajectory, eq. (11), for an impedance of full matrices.
 
 With d = x_t - x_v, M d'' + B d' + K d = -F_hat couples the axes. Over a sample of length h with F_hat held,
-y = d + K^-1 F_hat moves by the exponential of the 4 x 4 companion matrix, in units of h:
+y = d + K^-1 F_hat moves by the exponential of the companion matrix, in units of h:
 
     (y, h y')(h) = exp(A) (y, h y')(0),   A = [ 0, I ; -h^2 M^-1 K, -h M^-1 B ]
 
@@ -26,7 +26,7 @@ LARGEST_NORM = 2.0**SQUARINGS / 8
 
 @dataclass(frozen=True)
 class FullImpedance:
-    """Matrices of the target impedance, eq. (3): M kg, B N.s/m, K N/m, symmetric, each of shape (2, 2)."""
+    """Matrices of the target impedance, eq. (3): M kg, B N.s/m, K N/m, symmetric, each of shape (m, m)."""
 
     M: ca.SX
     B: ca.SX
@@ -34,42 +34,44 @@ class FullImpedance:
 
     @property
     def b(self) -> ca.SX:
-        """M^-1 B, 1/s, shape (2, 2)."""
+        """M^-1 B, 1/s, shape (m, m)."""
         return solve_spd(self.M, self.B)
 
     @property
     def k(self) -> ca.SX:
-        """M^-1 K, 1/s2, shape (2, 2)."""
+        """M^-1 K, 1/s2, shape (m, m)."""
         return solve_spd(self.M, self.K)
 
     def acceleration(self, dd: ca.SX, d: ca.SX, F: ca.SX) -> ca.SX:
-        """M^-1 (B dd + K d + F), m/s2, shape (2,), for a deviation d, its rate dd and a force F."""
-        return ca.mtimes(self.b, dd) + ca.mtimes(self.k, d) + ca.mtimes(solve_spd(self.M, ca.SX.eye(2)), F)
+        """M^-1 (B dd + K d + F), m/s2, shape (m,), for a deviation d, its rate dd and a force F."""
+        return ca.mtimes(self.b, dd) + ca.mtimes(self.k, d) + ca.mtimes(solve_spd(self.M, ca.SX.eye(F.numel())), F)
 
     def advance(
         self, x_t: ca.SX, dx_t: ca.SX, virtual: tuple[ca.SX, ca.SX, ca.SX], F_hat: ca.SX, h: ca.SX
     ) -> tuple[ca.SX, ca.SX]:
         """State of the TIRT one sample later, as `fmus.control.tirt.advance` describes it."""
         x_v, dx_v, ddx_v = virtual
-        rest = -ca.mtimes(solve_spd(self.K, ca.SX.eye(2)), F_hat)
+        m = x_t.numel()
+        rest = -ca.mtimes(solve_spd(self.K, ca.SX.eye(m)), F_hat)
         begin = ca.vertcat(x_t - x_v - rest, h * (dx_t - dx_v))
         moved = ca.mtimes(exponential_minus_identity(companion(self.b, self.k, h)), begin)
-        x_next = x_v + h * dx_v + 0.5 * h**2 * ddx_v + rest + (begin[:2] + moved[:2])
-        dx_next = dx_v + h * ddx_v + (begin[2:] + moved[2:]) / h
+        x_next = x_v + h * dx_v + 0.5 * h**2 * ddx_v + rest + (begin[:m] + moved[:m])
+        dx_next = dx_v + h * ddx_v + (begin[m:] + moved[m:]) / h
         return x_next, dx_next
 
 
 def companion(M_inverse_B: ca.SX, M_inverse_K: ca.SX, h: ca.SX) -> ca.SX:
-    """Matrix A above, without a unit, shape (4, 4).
+    """Matrix A above, without a unit, shape (2 m, 2 m).
 
     Parameters
     ----------
     M_inverse_B, M_inverse_K
-        1/s and 1/s2, shape (2, 2).
+        1/s and 1/s2, shape (m, m).
     h
         Length of a sample, s.
     """
-    upper = ca.horzcat(ca.SX.zeros(2, 2), ca.SX.eye(2))
+    m = M_inverse_B.shape[0]
+    upper = ca.horzcat(ca.SX.zeros(m, m), ca.SX.eye(m))
     return ca.densify(ca.vertcat(upper, ca.horzcat(-(h**2) * M_inverse_K, -h * M_inverse_B)))
 
 

@@ -1,7 +1,8 @@
 """Hogan's impedance control, in the paper's three forms, eqs. (4) to (7).
 
 The target is M (ddx - ddx_v) + B (dx - dx_v) + K (x - x_v) = -F_ext, eq. (3). For a square,
-invertible Jacobian the three forms agree; (5) also serves redundant arms.
+invertible Jacobian the three forms agree; (5) also serves redundant arms. Where a coordinate of x is an angle, its
+force is a moment.
 """
 
 from dataclasses import dataclass
@@ -10,13 +11,13 @@ import casadi as ca
 
 from fmus.control.full_tirt import FullImpedance
 from fmus.control.tirt import Impedance
-from fmus.mechanics.algebra import solve_2x2, solve_spd
-from fmus.mechanics.arm import Arm
+from fmus.mechanics.algebra import solve_mobility, solve_spd, solve_square
+from fmus.mechanics.arm import ArmModel
 
 
 @dataclass(frozen=True)
 class Measured:
-    """Measurements of a controller: joint angles rad and rates rad/s, shape (n,), and tip force N, shape (2,)."""
+    """Measurements of a controller: joint angles rad and rates rad/s, shape (n,), and tip force N, shape (m,)."""
 
     q: ca.SX
     dq: ca.SX
@@ -24,102 +25,98 @@ class Measured:
 
 
 @dataclass(frozen=True)
-class ArmModel:
-    """A controller's model of the arm: its structure, an estimate p of (m, viscous, coulomb), and known numbers."""
+class ArmEstimate:
+    """A controller's model of the arm: its equations, and an estimate p of its parameters, shape (r,)."""
 
-    arm: Arm
+    arm: ArmModel
     p: ca.SX
-    l: ca.SX
-    gravity: ca.SX
-    coulomb_velocity: ca.SX
 
     def inertia(self, q: ca.SX) -> ca.SX:
         """H, kg m2, shape (n, n)."""
-        return self.arm.inertia(q, self.arm.split(self.p)[0], self.l)
+        return self.arm.inertia(q, self.p)
 
     def bias(self, q: ca.SX, dq: ca.SX) -> ca.SX:
         """C dq + g + f, N.m, shape (n,)."""
-        zero = ca.SX.zeros(self.arm.n, 1)
-        return self.torque(q, dq, dq, zero)
+        return self.arm.bias(q, dq, self.p)
 
     def torque(self, q: ca.SX, dq: ca.SX, v: ca.SX, a: ca.SX) -> ca.SX:
         """H a + C v + g + f, N.m, shape (n,)."""
-        return self.arm.inverse_dynamics(q, dq, v, a, self.p, self.l, self.gravity, self.coulomb_velocity)
+        return self.arm.inverse_dynamics(q, dq, v, a, self.p)
 
 
 def target_acceleration(
     x: ca.SX, dx: ca.SX, virtual: tuple[ca.SX, ca.SX, ca.SX], F: ca.SX, impedance: Impedance | FullImpedance
 ) -> ca.SX:
-    """Tip acceleration that eq. (3) demands, m/s2, shape (2,)."""
+    """Tip acceleration that eq. (3) demands, m/s2, shape (m,)."""
     x_v, dx_v, ddx_v = virtual
     return ddx_v - impedance.acceleration(dx - dx_v, x - x_v, F)
 
 
 def torque_operational(
-    measured: Measured, model: ArmModel, virtual: tuple[ca.SX, ca.SX, ca.SX], impedance: Impedance | FullImpedance
+    measured: Measured, model: ArmEstimate, virtual: tuple[ca.SX, ca.SX, ca.SX], impedance: Impedance | FullImpedance
 ) -> ca.SX:
     """Tau = J' F with F from eq. (4); square Jacobians only. N.m, shape (n,)."""
     q, dq, F_hat = measured.q, measured.dq, measured.F_hat
-    J, dJ = model.arm.jacobian(q, model.l), model.arm.jacobian_rate(q, dq, model.l)
-    x, dx = model.arm.forward_kinematics(q, model.l), ca.mtimes(J, dq)
+    J, dJ = model.arm.jacobian(q), model.arm.jacobian_rate(q, dq)
+    x, dx = model.arm.forward_kinematics(q), ca.mtimes(J, dq)
     H = model.inertia(q)
-    inverse_transpose = solve_2x2(J.T, ca.SX.eye(2))
+    inverse_transpose = solve_square(J.T, ca.SX.eye(model.arm.n))
     H_x = ca.mtimes([inverse_transpose, H, inverse_transpose.T])
     # C_x dx + g_x + f_x = J^-T (C dq + g + f - H J^-1 dJ dq)
-    drift = solve_2x2(J, ca.mtimes(dJ, dq))
+    drift = solve_square(J, ca.mtimes(dJ, dq))
     bias_x = ca.mtimes(inverse_transpose, model.bias(q, dq) - ca.mtimes(H, drift))
     F = F_hat + bias_x + ca.mtimes(H_x, target_acceleration(x, dx, virtual, F_hat, impedance))
     return ca.mtimes(J.T, F)
 
 
 def torque_mobility(
-    measured: Measured, model: ArmModel, virtual: tuple[ca.SX, ca.SX, ca.SX], impedance: Impedance | FullImpedance
+    measured: Measured, model: ArmEstimate, virtual: tuple[ca.SX, ca.SX, ca.SX], impedance: Impedance | FullImpedance
 ) -> ca.SX:
     """Eq. (5), with the mobility tensor W = J H^-1 J'; any Jacobian of full row rank. N.m, shape (n,).
 
     The last joint term is -dJ/dt dq, and W^-1 M^-1 acts on the force.
     """
     q, dq, F_hat = measured.q, measured.dq, measured.F_hat
-    J, dJ = model.arm.jacobian(q, model.l), model.arm.jacobian_rate(q, dq, model.l)
-    x, dx = model.arm.forward_kinematics(q, model.l), ca.mtimes(J, dq)
+    J, dJ = model.arm.jacobian(q), model.arm.jacobian_rate(q, dq)
+    x, dx = model.arm.forward_kinematics(q), ca.mtimes(J, dq)
     H = model.inertia(q)
     free = solve_spd(H, model.bias(q, dq))
     W = ca.mtimes(J, solve_spd(H, J.T))
     demand = target_acceleration(x, dx, virtual, F_hat, impedance)
     demand = demand + ca.mtimes(J, free) - ca.mtimes(dJ, dq)
-    return ca.mtimes(J.T, solve_2x2(W, demand) + F_hat)
+    return ca.mtimes(J.T, solve_mobility(W, demand) + F_hat)
 
 
 def torque_resolved(
-    measured: Measured, model: ArmModel, virtual: tuple[ca.SX, ca.SX, ca.SX], impedance: Impedance | FullImpedance
+    measured: Measured, model: ArmEstimate, virtual: tuple[ca.SX, ca.SX, ca.SX], impedance: Impedance | FullImpedance
 ) -> ca.SX:
     """Eqs. (6) and (7), with M dJ/dt dq in (7); square Jacobians only. N.m, shape (n,).
 
     The cheapest of the three: one inverse dynamics at the joint acceleration ddq*.
     """
-    x = model.arm.forward_kinematics(measured.q, model.l)
-    dx = ca.mtimes(model.arm.jacobian(measured.q, model.l), measured.dq)
+    x = model.arm.forward_kinematics(measured.q)
+    dx = ca.mtimes(model.arm.jacobian(measured.q), measured.dq)
     return resolved_torque(measured, model, target_acceleration(x, dx, virtual, measured.F_hat, impedance))
 
 
-def resolved_torque(measured: Measured, model: ArmModel, demand: ca.SX) -> ca.SX:
-    """Eq. (6): the torque for a tip acceleration `demand`, m/s2, shape (2,), and the measured force.
+def resolved_torque(measured: Measured, model: ArmEstimate, demand: ca.SX) -> ca.SX:
+    """Eq. (6): the torque for a tip acceleration `demand`, m/s2, shape (m,), and the measured force.
 
     ddq* = J^-1 (demand - dJ/dt dq); square Jacobians only. N.m, shape (n,).
     """
     q, dq = measured.q, measured.dq
-    J, dJ = model.arm.jacobian(q, model.l), model.arm.jacobian_rate(q, dq, model.l)
-    ddq_star = solve_2x2(J, demand - ca.mtimes(dJ, dq))
+    J, dJ = model.arm.jacobian(q), model.arm.jacobian_rate(q, dq)
+    ddq_star = solve_square(J, demand - ca.mtimes(dJ, dq))
     return model.torque(q, dq, dq, ddq_star) + ca.mtimes(J.T, measured.F_hat)
 
 
-def null_space_damping(measured: Measured, model: ArmModel, damping: ca.SX) -> ca.SX:
+def null_space_damping(measured: Measured, model: ArmEstimate, damping: ca.SX) -> ca.SX:
     """Torque -d_n H (dq - H^-1 J' W^-1 dx), N.m, shape (n,): damps motion that leaves the tip still.
 
     Eq. (5) leaves the null space of a redundant arm undamped. `damping` d_n in 1/s.
     """
     q, dq = measured.q, measured.dq
-    J, H = model.arm.jacobian(q, model.l), model.inertia(q)
+    J, H = model.arm.jacobian(q), model.inertia(q)
     W = ca.mtimes(J, solve_spd(H, J.T))
-    task_momentum = ca.mtimes(J.T, solve_2x2(W, ca.mtimes(J, dq)))
+    task_momentum = ca.mtimes(J.T, solve_mobility(W, ca.mtimes(J, dq)))
     return -damping * (ca.mtimes(H, dq) - task_momentum)

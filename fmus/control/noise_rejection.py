@@ -10,6 +10,13 @@ term that stays as large as delta cond(H_hat_x) while beta goes to zero and chat
 rate; gamma_eps gives it a boundary layer. delta = noise_bound acts while the measured force exceeds
 contact_threshold.
 
+Where coordinates are angles, these equations hold in coordinates that are all in metres: S e with S = diag(1, ..., L),
+forces S^-1 F and the mobility S H_hat_x^-1 S. Then V_c adds up squares of one unit,
+
+    alpha = sum of s_i^2 Q_i (e_i^2, de_i^2),  beta = |S e*|,  mu = |S H_hat_x^-1 S^2 e*|
+
+(19) has S^2 e* in the place of e*, and F_c is as above.
+
 For full matrices k = M^-1 K and b = M^-1 B are no longer symmetric, and P b = c' of (A2) leaves open the first
 block of P alone. With its symmetric part as that block,
 
@@ -30,6 +37,8 @@ from fmus.control.adaptation import Adaptation
 from fmus.control.controller import Controller
 from fmus.control.full_tirt import FullImpedance
 from fmus.control.gains import require_definite
+from fmus.elements import of_task
+from fmus.mechanics.algebra import spectral_norm
 
 
 @dataclass(frozen=True)
@@ -39,12 +48,15 @@ class NoiseRejection:
     Attributes
     ----------
     e_star
-        Augmented error, m/s, shape (2,).
+        Augmented error, m/s or rad/s, shape (m,).
+    weighted
+        S^2 e*, which (19) multiplies; e* itself where there are no angles.
     alpha, beta, mu, gamma, gamma_bound
         As in the paper; m2/s3, m/s, m/(kg s), 1/s, 1/s.
     """
 
     e_star: ca.SX
+    weighted: ca.SX
     alpha: ca.SX
     beta: ca.SX
     mu: ca.SX
@@ -52,7 +64,7 @@ class NoiseRejection:
     gamma_bound: ca.SX
 
     def acceleration(self) -> ca.SX:
-        """Tip acceleration -(gamma/2) e* that F_c = H_hat_x times it gives, m/s2, shape (2,)."""
+        """Tip acceleration -(gamma/2) e* that F_c = H_hat_x times it gives, m/s2, shape (m,)."""
         return -0.5 * self.gamma * self.e_star
 
 
@@ -62,9 +74,9 @@ def declare_noise_rejection(adaptation: Adaptation, mobility: ca.SX) -> NoiseRej
     Parameters
     ----------
     mobility
-        H_hat_x^-1 = J H_hat^-1 J', 1/kg, shape (2, 2).
+        H_hat_x^-1 = J H_hat^-1 J', of positions 1/kg, shape (m, m).
     """
-    controller = adaptation.controller
+    controller, metric = adaptation.controller, adaptation.metric
     model = controller.model
     noise_bound = model.parameter(
         "noise_bound",
@@ -98,19 +110,22 @@ def declare_noise_rejection(adaptation: Adaptation, mobility: ca.SX) -> NoiseRej
     )
     e, de = controller.e, controller.dx - controller.dx_t
     e_star = adaptation.filtered_error()
-    in_contact = ca.norm_2(controller.measured.F_hat) > threshold
+    in_contact = ca.norm_2(metric.force(controller.measured.F_hat)) > threshold
     delta = ca.if_else(in_contact, noise_bound, 0)
     alpha = _alpha(adaptation, e, de)
-    beta, mu = ca.norm_2(e_star), ca.norm_2(ca.mtimes(mobility, e_star))
+    scaled, mobility = metric.motion(e_star), metric.mobility(mobility)
+    beta, mu = ca.norm_2(scaled), ca.norm_2(ca.mtimes(mobility, scaled))
     excess = 2 * mu * delta - alpha
     gamma = margin * ca.fmax(0, excess / (beta**2 + eps**2))
-    return NoiseRejection(e_star, alpha, beta, mu, gamma, _gamma_bound(alpha, beta, excess, delta, _norm_2x2(mobility)))
+    gamma_bound = _gamma_bound(alpha, beta, excess, delta, spectral_norm(mobility))
+    return NoiseRejection(e_star, metric.motion(scaled), alpha, beta, mu, gamma, gamma_bound)
 
 
 def declare_outputs(rejection: NoiseRejection, adaptation: Adaptation, F_c: ca.SX) -> None:
     """Declare the outputs that the theory of algorithm 1 speaks about."""
-    model = adaptation.controller.model
-    model.output("e_star", rejection.e_star, unit="m/s", description="Augmented error de + Psi e, eq. (14)")
+    model, task = adaptation.controller.model, adaptation.controller.arm.task
+    text = "Augmented error de + Psi e, eq. (14),"
+    model.output("e_star", rejection.e_star, unit=task.each("m/s", "rad/s"), description=of_task(text, task))
     for name, unit, text in (
         ("alpha", "m2/s3", "X' Q X, eq. (23)"),
         ("beta", "m/s", "Norm of e_star, eq. (23)"),
@@ -119,7 +134,9 @@ def declare_outputs(rejection: NoiseRejection, adaptation: Adaptation, F_c: ca.S
         ("gamma_bound", "1/s", "gamma* of eq. (26) where it bounds the right side of (25), else 0"),
     ):
         model.output(name, getattr(rejection, name), unit=unit, description=text, scalar=True)
-    model.output("F_c", F_c, unit="N", description="Control force against the sensor's noise, eq. (22)")
+    text = "Control {} against the sensor's noise, eq. (22),"
+    texts = of_task(text.format("force"), task, text.format("moment"))
+    model.output("F_c", F_c, unit=task.each("N", "N.m"), description=texts)
 
 
 def _alpha(adaptation: Adaptation, e: ca.SX, de: ca.SX) -> ca.SX:
@@ -129,11 +146,12 @@ def _alpha(adaptation: Adaptation, e: ca.SX, de: ca.SX) -> ca.SX:
     if isinstance(impedance, FullImpedance):
         return _full_alpha(controller, impedance, psi, ca.vertcat(e, de))
     k, b = impedance.K / impedance.M, impedance.B / impedance.M
-    for i in range(2):
+    for i in range(e.numel()):
         controller.model.require(
             b[i] - psi[i],
             f"Psi[{i + 1}] must be below B[{i + 1}]/M[{i + 1}] (strict positive realness, eq. (14))",
         )
+    e, de = adaptation.metric.motion(e), adaptation.metric.motion(de)
     return ca.sum1(2 * psi * k * e**2 + 2 * (b - psi) * de**2)
 
 
@@ -142,7 +160,7 @@ def _full_alpha(controller: Controller, impedance: FullImpedance, psi: ca.SX, X:
     b, k = impedance.b, impedance.k
     product = ca.mtimes(psi, b) + k.T
     skew = 0.5 * (product - product.T)
-    P = ca.blockcat([[0.5 * (product + product.T), psi], [psi, ca.SX.eye(2)]])
+    P = ca.blockcat([[0.5 * (product + product.T), psi], [psi, ca.SX.eye(psi.shape[0])]])
     stiffness = ca.mtimes(psi, k)
     Q = ca.blockcat([[stiffness + stiffness.T, skew], [skew.T, b + b.T - 2 * psi]])
     advice = "strict positive realness, eq. (14), is not certain; reduce Psi, or give M, B, K and Psi common axes"
@@ -156,9 +174,3 @@ def _gamma_bound(alpha: ca.SX, beta: ca.SX, excess: ca.SX, delta: ca.SX, norm: c
     bound = 4 * delta**2 * norm**2 * (2 * beta * delta * norm - alpha) / alpha**2
     case_c = ca.logic_and(delta > 0, ca.logic_and(alpha > 0, excess >= 0))
     return ca.if_else(case_c, ca.fmax(0, bound), 0)
-
-
-def _norm_2x2(A: ca.SX) -> ca.SX:
-    """Spectral norm of a symmetric 2 x 2 matrix."""
-    mean, difference = 0.5 * (A[0, 0] + A[1, 1]), 0.5 * (A[0, 0] - A[1, 1])
-    return ca.fabs(mean) + ca.sqrt(difference**2 + A[0, 1] ** 2)

@@ -78,11 +78,11 @@ def advance(
     Parameters
     ----------
     x_t, dx_t
-        TIRT at this sample, m and m/s, shape (2,).
+        TIRT at this sample, m and m/s, shape (m,).
     virtual
-        x_v, dx_v, ddx_v at this sample, m, m/s, m/s2, shape (2,).
+        x_v, dx_v, ddx_v at this sample, m, m/s, m/s2, shape (m,).
     F_hat
-        Measured force, N, shape (2,), held over the sample.
+        Measured force, N, shape (m,), held over the sample.
     h
         Length of the sample, s.
 
@@ -112,14 +112,14 @@ def advance(
 
 @dataclass(frozen=True)
 class Impedance:
-    """Diagonals of the target impedance, eq. (3): M kg, B N.s/m, K N/m, each of shape (2,)."""
+    """Diagonals of the target impedance, eq. (3): M kg, B N.s/m, K N/m, each of shape (m,)."""
 
     M: ca.SX
     B: ca.SX
     K: ca.SX
 
     def acceleration(self, dd: ca.SX, d: ca.SX, F: ca.SX) -> ca.SX:
-        """M^-1 (B dd + K d + F), m/s2, shape (2,), for a deviation d, its rate dd and a force F."""
+        """M^-1 (B dd + K d + F), m/s2, shape (m,), for a deviation d, its rate dd and a force F."""
         return (self.B * dd + self.K * d + F) / self.M
 
     def advance(

@@ -6,7 +6,8 @@ The wall is the half-space n.x >= wall_offset with the unit normal n pointing in
     F_ext = F_n n + mu F_n tanh(v_t / friction_velocity) t
 
 is the force of the tip on the wall: along the normal, and along the direction of sliding (t is n
-turned by +90 degrees, v_t = t.dx). With D_f = mu = 0 this is the paper's spring.
+turned by +90 degrees, v_t = t.dx). In space t is the direction in which the tip slides, and v_t >= 0 its speed. With
+D_f = mu = 0 this is the paper's spring. The tip touches the wall in a point, so that F_ext has no moment about the tip.
 """
 
 from dataclasses import dataclass
@@ -14,6 +15,8 @@ from dataclasses import dataclass
 import casadi as ca
 
 from fmus.environment.half_space import HalfSpace
+
+PLANE = 2  # coordinates of a point of the plane
 
 
 @dataclass(frozen=True)
@@ -40,16 +43,25 @@ class Wall(HalfSpace):
         return 1 + self.D_f * self.along_normal(dx)
 
     def force(self, x: ca.SX, dx: ca.SX, in_contact: ca.SX, pushing: ca.SX) -> ca.SX:
-        """Force of the tip on the wall, N, shape (2,).
+        """Force of the tip on the wall, N, shape (2,) in the plane, (3,) in space.
 
         Parameters
         ----------
         x, dx
-            Tip position m and velocity m/s, shape (2,).
+            Tip position m and velocity m/s, of that shape.
         in_contact, pushing
             1 while `gap`, respectively `damping_factor`, is positive, else 0.
         """
         normal_force = in_contact * pushing * self.K_f * self.gap(x) * self.damping_factor(dx)
+        if x.shape[0] > PLANE:
+            return normal_force * (self.normal + self.mu * self._sliding_in_space(dx))
         speed = ca.if_else(self.mu > 0, self.along_surface(dx), 0)  # tanh(0) costs nothing
         sliding = ca.tanh(speed / self.friction_velocity)
         return normal_force * (self.normal + self.mu * sliding * self.tangent)
+
+    def _sliding_in_space(self, dx: ca.SX) -> ca.SX:
+        """Direction of sliding times tanh(speed / friction_velocity), shape (3,); smooth where the tip is at rest."""
+        slide = ca.if_else(self.mu > 0, self.in_surface(dx), ca.SX.zeros(*dx.shape))
+        speed = ca.norm_2(slide)
+        per_speed = ca.if_else(speed > 0, ca.tanh(speed / self.friction_velocity) / speed, 0)
+        return per_speed * slide

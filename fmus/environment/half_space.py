@@ -13,6 +13,7 @@ import casadi as ca
 
 from adaptimp_fmu import Model
 from fmus import start
+from fmus.elements import along
 
 NORMAL_TOLERANCE = 1e-9  # by which the normal's length may miss 1
 
@@ -24,7 +25,7 @@ class HalfSpace:
     Attributes
     ----------
     normal
-        Unit vector into the wall, shape (2,).
+        Unit vector into the wall, shape (2,) in the plane, (3,) in space.
     offset
         Distance of the surface from the origin along the normal, m.
     """
@@ -41,16 +42,20 @@ class HalfSpace:
         return ca.dot(self.normal, vector)
 
     def along_surface(self, vector: ca.SX) -> ca.SX:
-        """Component t.v of a vector along the surface, in the vector's unit, shape (1,)."""
+        """Component t.v of a vector of the plane along the surface, in the vector's unit, shape (1,)."""
         return ca.dot(self.tangent, vector)
+
+    def in_surface(self, vector: ca.SX) -> ca.SX:
+        """The part v - (n.v) n of a vector that lies in the surface, in the vector's unit, of the vector's shape."""
+        return vector - self.along_normal(vector) * self.normal
 
     @property
     def tangent(self) -> ca.SX:
-        """Unit vector t along the surface, shape (2,): the normal, turned by +90 degrees."""
+        """Unit vector t along the surface of a wall in the plane, shape (2,): the normal, turned by +90 degrees."""
         return ca.vertcat(-self.normal[1], self.normal[0])
 
 
-def declare_half_space(model: Model, number: int = 1) -> HalfSpace:
+def declare_half_space(model: Model, number: int = 1, size: int = 2) -> HalfSpace:
     """Declare where a wall is, and demand that its normal has length 1.
 
     Parameters
@@ -58,10 +63,14 @@ def declare_half_space(model: Model, number: int = 1) -> HalfSpace:
     number
         1 for the parameters ``wall_normal`` and ``wall_offset``, 2 for ``wall_normal2`` and ``wall_offset2`` of a
         second wall.
+    size
+        Number of coordinates of a point: 2 in the plane, 3 in space, where the wall is parallel to x3 by default.
     """
     end, wall = suffix(number), ordinal(number)
     normal = model.parameter(
-        f"wall_normal{end}", start.WALL_NORMALS[number], description=f"Unit normal of the {wall}, pointing into it"
+        f"wall_normal{end}",
+        [*start.WALL_NORMALS[number], *[0.0] * (size - 2)],
+        description=along(f"Component of the unit normal into the {wall}", size),
     )
     offset = model.parameter(
         f"wall_offset{end}",

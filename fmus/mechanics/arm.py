@@ -1,26 +1,43 @@
-"""What plants and controllers ask of an arm, whatever its geometry.
+"""What plants and control laws ask of an arm, whatever its geometry and the number of its joints.
 
-An arm moves a tip, described by task coordinates x, with joint coordinates q. Its equations are
+An arm of n joints moves a tip, which m task coordinates x describe. Its equations are
 
     H(q) ddq + C(q, dq) dq + g(q) + f(dq) = tau - J(q)' F_ext,   dx = J(q) dq
 
-with F_ext the force of the tip on the environment. The dynamics are linear in the uncertain parameters
-p = (m, viscous, coulomb), of shape (3 n,), so that torque = Y p with the regressor Y.
+with F_ext the force of the tip on the environment, in the coordinates of x: dx' F_ext is its power. The dynamics are
+linear in the parameters p, of shape (r,), which a controller may not know, so that torque = Y p with the regressor Y.
 """
 
-from functools import cached_property
+from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Protocol
 
 import casadi as ca
 
+from fmus.mechanics.task import Task
 
-class Arm(Protocol):
-    """An arm of n joints.
 
-    Each equation is a CasADi function, of symbols as well as of numbers, and is derived once, when it is first used.
+@dataclass(frozen=True)
+class ArmParameter:
+    """Unit of an element of p, and a text that says what it is, such as ``mass at the end of link 1``."""
 
-    Arguments that the equations share: joint angles q rad, rates dq rad/s, link lengths l m, link masses
-    m kg, each of shape (n,); gravity m/s2; coulomb_velocity rad/s, over which Coulomb friction changes sign.
+    unit: str
+    text: str
+
+
+@dataclass(frozen=True)
+class Demand:
+    """A condition on the configuration: `value`, shape (1,), must be positive, else `sentence` is the error message."""
+
+    value: ca.SX
+    sentence: str
+
+
+class ArmModel(Protocol):
+    """Equations of an arm whose known numbers, such as lengths and the gravity, are given already.
+
+    Arguments that the equations share, as columns: joint coordinates q rad and rates dq rad/s, shape (n,); parameters
+    p, shape (r,). All results are expressions. They also hold for a p that no real arm has, as an estimate may be.
     """
 
     @property
@@ -29,37 +46,46 @@ class Arm(Protocol):
         ...
 
     @property
-    def task_size(self) -> int:
-        """Number k of task coordinates; an arm with n > k is redundant."""
+    def task(self) -> Task:
+        """Task coordinates, m in number; an arm with n > m is redundant."""
         ...
 
-    forward_kinematics: cached_property[ca.Function]
-    """Tip position ``x(q, l)``, m, shape (k,)."""
+    @property
+    def parameters(self) -> Sequence[ArmParameter]:
+        """What the elements of p are, r in number."""
+        ...
 
-    jacobian: cached_property[ca.Function]
-    """Tip Jacobian ``J(q, l)``, m/rad, shape (k, n)."""
+    def forward_kinematics(self, q: ca.SX) -> ca.SX:
+        """Task coordinates x, m and rad, shape (m,)."""
+        ...
 
-    jacobian_rate: cached_property[ca.Function]
-    """Time derivative ``dJ(q, dq, l)`` of the tip Jacobian, m/(rad s), shape (k, n)."""
+    def jacobian(self, q: ca.SX) -> ca.SX:
+        """Jacobian J of the task coordinates, m/rad or without a unit, shape (m, n): dx = J dq."""
+        ...
 
-    inertia: cached_property[ca.Function]
-    """Inertia matrix ``H(q, m, l)``, kg m2, shape (n, n)."""
+    def jacobian_rate(self, q: ca.SX, dq: ca.SX) -> ca.SX:
+        """Time derivative of the Jacobian, m/(rad s) or 1/s, shape (m, n)."""
+        ...
 
-    coriolis: cached_property[ca.Function]
-    """Matrix ``C(q, dq, m, l)`` of the Coriolis and centrifugal torque C dq, kg m2/s, shape (n, n)."""
+    def inertia(self, q: ca.SX, p: ca.SX) -> ca.SX:
+        """Inertia matrix H, kg m2, shape (n, n)."""
+        ...
 
-    gravity_torque: cached_property[ca.Function]
-    """Torque ``g(q, m, l, gravity)`` of the weight, N.m, shape (n,)."""
+    def bias(self, q: ca.SX, dq: ca.SX, p: ca.SX) -> ca.SX:
+        """Torque C dq + g + f, N.m, shape (n,), which an arm without acceleration needs."""
+        ...
 
-    friction_torque: cached_property[ca.Function]
-    """Torque ``f(dq, viscous, coulomb, coulomb_velocity)`` of joint friction, N.m, shape (n,)."""
+    def inverse_dynamics(self, q: ca.SX, dq: ca.SX, v: ca.SX, a: ca.SX, p: ca.SX) -> ca.SX:
+        """Torque H a + C(q, dq) v + g + f(dq), N.m, shape (n,), for an acceleration a rad/s2 and a rate v rad/s.
 
-    inverse_dynamics: cached_property[ca.Function]
-    """Torque ``H a + C v + g + f``, N.m, shape (n,), of (q, dq, v, a, p, l, gravity, coulomb_velocity)."""
+        C is that of Christoffel's symbols, with which dH/dt - 2 C is skew-symmetric.
+        """
+        ...
 
-    regressor: cached_property[ca.Function]
-    """Regressor ``Y``, shape (n, 3 n), of (q, dq, v, a, l, gravity, coulomb_velocity)."""
+    def regressor(self, q: ca.SX, dq: ca.SX, v: ca.SX, a: ca.SX) -> ca.SX:
+        """Regressor Y, shape (n, r): `inverse_dynamics` is Y p, and has no part without p."""
+        ...
 
-    def split(self, p: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX]:
-        """The parts of p, each of shape (n,): m kg, viscous N.m.s/rad, coulomb N.m."""
+    def demands(self, q: ca.SX) -> Sequence[Demand]:
+        """Conditions under which J has full rank; a control law checks them before it divides."""
         ...

@@ -5,7 +5,8 @@
 Everything follows from the forward kinematics by symbolic differentiation, for any number of
 joints n. Angles are relative: the absolute angle of link i is q[1] + ... + q[i], counted from the
 x1 axis, counter-clockwise. Gravity acts along -x2. F_ext is the force of the tip on the
-environment.
+environment. The task is the position of the tip; with `pose` also the absolute angle of the last link, and F_ext then
+ends with the moment.
 
 Each function is a CasADi `Function`: called with symbols it gives an expression, called with
 NumPy arrays it gives numbers.
@@ -19,8 +20,10 @@ from functools import cached_property
 
 import casadi as ca
 
+from fmus.mechanics.task import Task
+
 DIMENSION = 2
-"""Number of coordinates of the tip, m."""
+"""Number of coordinates of a point of the plane."""
 
 
 @dataclass(frozen=True)
@@ -31,31 +34,36 @@ class PlanarArm:
     ----------
     n
         Number of joints, at least 1.
+    pose
+        Whether the task coordinates are position and angle of the tip; else they are its position.
     """
 
     n: int = 2
+    pose: bool = False
 
     @property
-    def task_size(self) -> int:
-        """Number of task coordinates: the two coordinates of the tip in the plane."""
-        return DIMENSION
+    def task(self) -> Task:
+        """Task coordinates: the position of the tip in the plane, and its angle if there is one."""
+        return Task(DIMENSION, 1 if self.pose else 0)
 
     @cached_property
     def forward_kinematics(self) -> ca.Function:
-        """Tip position ``x(q, l)``, m: joint angles (n,) rad and link lengths (n,) m to (2,)."""
+        """Task coordinates ``x(q, l)``, m and rad, shape (m,), of joint angles (n,) rad and link lengths (n,) m."""
         q, l = self._symbols("q", "l")
-        return ca.Function("x", [q, l], [self._link_ends(q, l)[-1]], ["q", "l"], ["x"])
+        end = self._link_ends(q, l)[-1]
+        x = ca.vertcat(end, ca.sum1(q)) if self.pose else end
+        return ca.Function("x", [q, l], [x], ["q", "l"], ["x"])
 
     @cached_property
     def jacobian(self) -> ca.Function:
-        """Tip Jacobian ``J(q, l)``, m/rad, shape (2, n): dx = J dq."""
+        """Tip Jacobian ``J(q, l)``, m/rad, of an angle without a unit, shape (m, n): dx = J dq."""
         q, l = self._symbols("q", "l")
         J = ca.jacobian(self.forward_kinematics(q, l), q)
         return ca.Function("J", [q, l], [J], ["q", "l"], ["J"])
 
     @cached_property
     def jacobian_rate(self) -> ca.Function:
-        """Time derivative of the tip Jacobian ``dJ(q, dq, l)``, m/(rad s), shape (2, n)."""
+        """Time derivative of the tip Jacobian ``dJ(q, dq, l)``, m/(rad s) or 1/s, shape (m, n)."""
         q, dq, l = self._symbols("q", "dq", "l")
         dJ = _time_derivative(self.jacobian(q, l), q, dq)
         return ca.Function("dJ", [q, dq, l], [dJ], ["q", "dq", "l"], ["dJ"])

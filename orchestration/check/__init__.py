@@ -56,6 +56,8 @@ class Candidate:
     ----------
     count
         Number of elements of each counted signal; see `orchestration.check.interface.Signal`.
+    more
+        Number of elements that follow in signals with `Signal.more`.
     mapping
         The FMU's names of variables, by the names in the role.
     failed
@@ -65,6 +67,7 @@ class Candidate:
     path: Path
     role: Role
     count: int
+    more: int
     mapping: Mapping[str, str]
     failed: bool
 
@@ -125,8 +128,9 @@ def check(
     facts = [*outcome.facts, *_not_confined(outcome.confinement)]
     if taken is not None and trial is not None:
         failed = any(finding.severity == Severity.ERROR for finding in findings)
-        more, measured = trial(Candidate(path, taken, interface.count(document, taken), mapping, failed))
-        findings += more
+        sizes = interface.count(document, taken), interface.further(document, taken)
+        found, measured = trial(Candidate(path, taken, *sizes, mapping, failed))
+        findings += found
         facts += measured
     return _report(path, taken, findings, facts, outcome.confinement)
 

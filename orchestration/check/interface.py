@@ -6,7 +6,7 @@ out inputs that it does not use. If an output is missing that is only read after
 
 import re
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from orchestration.check.findings import ROLE, Finding, error, note, shown, warning
 from orchestration.fmi.codes import REAL
@@ -46,11 +46,15 @@ class Signal:
         the role counts, and `OPEN` an array of any length.
     type
         FMI type of the signal.
+    more
+        Units of the elements that may follow, such as that of an angle after the positions. An FMU has as many of them
+        in each of its signals.
     """
 
     unit: str | None
     size: int
     type: str = REAL
+    more: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -106,6 +110,18 @@ def count(document: Document, role: Role) -> int:
     return max([role.fewest, *(int(match[2]) for name in defining if (match := _VECTOR.fullmatch(name)))])
 
 
+def further(document: Document, role: Role) -> int:
+    """Return the number of elements that follow those of the signals with `Signal.more`, in required or in inputs."""
+    signals = {**role.inputs, **role.required}
+    numbers = [0]
+    for variable in document.variables:
+        match = _VECTOR.fullmatch(variable.name)
+        signal = signals.get(match[1]) if match else None
+        if match and signal and signal.more:
+            numbers.append(min(int(match[2]) - signal.size, len(signal.more)))
+    return max(numbers)
+
+
 def mapping_finds(document: Document, mapping: Mapping[str, str]) -> Iterator[Finding]:
     """Report every name in a mapping that the FMU has neither for a variable nor for an array."""
     names = {name for variable in document.variables for name in (variable.name, _base(variable.name))}
@@ -121,31 +137,51 @@ def interface_is_kept(document: Document, role: Role) -> Iterator[Finding]:
         yield error(ROLE, f"{role.defining} has an element {n}; the {role.name} has one for each {role.counted}.")
         return
     known = {variable.name: variable for variable in document.variables}
+    sizes = _Sizes(n, further(document, role))
     for group, causality in ((role.required, "output"), (role.expected, "output"), (role.inputs, "input")):
         for base, signal in group.items():
-            elements = _elements(base, signal, n, known)
+            elements = _elements(base, signal, sizes, known)
             present = [known[e] for e in elements if e in known]
             for variable in present:
-                yield from _compare(variable, signal, causality, document, role.name)
+                alike = _element_of(signal, variable.name)
+                yield from _compare(variable, alike, causality, document, role.name)
             missing = [element for element in elements if element not in known]
             if missing:
                 yield from _missing(missing, present, signal, role)
-    yield from _strangers(document, role, n)
+    yield from _strangers(document, role, sizes)
     yield from _sampling(document, role)
 
 
-def _elements(base: str, signal: Signal, n: int, known: Mapping[str, Declared]) -> list[str]:
+@dataclass(frozen=True)
+class _Sizes:
+    """Number of counted things, and of elements that follow in signals with `Signal.more`."""
+
+    counted: int
+    more: int
+
+
+def _element_of(signal: Signal, name: str) -> Signal:
+    """The signal with the unit of one of its elements."""
+    match = _VECTOR.fullmatch(name)
+    beyond = int(match[2]) - signal.size if match and signal.more else 0
+    return replace(signal, unit=signal.more[beyond - 1]) if beyond > 0 else signal
+
+
+def _elements(base: str, signal: Signal, sizes: _Sizes, known: Mapping[str, Declared]) -> list[str]:
     """Return the names of the scalar variables of a signal."""
     if signal.size == SCALAR:
         return [base]
     if signal.size == OPEN:
         return [name for name in known if _base(name) == base] or [f"{base}[1]"]
-    return [f"{base}[{i + 1}]" for i in range(n if signal.size == COUNTED else signal.size)]
+    size = sizes.counted if signal.size == COUNTED else signal.size
+    return [f"{base}[{i + 1}]" for i in range(size + (sizes.more if signal.more else 0))]
 
 
 def _missing(missing: list[str], present: list[Declared], signal: Signal, role: Role) -> Iterator[Finding]:
     """Report elements of a signal that the FMU lacks."""
-    base, name, unit = _base(missing[0]), role.name, f" in {signal.unit}" if signal.unit else ""
+    base, name = _base(missing[0]), role.name
+    units = dict.fromkeys(unit for element in missing if (unit := _element_of(signal, element).unit))
+    unit = f" in {' and '.join(units)}" if units else ""
     what = ", ".join(missing)
     if base in role.required:
         yield error(ROLE, f"The output {what}{unit} of the {name} is missing.")
@@ -188,9 +224,9 @@ def _compare_units(variable: Declared, needed: str, document: Document, what: st
             yield error(ROLE, f"{both}.")
 
 
-def _strangers(document: Document, role: Role, n: int) -> Iterator[Finding]:
+def _strangers(document: Document, role: Role, sizes: _Sizes) -> Iterator[Finding]:
     """Report inputs that nothing in the system drives."""
-    served = {element for base, signal in role.inputs.items() for element in _elements(base, signal, n, {})}
+    served = {element for base, signal in role.inputs.items() for element in _elements(base, signal, sizes, {})}
     for variable in document.of_causality("input"):
         if variable.name not in served:
             why = f"no signal of the {role.name}'s loop has that name"

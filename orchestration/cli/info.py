@@ -20,7 +20,7 @@ from orchestration.fmi.codes import (
     SERIALIZES_STATE,
     VARIES_STEP,
 )
-from orchestration.fmi.names import arrays, base_name, suggestion
+from orchestration.fmi.names import arrays, base_name, common_beginning, suggestion
 from orchestration.results.formats import READERS
 
 SHOWN = ("input", "output", "parameter", "calculatedParameter")
@@ -107,7 +107,12 @@ def _without_empty(head: Sequence[str], rows: Sequence[Sequence[str]], width: in
 def _variables(variables: Sequence[Mapping[str, Any]]) -> list[tuple[str, str, str, str]]:
     """Name, unit, start values and description of variables; elements of an array that differ little are one row."""
     return [
-        (name, of[0]["unit"], ", ".join(dict.fromkeys(map(_value, of))), _common([v["description"] for v in of]))
+        (
+            name,
+            of[0]["unit"],
+            ", ".join(dict.fromkeys(map(_value, of))),
+            common_beginning([v["description"] for v in of]),
+        )
         for name, of in _whole(variables, ("unit", "type"))
     ]
 
@@ -126,13 +131,6 @@ def _whole(
         elif base not in done:
             done.add(base)
             yield f"{base}{list(found[base].shape)}", elements
-
-
-def _common(descriptions: Sequence[str]) -> str:
-    """What the descriptions of all elements begin with."""
-    first = descriptions[0]
-    shared = next((i for i, letters in enumerate(zip(*descriptions, strict=False)) if len(set(letters)) > 1), None)
-    return first if shared is None else first[:shared].rstrip(" ,([")
 
 
 def _value(variable: Mapping[str, Any]) -> str:

@@ -5,7 +5,7 @@ from html import escape
 from typing import TYPE_CHECKING
 
 from orchestration.errors import printable
-from orchestration.fmi.names import arrays
+from orchestration.fmi.names import arrays, common_beginning
 
 if TYPE_CHECKING:
     from orchestration.fmi.description import Variable
@@ -38,7 +38,7 @@ def variables_html(variables: "Mapping[str, Variable]", start: Mapping[str, floa
     """
     names = tuple(variables)
     whole = {base: [names[i] for i in places.ravel()] for base, places in arrays(names).items()}
-    groups = {base: group for base, group in whole.items() if len({_said(variables[n]) for n in group}) == 1}
+    groups = {base: group for base, group in whole.items() if _alike([variables[n] for n in group])}
     grouped = {name: base for base, group in groups.items() for name in group}
     shown = {grouped.get(name, name): groups.get(grouped.get(name, name), [name]) for name in names}
     rows = sorted(
@@ -53,17 +53,23 @@ def variables_html(variables: "Mapping[str, Variable]", start: Mapping[str, floa
     cells = [
         (
             base if len(group) == 1 else f"{base} [{len(group)}]",
-            *_said(first)[:3],
+            *_said(first),
             _values([start.get(n, variables[n].start) for n in group]),
-            first.description,
+            common_beginning([variables[n].description for n in group]),
         )
         for base, group, first in rows
     ]
     return html_table(head, cells, MOST_VARIABLES)
 
 
-def _said(variable: "Variable") -> tuple[str, str, str, str]:
-    return variable.causality, variable.variability, variable.unit, variable.description
+def _said(variable: "Variable") -> tuple[str, str, str]:
+    return variable.causality, variable.variability, variable.unit
+
+
+def _alike(elements: Sequence["Variable"]) -> bool:
+    """Whether the elements of an array can share a row: their starts and the ends of their descriptions may differ."""
+    texts = [variable.description for variable in elements]
+    return len(set(map(_said, elements))) == 1 and (common_beginning(texts) != "" or len(set(texts)) == 1)
 
 
 def _values(values: Sequence[float | str | None]) -> str:

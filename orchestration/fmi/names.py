@@ -5,15 +5,16 @@ indices count up from 1, or from 0, and leave no hole (FMI 2.0.4, structured nam
 """
 
 import re
-from collections.abc import Collection, Iterable
+from collections.abc import Collection, Iterable, Sequence
 from difflib import get_close_matches
 from fnmatch import translate
 from functools import lru_cache
-from itertools import product
+from itertools import product, takewhile
 
 import numpy as np
 
 _ELEMENT = re.compile(r"(?P<base>.+)\[(?P<indices>\d{1,9}(?:,\d{1,9})*)\]", re.DOTALL)
+_LEADING_ON = ("along", "at", "between", "for", "from", "in", "of", "the", "to")
 LIKENESS = 0.65
 """Ratio of difflib from which on a name is near; pilot and plant have 0.6, tua and tau 0.67."""
 MOST_NEAR = 4
@@ -58,6 +59,28 @@ def _filled(elements: dict[tuple[int, ...], int]) -> np.ndarray | None:
     if int(np.prod([len(r) for r in ranges])) != len(elements):
         return None
     return np.array([elements[indices] for indices in product(*ranges)]).reshape([len(r) for r in ranges])
+
+
+def common_beginning(texts: Sequence[str]) -> str:
+    """What texts about the elements of an array begin with, in whole words; a text without its end says no "along".
+
+    Examples
+    --------
+    >>> from orchestration.fmi.names import common_beginning
+    >>> common_beginning(["Position of the tip along x1", "Position of the tip along x2"])
+    'Position of the tip'
+    """
+    if len(set(texts)) == 1:
+        return texts[0]
+    shared = [words[0] for words in _leading(zip(*(text.split() for text in texts), strict=False))]
+    while shared and shared[-1].lower() in _LEADING_ON:
+        shared.pop()
+    return " ".join(shared).rstrip(" ,;([")
+
+
+def _leading(columns: Iterable[tuple[str, ...]]) -> Iterable[tuple[str, ...]]:
+    """Words of the texts at one place, up to the first place where the words differ."""
+    return takewhile(lambda words: len(set(words)) == 1, columns)
 
 
 def chosen(patterns: Iterable[str], known: Collection[str]) -> tuple[list[str], list[str]]:

@@ -32,7 +32,8 @@ from orchestration.system.system import System
 
 TIMEOUT = 120.0  # s; the first run of a machine compiles the loop
 STEP = 1e-4  # s, of the loop
-REDUNDANT_LIMIT = 1e4  # N.m, far above what three joints of the redundant arm need
+PLANAR_POSE = 3  # joints that move a position and an angle in the plane
+THREE_JOINT_LIMIT = 1e4  # N.m, far above what arms with three joints need
 MOST_MORE = 1.5  # of what the tip misses with the loop's own controller; without the measured force it is 1.3 there
 DIVERGED, LOST = 1.0, 0.1  # m by which the tip misses the virtual trajectory: half the arm's reach, and a lot
 
@@ -56,13 +57,13 @@ class Loop:
     reals: Callable[[], System] | None = None
 
 
-def in_loop(loop_for: Callable[[int], Loop | None]) -> Trial:
+def in_loop(loop_for: Callable[[int, int], Loop | None]) -> Trial:
     """A trial for `orchestration.check.check`: a controller drives a loop; an FMU in another role does nothing.
 
     Parameters
     ----------
     loop_for
-        The loop by the number of joints; None where there is none for that many.
+        The loop by the number of joints, and of angles among the task coordinates; None where there is none for them.
     """
 
     def trial(candidate: Candidate) -> tuple[list[Finding], list[str]]:
@@ -70,7 +71,7 @@ def in_loop(loop_for: Callable[[int], Loop | None]) -> Trial:
             return [], []
         if candidate.failed:
             return [], ["The closed loop was not tried: there are errors."]
-        loop = loop_for(candidate.count)
+        loop = loop_for(candidate.count, candidate.more)
         if loop is None:
             return [], ["The closed loop was not tried."]
         return try_loop(candidate.path, loop, candidate.mapping)
@@ -78,27 +79,28 @@ def in_loop(loop_for: Callable[[int], Loop | None]) -> Trial:
     return trial
 
 
-def paper_loop(joints: int) -> Loop | None:
-    """The paper's loop for an arm of two joints or three, without noise and limits; None for more joints.
+def paper_loop(joints: int, angles: int) -> Loop | None:
+    """The paper's loop for an arm of two joints or three, without noise and limits; None for others.
 
     It is the loop of Fig. 2 with the damping of Figs. 5 to 7, with which adaptive controllers are strictly
-    positive real.
+    positive real. An arm of three joints may have its tip's angle as a task coordinate.
     """
-    if joints == 2:
+    if (joints, angles) == (2, 0):
         return Loop(_planar(), TORQUE_LIMITS, lambda: _planar(reals=True))
-    if joints == 3:
-        models = {
-            "trajectory": "VirtualTrajectory",
-            "sensor": "ForceSensor",
-            "controller": "HoganImpedance3R",
-            "actuator": "Actuator3R",
-            "plant": "Plant3R",
-        }
-        files = fmus(models.values())
-        named = {name: files[model] for name, model in models.items()}
-        system = System.connected_by_name("redundant", named, step=STEP)
-        return Loop(system, (REDUNDANT_LIMIT,) * 3)
-    return None
+    if joints != PLANAR_POSE:
+        return None
+    end = "Pose" if angles else ""
+    models = {
+        "trajectory": f"VirtualTrajectory{end}",
+        "sensor": f"ForceSensor{end}",
+        "controller": f"HoganImpedance3R{end}",
+        "actuator": "Actuator3R",
+        "plant": f"Plant3R{end}",
+    }
+    files = fmus(models.values())
+    named = {name: files[model] for name, model in models.items()}
+    system = System.connected_by_name("pose" if angles else "redundant", named, step=STEP)
+    return Loop(system, (THREE_JOINT_LIMIT,) * 3)
 
 
 def _planar(*, reals: bool = False) -> System:

@@ -13,8 +13,14 @@ from orchestration.fmi.names import suggestion
 
 JOINT, PLANE = COUNTED, 2  # elements of a signal: one per joint of the arm, one per axis of the plane
 
+
+def _task(position: str, angle: str) -> Signal:
+    """A signal of the tip: one element per axis of the plane, and one for its angle if the task has it."""
+    return Signal(position, PLANE, more=(angle,))
+
+
 _MOTION = {"q": Signal("rad", JOINT), "dq": Signal("rad/s", JOINT), "ddq": Signal("rad/s2", JOINT)}
-_VIRTUAL = {"x_v": Signal("m", PLANE), "dx_v": Signal("m/s", PLANE), "ddx_v": Signal("m/s2", PLANE)}
+_VIRTUAL = {"x_v": _task("m", "rad"), "dx_v": _task("m/s", "rad/s"), "ddx_v": _task("m/s2", "rad/s2")}
 _SATURATED = {"saturated": Signal("", JOINT, BOOLEAN)}
 
 
@@ -31,12 +37,12 @@ ROLES: Mapping[str, Role] = {
             "tau_cmd",
             {"tau_cmd": Signal("N.m", JOINT)},
             expected={
-                "x_t": Signal("m", PLANE),
-                "dx_t": Signal("m/s", PLANE),
-                "e": Signal("m", PLANE),
+                "x_t": _task("m", "rad"),
+                "dx_t": _task("m/s", "rad/s"),
+                "e": _task("m", "rad"),
                 "p_hat": Signal(None, OPEN),
             },
-            inputs={**_MOTION, "F_hat": Signal("N", PLANE), **_VIRTUAL, **_SATURATED},
+            inputs={**_MOTION, "F_hat": _task("N", "N.m"), **_VIRTUAL, **_SATURATED},
             optional=frozenset(_SATURATED),
         ),
         _role(
@@ -46,12 +52,12 @@ ROLES: Mapping[str, Role] = {
             expected=_SATURATED,
             inputs={"tau_cmd": Signal("N.m", JOINT)},
         ),
-        _role("sensor", "F_hat", {"F_hat": Signal("N", PLANE)}, inputs={"F_ext": Signal("N", PLANE)}),
+        _role("sensor", "F_hat", {"F_hat": _task("N", "N.m")}, inputs={"F_ext": _task("N", "N.m")}),
         _role("trajectory", "x_v", _VIRTUAL),
         _role(
             "plant",
             "q",
-            {**_MOTION, "x": Signal("m", PLANE), "dx": Signal("m/s", PLANE), "F_ext": Signal("N", PLANE)},
+            {**_MOTION, "x": _task("m", "rad"), "dx": _task("m/s", "rad/s"), "F_ext": _task("N", "N.m")},
             expected={"gap": Signal("m", SCALAR), "penetration": Signal("m", SCALAR)},
             inputs={"tau": Signal("N.m", JOINT)},
             sampled=False,

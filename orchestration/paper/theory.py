@@ -7,7 +7,7 @@ import casadi as ca
 import numpy as np
 
 from fmus.control.impedance import (
-    ArmModel,
+    ArmEstimate,
     Measured,
     target_acceleration,
     torque_mobility,
@@ -15,8 +15,9 @@ from fmus.control.impedance import (
     torque_resolved,
 )
 from fmus.control.tirt import Impedance
-from fmus.mechanics.algebra import solve_2x2, solve_spd
+from fmus.mechanics.algebra import solve_spd, solve_square
 from fmus.mechanics.planar_arm import PlanarArm
+from fmus.mechanics.planar_model import PlanarArmModel
 from orchestration.paper.numbers import SEMI_AXIS, WALL_OFFSET
 
 N_STATES = 1000
@@ -48,7 +49,7 @@ def skew_residual() -> float:
     q, dq, m, l = (ca.SX.sym(name, 2) for name in ("q", "dq", "m", "l"))
     J, dJ = arm.jacobian(q, l), arm.jacobian_rate(q, dq, l)
     H, C = arm.inertia(q, m, l), arm.coriolis(q, dq, m, l)
-    inverse = solve_2x2(J, ca.SX.eye(2))
+    inverse = solve_square(J, ca.SX.eye(2))
     H_x = ca.mtimes([inverse.T, H, inverse])
     C_x = ca.mtimes([inverse.T, C - ca.mtimes([H, inverse, dJ]), inverse])
     rate = ca.reshape(ca.jtimes(ca.vec(H_x), q, dq), 2, 2)
@@ -86,7 +87,7 @@ def _problem(n: int, law) -> tuple[ca.Function, list[np.ndarray]]:
     states = _states(n)
     symbols = {name: ca.SX.sym(name, values.shape[0]) for name, values in states.items()}
     p = ca.vertcat(symbols["m"], symbols["friction"])
-    model = ArmModel(PlanarArm(n), p, symbols["l"], ca.SX(9.81), ca.SX(1e-2))
+    model = ArmEstimate(PlanarArmModel(PlanarArm(n), symbols["l"], ca.SX(9.81), ca.SX(1e-2)), p)
     measured = Measured(symbols["q"], symbols["dq"], symbols["F_hat"])
     virtual = tuple(ca.vertsplit(symbols["virtual"], 2))
     impedance = Impedance(*ca.vertsplit(symbols["impedance"], 2))
@@ -104,12 +105,12 @@ def _torques(n: int, laws) -> np.ndarray:
     return np.stack(values)
 
 
-def _acceleration_miss(measured: Measured, model: ArmModel, virtual, impedance: Impedance) -> ca.SX:
+def _acceleration_miss(measured: Measured, model: ArmEstimate, virtual, impedance: Impedance) -> ca.SX:
     q, dq, F = measured.q, measured.dq, measured.F_hat
-    J, dJ = model.arm.jacobian(q, model.l), model.arm.jacobian_rate(q, dq, model.l)
+    J, dJ = model.arm.jacobian(q), model.arm.jacobian_rate(q, dq)
     tau = torque_mobility(measured, model, virtual, impedance)
     ddq = solve_spd(model.inertia(q), tau - model.bias(q, dq) - ca.mtimes(J.T, F))
     ddx = ca.mtimes(J, ddq) + ca.mtimes(dJ, dq)
-    x, dx = model.arm.forward_kinematics(q, model.l), ca.mtimes(J, dq)
+    x, dx = model.arm.forward_kinematics(q), ca.mtimes(J, dq)
     demand = target_acceleration(x, dx, virtual, F, impedance)
     return ca.norm_2(ddx - demand) / ca.norm_2(demand)

@@ -32,7 +32,7 @@ END = 2.0**-5  # s, after both contacts
 @pytest.fixture(scope="module")
 def corner(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The FMU `PlantCorner`."""
-    return build(plant(2, "PlantCorner", walls=2), tmp_path_factory.mktemp("corner"))
+    return build(plant(name="PlantCorner", walls=2), tmp_path_factory.mktemp("corner"))
 
 
 def corner_start(throw: CornerThrow) -> dict[str, float]:

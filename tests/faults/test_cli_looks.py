@@ -73,8 +73,8 @@ def test_info_of_an_fmu(adaptimp: Command, fmu_folder: Path) -> None:
     assert outcome.out.startswith("HoganImpedance: FMI 2.0 FMU for co-simulation\n")
     lines = [" ".join(line.split()) for line in outcome.out.splitlines()]
     assert "K[2] N/m 4000 Target stiffness" in lines
-    assert "q[2] rad -0.722734, 1.44547 Joint angle" in lines
-    assert "tau_cmd[2] N.m Commanded joint torque" in lines
+    assert "q[2] rad -0.722734, 1.44547 Angle of joint" in lines
+    assert "tau_cmd[2] N.m Commanded torque of joint" in lines
     assert "p_hat[3] N.m.s/rad Estimated viscous friction of joint 1" in lines  # units and texts differ
     assert "default experiment start 0 s, stop 2 s, step 0.0001 s" in lines
     by_name = json.loads(adaptimp("info", "HoganImpedance", "--json").out)

@@ -1,17 +1,18 @@
 """The equations of a model, as declared in fmus/, evaluated at many samples: no FMU, no time stepping."""
 
+from collections.abc import Callable
 from functools import cache
 
 import casadi as ca
 import numpy as np
 
-from adaptimp_fmu import ContinuousModel
+from adaptimp_fmu import ContinuousModel, Model, SampledModel
 from adaptimp_fmu.variables import Role
-from fmus.catalog import MODELS
+from fmus.catalog import model as declared
 
 
 def outputs(identifier: str, **columns: np.ndarray) -> dict[str, np.ndarray]:
-    """Outputs of a model at given states, inputs and parameters.
+    """Outputs of a model of the catalog at given states, inputs and parameters.
 
     Parameters
     ----------
@@ -22,9 +23,20 @@ def outputs(identifier: str, **columns: np.ndarray) -> dict[str, np.ndarray]:
     Returns
     -------
     dict
-        By name, shape (size, k).
+        By name, shape (size, k); states of a sampled model after the tick as ``NAME_next``.
     """
-    function, starts = _function(identifier)
+    return _values(*_function(identifier), columns)
+
+
+def outputs_of(declare: Callable[[], Model], **columns: np.ndarray) -> dict[str, np.ndarray]:
+    """Outputs of a model that a function declares, as `outputs` gives those of the catalog."""
+    return _values(*_as_function(declare()), columns)
+
+
+def _values(
+    function: ca.Function, starts: dict[str, np.ndarray], columns: dict[str, np.ndarray]
+) -> dict[str, np.ndarray]:
+    """What a function gives at every sample."""
     size = max(values.shape[1] for values in columns.values())
     given = {name: np.tile(values[:, None], size) for name, values in starts.items()} | columns
     values = function.map(size)(*(given[name] for name in function.name_in()))
@@ -34,8 +46,12 @@ def outputs(identifier: str, **columns: np.ndarray) -> dict[str, np.ndarray]:
 
 @cache
 def _function(identifier: str) -> tuple[ca.Function, dict[str, np.ndarray]]:
+    """The map of a model of the catalog to all outputs, and start values."""
+    return _as_function(declared(identifier))
+
+
+def _as_function(model: Model) -> tuple[ca.Function, dict[str, np.ndarray]]:
     """The map to all outputs, and the start values of inputs and parameters."""
-    model = MODELS[identifier]()
     parameters = [variable for variable in model.variables if variable.role.is_parameter]
     inputs, shown = model.with_role(Role.INPUT), model.with_role(Role.OUTPUT)
     symbols = dict(zip(_names(parameters), model.parameter_symbols, strict=True))
@@ -48,6 +64,8 @@ def _function(identifier: str) -> tuple[ca.Function, dict[str, np.ndarray]]:
     if isinstance(model, ContinuousModel):
         symbols |= {f"mode_{event.name}": event.mode for event in model.events}
     values = dict(zip(_names(shown), model.output_values, strict=True))
+    if isinstance(model, SampledModel):
+        values |= {f"{state.name}_next": state.evolution for state in model.states if state.evolution is not None}
     result = {f"{name}_out" if name in symbols else name: value for name, value in values.items()}
     return ca.Function("unit", list(symbols.values()), list(result.values()), list(symbols), list(result)), starts
 

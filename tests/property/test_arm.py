@@ -5,8 +5,11 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fmus.mechanics.arm import Arm
+from adaptimp_fmu import SampledModel
+from fmus.mechanics.arm import ArmModel
 from fmus.mechanics.planar_arm import PlanarArm
+from fmus.robots.planar_robot import PlanarRobot
+from tests.property.chains import Chains
 from tests.property.samples import EPS, evaluate, random_arms
 
 SIZE = 500
@@ -29,18 +32,29 @@ def rate(matrix: ca.SX, q: ca.SX, dq: ca.SX) -> ca.SX:
     return ca.reshape(ca.jtimes(ca.vec(matrix), q, dq), *matrix.shape)
 
 
-@pytest.mark.parametrize("n", [2, 3])
-def test_equations_have_the_shapes_of_the_arm_s_protocol(n: int) -> None:
-    arm: Arm = PlanarArm(n)
-    k = arm.task_size
-    shapes = {
-        **{"forward_kinematics": (k, 1), "jacobian": (k, n), "jacobian_rate": (k, n), "inertia": (n, n)},
-        **{"coriolis": (n, n), "gravity_torque": (n, 1), "friction_torque": (n, 1), "inverse_dynamics": (n, 1)},
-        "regressor": (n, 3 * n),
+@pytest.mark.parametrize("robot", [PlanarRobot(), PlanarRobot(3), PlanarRobot(3, pose=True)])
+def test_equations_have_the_shapes_of_the_protocol(robot: PlanarRobot) -> None:
+    model = SampledModel("Shapes", "A model for its parameters")
+    arm: ArmModel = robot.declare_known(model)
+    n, m, r = arm.n, arm.task.size, len(arm.parameters)
+    q, dq, v, a, p = (ca.SX.sym("value", size) for size in (n, n, n, n, r))
+    found = {
+        "forward_kinematics": (arm.forward_kinematics(q), (m, 1)),
+        "jacobian": (arm.jacobian(q), (m, n)),
+        "jacobian_rate": (arm.jacobian_rate(q, dq), (m, n)),
+        "inertia": (arm.inertia(q, p), (n, n)),
+        "bias": (arm.bias(q, dq, p), (n, 1)),
+        "inverse_dynamics": (arm.inverse_dynamics(q, dq, v, a, p), (n, 1)),
+        "regressor": (arm.regressor(q, dq, v, a), (n, r)),
+        "demands": (arm.demands(q)[0].value, (1, 1)),
     }
-    assert shapes.keys() == Arm.__annotations__.keys()
-    assert {name: getattr(arm, name).size_out(0) for name in shapes} == shapes
-    assert [part.numel() for part in arm.split(ca.SX.sym("p", 3 * n))] == [n, n, n]
+    methods = {name for name, member in vars(ArmModel).items() if callable(member) and not name.startswith("_")}
+    assert found.keys() == methods
+    assert {name: value.shape for name, (value, _) in found.items()} == {
+        name: size for name, (_, size) in found.items()
+    }
+    assert len(robot.p_start) == len(robot.uncertain) == r
+    assert [len(values) for values in (robot.start.q, robot.start.x_v)] == [n, m]
 
 
 def test_two_joints_have_the_paper_s_closed_forms() -> None:
@@ -101,10 +115,11 @@ def test_inertia_rate_minus_twice_coriolis_is_skew(n: int) -> None:
     close(N, -N.transpose(0, 2, 1))
 
 
-def test_tip_space_inertia_rate_minus_twice_coriolis_is_skew() -> None:
+@pytest.mark.parametrize("arm", [PlanarArm(2), PlanarArm(3, pose=True)])
+def test_tip_space_inertia_rate_minus_twice_coriolis_is_skew(arm: PlanarArm) -> None:
     """C18: H_x = J^-T H J^-1, C_x = J^-T (C - H J^-1 dJ) J^-1."""
-    arm, s = PlanarArm(2), random_arms(2, SIZE, seed=5, regular=True)
-    q, dq, m, l = (ca.SX.sym(name, 2) for name in ("q", "dq", "m", "l"))
+    s = random_arms(arm.n, SIZE, seed=5, regular=True)
+    q, dq, m, l = (ca.SX.sym(name, arm.n) for name in ("q", "dq", "m", "l"))
     inverse, H = ca.inv(arm.jacobian(q, l)), arm.inertia(q, m, l)
     H_x = ca.mtimes([inverse.T, H, inverse])
     dJ = arm.jacobian_rate(q, dq, l)
@@ -118,6 +133,21 @@ def test_tip_space_inertia_rate_minus_twice_coriolis_is_skew() -> None:
     miss = np.abs(N + N.transpose(0, 2, 1)).max(axis=(1, 2))
     assert np.median(np.linalg.norm(N, axis=(1, 2))) > 1
     assert (miss <= ROUNDING * np.linalg.cond(J) ** 3 * size).all()
+
+
+@pytest.mark.parametrize("n", [3, 4])
+def test_an_arm_with_an_angle_as_task_moves_as_its_links_do(n: int) -> None:
+    arm, s = PlanarArm(n, pose=True), random_arms(n, SIZE, seed=8)
+    chains = Chains(s.q.T, s.dq.T, s.l.T, s.gravity[0], s.coulomb_velocity[0])
+    close(evaluate(arm.forward_kinematics, s.q, s.l)[..., 0], chains.x)
+    close(evaluate(arm.jacobian, s.q, s.l), chains.J)
+    close(evaluate(arm.jacobian_rate, s.q, s.dq, s.l), chains.dJ)
+    close(evaluate(arm.inertia, s.q, s.m, s.l), chains.H(s.p.T))
+    close(evaluate(arm.coriolis, s.q, s.dq, s.m, s.l), chains.C(s.p.T))
+    a = np.zeros((n, SIZE))
+    given = (s.p, s.l, s.gravity, s.coulomb_velocity)
+    rest = evaluate(arm.inverse_dynamics, s.q, s.dq, a, a, *given)[..., 0]
+    close(rest, chains.rest(s.p.T))
 
 
 @pytest.mark.parametrize("n", [2, 3, 4])

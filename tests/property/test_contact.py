@@ -130,6 +130,37 @@ def test_the_gap_is_the_depth_and_components_make_up_the_vector(angle: float, de
     np.testing.assert_allclose(components, [0.7 + depth, along], rtol=0, atol=20 * EPS)
 
 
+def test_a_wall_in_space_is_that_of_the_plane_for_motions_in_a_plane_of_space() -> None:
+    """The plane of the normal and of the sliding, turned anyhow in space: the same force, turned."""
+    rng = np.random.default_rng(3)
+    for _ in range(200):
+        angle, depth, D_f, mu = rng.uniform([0, -0.01, 0, 0], [2 * math.pi, 0.02, 2, 1])
+        v, slide = rng.uniform(-2, 2, 2)
+        flat = Tip(angle, depth, (v, slide), D_f, mu)
+        axes = np.linalg.qr(rng.normal(size=(3, 3)))[0][:, :2]
+        values = (axes @ flat.n, 0.7, K_F, D_f, mu, 1e-2)
+        wall = Wall(*(ca.SX(value) for value in values))
+        x, dx = ca.SX(axes @ flat.x), ca.SX(axes @ flat.dx)
+        modes = ca.SX(flat.gap > 0), ca.SX(flat.factor > 0)
+        F = np.array(ca.DM(wall.force(x, dx, *modes))).ravel()
+        np.testing.assert_allclose(F, axes @ flat.F, rtol=0, atol=10 * flat.rounding)
+
+
+def test_friction_in_space_is_zero_at_rest_and_without_a_coefficient() -> None:
+    normal = ca.SX(np.array([0.0, 0.0, -1.0]))
+    touching, x = ca.SX(1), ca.SX(np.array([0.3, 0.1, -0.71]))
+    for mu, dx in ((0.5, [0.0, 0.0, 0.0]), (0.0, [1.0, 2.0, 0.0])):
+        wall = Wall(normal, *(ca.SX(value) for value in (0.7, K_F, 0.0, mu, 1e-2)))
+        F = np.array(ca.DM(wall.force(x, ca.SX(np.array(dx)), touching, touching))).ravel()
+        np.testing.assert_allclose(F, [0, 0, -K_F * 0.01], rtol=0, atol=100 * EPS * K_F)
+
+
+def test_a_declared_half_space_in_space_has_three_components() -> None:
+    model = SampledModel("Walled", "Has a wall")
+    assert declare_half_space(model, size=3).normal.shape == (3, 1)
+    assert [v.start for v in model.variables if v.name.startswith("wall_normal")] == [-1.0, 0.0, 0.0]
+
+
 def test_a_declared_half_space_demands_a_unit_normal() -> None:
     model = SampledModel("Walled", "Has a wall")
     half_space = declare_half_space(model)

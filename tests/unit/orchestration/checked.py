@@ -54,7 +54,7 @@ def check(
     role: str | None = None,
     *,
     mapping: Mapping[str, str] | None = None,
-    loop: Callable[[int], Loop | None] | None = None,
+    loop: Callable[[int, int], Loop | None] | None = None,
     timeout: float = TIMEOUT,
 ) -> Report:
     """A check with the paper's roles and, if it is given, a loop, as the command line makes it."""

@@ -8,7 +8,9 @@ import pytest
 
 from orchestration.check import Report, Severity
 from orchestration.check.findings import ROLE
-from orchestration.check.interface import UNITS
+from orchestration.check.interface import UNITS, interface_is_kept
+from orchestration.check.static.archive_rules import open_package
+from orchestration.paper.built_fmus import built
 from orchestration.paper.closed_loop import LOOP, Loop, judge
 from orchestration.paper.ride import Ride
 from orchestration.paper.roles import ROLES
@@ -132,6 +134,35 @@ def test_every_unit_in_every_role(fmu_folder: Path, unit: str, role: str) -> Non
         assert other == role or any(other in f.message for f in report.findings if f.rule == ROLE)
 
 
+POSES = {
+    "sensor": ("ForceSensorPose", "F_ext[3]", "N.m"),
+    "trajectory": ("VirtualTrajectoryPose", "dx_v[3]", "rad/s"),
+    "controller": ("HoganImpedance3RPose", "x_v[3]", "rad"),
+    "plant": ("Plant3RPose", "x[3]", "rad"),
+}
+"""FMUs of a task with an angle by role; of each an element of the angle with its unit."""
+
+
+@pytest.mark.parametrize("role", POSES)
+def test_an_fmu_has_the_angle_of_the_tip_in_all_its_signals_or_in_none(tmp_path: Path, role: str) -> None:
+    name, element, unit = POSES[role]
+    base = element.partition("[")[0]
+
+    def found(edit: Edit | None) -> list[str]:
+        path = built(name) if edit is None else edited(built(name), tmp_path, edit)
+        return [f"{f.severity}: {f.message}" for f in interface_is_kept(open_package(path).document, ROLES[role])]
+
+    def in_another_unit(xml: str) -> str:
+        before, after = xml[: xml.index(f'name="{element}"')], xml[xml.index(f'name="{element}"') :]
+        return before + after.replace(f'unit="{unit}"', 'unit="1/s"', 1)
+
+    assert found(None) == []
+    assert any(re.search(rf"{base}\[3\] of the {role} has the unit 1/s", text) for text in found(in_another_unit))
+    if role == "sensor":  # its other signal still has a moment
+        renamed = found(lambda xml: xml.replace('name="F_hat[3]"', 'name="other"'))
+        assert renamed == [f"{ERROR}: The output F_hat[3] in N.m of the sensor is missing."]
+
+
 def test_no_role_is_guessed_without_its_output(fmu_folder: Path, tmp_path: Path) -> None:
     def without(xml: str) -> str:
         return xml.replace('name="tau_cmd[', 'name="torque[')
@@ -158,10 +189,10 @@ def test_other_names_are_mapped(fmu_folder: Path, tmp_path: Path, fig2: System) 
     """The torques are a thousandth of what the loop needs: the tip is left behind."""
     path = foreign(fmu_folder, tmp_path)
     assert check(path).role is None
-    report = check(path, mapping={**FOREIGN, "Gamma": "q"}, loop=lambda _: Loop(fig2, (500.0, 300.0)))
+    report = check(path, mapping={**FOREIGN, "Gamma": "q"}, loop=lambda *_: Loop(fig2, (500.0, 300.0)))
     assert report.role == "controller"
     assert_found(report, ROLE, ERROR, "There is no variable q, which should be the Gamma")
-    report = check(path, mapping=FOREIGN, loop=lambda _: Loop(fig2, (500.0, 300.0)))
+    report = check(path, mapping=FOREIGN, loop=lambda *_: Loop(fig2, (500.0, 300.0)))
     assert_found(report, ROLE, NOTE, r"tau_cmd\[2\] of the controller is in N.mm")
     assert_found(report, LOOP, ERROR, r"The tip misses the virtual trajectory by [\d.]+ m .*: the loop diverges")
     assert not [f for f in report.findings if "limit" in f.message], "limits are in N.m"
@@ -171,7 +202,7 @@ def test_other_names_are_mapped(fmu_folder: Path, tmp_path: Path, fig2: System) 
 def test_names_that_only_others_have_are_no_obstacle(fmu_folder: Path, fig2: System) -> None:
     """A mapping for Fig. 5 names gains that the controller of this loop lacks."""
     mapping = {"Gamma": "p_hat"}
-    report = check(fmu_folder / "HoganImpedance.fmu", mapping=mapping, loop=lambda _: Loop(fig2, (500.0, 300.0)))
+    report = check(fmu_folder / "HoganImpedance.fmu", mapping=mapping, loop=lambda *_: Loop(fig2, (500.0, 300.0)))
     assert not report.failed
     assert_found(report, LOOP, NOTE, "Mapping Gamma=p_hat: the loop's own controller has no Gamma")
     assert report.facts[-1].startswith("Closed loop")
@@ -184,7 +215,7 @@ def looped(
     mapping: Mapping[str, str] | None = None,
 ) -> Report:
     """A report with the closed loop."""
-    return check(path, mapping=mapping, loop=lambda joints: Loop(system, limits) if joints == 2 else None)
+    return check(path, mapping=mapping, loop=lambda joints, _: Loop(system, limits) if joints == 2 else None)
 
 
 def test_a_controller_in_the_loop(fmu_folder: Path, fig2: System) -> None:
