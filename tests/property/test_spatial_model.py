@@ -8,6 +8,8 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from adaptimp_fmu.units import base_exponents
+from fmus.control.impedance import ArmEstimate, Measured, torque_mobility, torque_operational, torque_resolved
+from fmus.control.tirt import Impedance
 from fmus.mechanics.arm import ArmModel
 from fmus.mechanics.rigid_body import RobotError
 from fmus.mechanics.spatial_arm import SpatialArm
@@ -124,3 +126,32 @@ def test_an_arm_with_too_few_joints_is_refused() -> None:
         "Robot planar 3R: position and orientation of the tip are 6 task coordinates, but the arm has 3 joints; use "
         "an arm of at least 6 joints, or hold fewer joints."
     )
+
+
+FORMS = (torque_operational, torque_mobility, torque_resolved)
+
+
+def test_three_forms_of_the_impedance_law_agree_for_six_coordinates() -> None:
+    """Eqs. (4) to (7) for the PUMA, with one impedance for positions and one for angles."""
+    model = arm("PUMA")
+    q, dq, *_ = symbols(6)
+    F, p, x_v, dx_v, ddx_v = (ca.SX.sym(name, k) for name, k in (("F", 6), ("p", 78), ("x", 6), ("d", 6), ("dd", 6)))
+    diagonals = [[m] * 3 + [i] * 3 for m, i in ((10.0, 0.3), (200.0, 4.0), (1000.0, 20.0))]
+    impedance = Impedance(*(ca.SX(ca.DM(diagonal)) for diagonal in diagonals))
+    measured, estimate = Measured(q, dq, F), ArmEstimate(model, p)
+    torques = [form(measured, estimate, (x_v, dx_v, ddx_v), impedance) for form in FORMS]
+    rng = np.random.default_rng(18)
+    columns = [*states(6)[:2], rng.normal(0, 20, (6, STATES)), np.tile(chain("PUMA").p[:, None], STATES)]
+    columns += [rng.normal(0, 0.3, (6, STATES)) for _ in range(3)]
+    J = values([q], model.jacobian(q), columns[0])
+    H = values([q, p], model.inertia(q, p), columns[0], columns[3])
+    # The inverse of J enters twice, that of H once, and errors hardly add up. Seen: 0.008 of this bound, 4e-13 at most.
+    conditions = np.linalg.cond(J) ** 2 * np.linalg.cond(H)
+    regular = conditions < 1e6
+    assert regular.sum() > STATES / 3
+    found = [values([q, dq, F, p, x_v, dx_v, ddx_v], torque, *columns)[regular, :, 0] for torque in torques]
+    scale = np.abs(found[0]).max(axis=1)
+    for other in found[1:]:
+        errors = np.abs(other - found[0]).max(axis=1) / scale
+        assert np.all(errors <= EPS * conditions[regular])
+        assert errors.max() < 1e-10
