@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from adaptimp_fmu.continuous_model import ContinuousModel
     from adaptimp_fmu.documentation import present
     from adaptimp_fmu.errors import DefinitionError, ToolchainError
+    from adaptimp_fmu.guide import Drawing, Formula, Formulas, Guide, Signal
     from adaptimp_fmu.icon import Icon, Stroke
     from adaptimp_fmu.metadata import Experiment, Ownership
     from adaptimp_fmu.model import ANY, NOT_NEGATIVE, POSITIVE, Limits, Model
@@ -28,7 +29,11 @@ _HOME = {
     "POSITIVE": "model",
     "ContinuousModel": "continuous_model",
     "DefinitionError": "errors",
+    "Drawing": "guide",
     "Experiment": "metadata",
+    "Formula": "guide",
+    "Formulas": "guide",
+    "Guide": "guide",
     "Icon": "icon",
     "Limits": "model",
     "Model": "model",
@@ -38,6 +43,7 @@ _HOME = {
     "ReferenceRun": "references",
     "Role": "variables",
     "SampledModel": "sampled_model",
+    "Signal": "guide",
     "Stroke": "icon",
     "Terminal": "terminals",
     "ToolchainError": "errors",
@@ -58,7 +64,11 @@ __all__ = [
     "POSITIVE",
     "ContinuousModel",
     "DefinitionError",
+    "Drawing",
     "Experiment",
+    "Formula",
+    "Formulas",
+    "Guide",
     "Icon",
     "Limits",
     "Model",
@@ -68,6 +78,7 @@ __all__ = [
     "ReferenceRun",
     "Role",
     "SampledModel",
+    "Signal",
     "Stroke",
     "Terminal",
     "ToolchainError",

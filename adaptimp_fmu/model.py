@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 import casadi as ca
 
 from adaptimp_fmu.errors import DefinitionError
+from adaptimp_fmu.guide import Guide
 from adaptimp_fmu.icon import Icon
 from adaptimp_fmu.metadata import Experiment, Ownership
 from adaptimp_fmu.names import suggestion
@@ -99,6 +100,8 @@ class Model:
     ----------
     documentation
         Texts with the equations by title, for the documentation in the FMU.
+    guide
+        Formulas, drawings, partners and topics for the documentation; by default none.
     icon
         The FMU's picture.
     ownership
@@ -135,6 +138,7 @@ class Model:
     checks: list[Check] = field(default_factory=list)
     time: ca.SX = field(default_factory=lambda: ca.SX.sym("t"))
     documentation: Mapping[str, str] = field(default_factory=dict)
+    guide: Guide = field(default_factory=Guide)
     icon: Icon = field(default_factory=Icon)
     ownership: Ownership = field(default_factory=Ownership)
     experiment: Experiment = field(default_factory=Experiment)

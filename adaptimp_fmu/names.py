@@ -1,8 +1,10 @@
-"""Names that a wrong name may have meant, for messages."""
+"""Names that a wrong name may have meant, and what texts have in common."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from difflib import get_close_matches
+from itertools import takewhile
 
+_LEADING_ON = ("along", "at", "between", "for", "from", "in", "of", "the", "to")
 MOST_NEAR = 3
 """How many near names a message shows."""
 
@@ -20,3 +22,14 @@ def suggestion(name: str, known: Iterable[str]) -> str:
     shown = list(by_lower.values())[: 2 * MOST_NEAR]
     more = len(by_lower) - len(shown)
     return f"there are {', '.join(shown)}{f' and {more} more' if more else ''}."
+
+
+def common_beginning(texts: Sequence[str]) -> str:
+    """What texts about the elements of an array begin with, in whole words; empty if they begin differently."""
+    if len(set(texts)) == 1:
+        return texts[0]
+    places = zip(*(text.split() for text in texts), strict=False)
+    shared = [words[0] for words in takewhile(lambda words: len(set(words)) == 1, places)]
+    while shared and shared[-1].lower() in _LEADING_ON:
+        shared.pop()
+    return " ".join(shared).rstrip(" ,;([")

@@ -9,18 +9,36 @@ Lag and rate limit are off by default: tau is the target. The first tick starts 
 
 import casadi as ca
 
-from adaptimp_fmu import NOT_NEGATIVE, POSITIVE, SampledModel, Type
+from adaptimp_fmu import NOT_NEGATIVE, POSITIVE, Formula, Formulas, SampledModel, Type
 from fmus import icons
+from fmus.drawings.characteristics import saturation
+from fmus.drawings.loop import ACTUATOR
 from fmus.elements import of_joints
 from fmus.project import group_signals, publish
 
 OFF = 1e9  # N.m or N.m/s, a limit that is none
 
 
+FORMULAS = Formulas(
+    "Torque at tick k",
+    [
+        Formula(
+            r"\bar{\tau} = \max(-\tau_{\text{max}}, \; \min(\tau_{\text{max}}, \; \tau_{\text{cmd}}))",
+            "The target is the command within the limits of the torque.",
+        ),
+        Formula(
+            r"\tau_k = \tau_{k-1} + \mathrm{sat}_{\dot{\tau}_{\text{max}} T_s}"
+            r"\left( (1 - e^{-T_s / T})(\bar{\tau} - \tau_{k-1}) \right)",
+            "A lag with the time constant T and a limit of the rate follow; sat limits the change per tick.",
+        ),
+    ],
+)
+
+
 def actuator(n: int = 2, name: str = "Actuator") -> SampledModel:
     """Declare the model of the actuators of n joints; they are ideal by default."""
     model = SampledModel(name, "Joint actuators with torque limits")
-    publish(model, icons.saturation(n), __name__, "fmus")
+    publish(model, icons.saturation(n), ACTUATOR, [saturation()], __name__, "fmus")
     tau_cmd = model.input("tau_cmd", [0.0] * n, unit="N.m", description=of_joints("Commanded torque", n))
     tau_max = model.parameter(
         "tau_max",

@@ -15,18 +15,36 @@ theory does not say where to. Projection with p_min > 0 excludes both.
 
 import casadi as ca
 
-from adaptimp_fmu import SampledModel
+from adaptimp_fmu import Formula, Formulas, SampledModel
 from fmus import icons
 from fmus.control.adaptation import declare_adaptation
-from fmus.control.controller import EQUATIONS, declare_controller, require_square
+from fmus.control.controller import EQUATIONS, declare_controller, drawings, require_square
 from fmus.control.impedance import resolved_torque, target_acceleration
 from fmus.control.noise_rejection import declare_noise_rejection, declare_outputs
+from fmus.drawings.loop import CONTROLLER
 from fmus.mechanics.algebra import solve_spd, solve_square
 from fmus.project import publish
 from fmus.robots.robot import Robot
 
 GAIN = 5.0  # kg2.s2/m2, assumed: of the unknown payload's mass
 GAIN_UNIT = "s2/m2"  # of Gamma, beside the units of its two parameters
+
+
+FORMULAS = Formulas(
+    "Algorithm 1 as Craig has it",
+    [
+        Formula(
+            r"\tau = \hat{H} \ddot{q}^{*} + \hat{C} \dot{q} + \hat{g} + \hat{f} + J^{T} (\hat{F} + F_c)",
+            "The law of impedance control with estimates in the place of the arm's parameters.",
+            "8",
+        ),
+        Formula(
+            r"\frac{d\hat{p}}{dt} = -\Gamma\,W_c^{T} \hat{H}_x^{-1} e^{*}",
+            "The estimates follow the augmented error.",
+            "19",
+        ),
+    ],
+)
 
 
 def craig_adaptive_impedance(
@@ -41,6 +59,8 @@ def craig_adaptive_impedance(
     publish(
         controller.model,
         icons.adaptive_impedance(1),
+        CONTROLLER,
+        drawings(controller.robot),
         __name__,
         "fmus.control.noise_rejection",
         "fmus.control.adaptation",

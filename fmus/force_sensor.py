@@ -28,8 +28,10 @@ from functools import reduce
 
 import casadi as ca
 
-from adaptimp_fmu import NOT_NEGATIVE, POSITIVE, SampledModel, Type
+from adaptimp_fmu import NOT_NEGATIVE, POSITIVE, Formula, Formulas, SampledModel, Type
 from fmus import icons
+from fmus.drawings.characteristics import sensor
+from fmus.drawings.loop import SENSOR
 from fmus.elements import of_task
 from fmus.mechanics.task import Metric, Task
 from fmus.metric import declare_metric
@@ -39,6 +41,24 @@ from fmus.sensor_failure import declare_failure
 OFF = 1e9  # N, a range that limits nothing
 DIGITS = 2.0**26
 ROUNDING = 1e-9  # relative, by which a multiple of the sampling period may be off
+
+
+FORMULAS = Formulas(
+    "Measurement at tick k",
+    [
+        Formula(
+            r"\hat{F} = F_{\text{ext}} + b + \varepsilon, \quad \|\varepsilon\| \le \delta",
+            "The reading is the force with a bias b and an error that never exceeds delta, the noise_bound.",
+            "21",
+        ),
+        Formula(
+            r"\varepsilon = r\,(\cos 2\pi u_1, \; \sin 2\pi u_1)^{T}, \quad"
+            r" r = \sigma \sqrt{-2 \ln\left( 1 - u_0 (1 - e^{-\delta^2 / 2\sigma^2}) \right)}",
+            "The error has the density of a normal distribution with noise_std, cut at delta. The numbers u0 and u1"
+            " are uniform, and follow from seed and tick.",
+        ),
+    ],
+)
 
 
 def force_sensor(name: str = "ForceSensor", task: Task | None = None, *, failing: bool = False) -> SampledModel:
@@ -54,7 +74,8 @@ def force_sensor(name: str = "ForceSensor", task: Task | None = None, *, failing
     task = task or Task()
     what = "force and moment sensor" if task.angles else "force sensor"
     model = SampledModel(name, f"Wrist {what} with bounded noise{' and a failure' if failing else ''}")
-    publish(model, icons.sensor(), __name__, *(["fmus.sensor_failure"] if failing else []), "fmus")
+    failure_modules = ["fmus.sensor_failure"] if failing else []
+    publish(model, icons.sensor(), SENSOR, [sensor()], __name__, *failure_modules, "fmus")
     units = task.each("N", "N.m")
     texts = of_task("Force of the tip on the wall", task, "Moment of the tip on the wall")
     F_ext = model.input("F_ext", [0.0] * task.size, unit=units, description=texts)

@@ -9,16 +9,29 @@ which leaves the null space undamped unless `null_damping` is set:
 The measured force is compensated and shaped; acceleration is not used.
 """
 
-from adaptimp_fmu import NOT_NEGATIVE, SampledModel
+from adaptimp_fmu import NOT_NEGATIVE, Formula, Formulas, SampledModel
 from fmus import icons
-from fmus.control.controller import EQUATIONS, declare_controller
+from fmus.control.controller import EQUATIONS, declare_controller, drawings
 from fmus.control.impedance import null_space_damping, torque_mobility, torque_resolved
+from fmus.drawings.loop import CONTROLLER
 from fmus.project import publish
 from fmus.robots.planar_robot import PlanarRobot
 from fmus.robots.robot import Robot
 
 RESOLVED, MOBILITY = "resolved", "mobility"
 """Forms of the law: (6) and (7), for square Jacobians only, and (5)."""
+
+
+FORMULAS = Formulas(
+    "Null space and mobility",
+    [
+        Formula(r"W = J H^{-1} J^{T}", "Form (5) of the law uses the mobility of the tip.", "5"),
+        Formula(
+            r"\tau \leftarrow \tau - d_n H (\dot{q} - H^{-1} J^{T} W^{-1} \dot{x})",
+            "Motion that leaves the tip still is damped by d_n, the null_damping, where there are over two joints.",
+        ),
+    ],
+)
 
 
 def hogan_impedance(
@@ -38,7 +51,8 @@ def hogan_impedance(
     text = "Conventional impedance control with fixed dynamic parameters"
     by_choice = form == MOBILITY and not redundant
     controller = declare_controller(name, f"{text}, form (5)" if by_choice else text, robot, full=full)
-    publish(controller.model, icons.impedance(robot.n), __name__, *EQUATIONS, *robot.modules, "fmus")
+    modules = (*EQUATIONS, *robot.modules, "fmus")
+    publish(controller.model, icons.impedance(robot.n), CONTROLLER, drawings(robot), __name__, *modules)
     estimate = controller.with_parameters(controller.p_start)
     if not redundant and not by_choice:
         law = torque_resolved

@@ -18,7 +18,8 @@ from operator import add
 
 import casadi as ca
 
-from adaptimp_fmu import NOT_NEGATIVE, POSITIVE, ContinuousModel, DefinitionError
+from adaptimp_fmu import NOT_NEGATIVE, POSITIVE, ContinuousModel, DefinitionError, Formula, Formulas
+from fmus.drawings.loop import PLANT
 from fmus.elements import ACCELERATION, ANGLE, LENGTH, RATE, along, of_joints, of_task
 from fmus.environment.contact import Wall
 from fmus.environment.half_space import declare_half_space, ordinal, suffix
@@ -30,6 +31,21 @@ from fmus.mechanics.task import Task
 from fmus.project import group_signals, publish
 from fmus.robots.planar_robot import PlanarRobot
 from fmus.robots.robot import Robot
+
+FORMULAS = Formulas(
+    "Motion of the arm",
+    [
+        Formula(
+            r"H(q)\,\ddot{q} + C(q, \dot{q})\,\dot{q} + g(q) + f(\dot{q}) = \tau - J(q)^{T} F_{\text{ext}}",
+            "The torques of the joints move the arm, and the contact force at the tip acts back.",
+            "1",
+        ),
+        Formula(
+            r"f_i = v_i\,\dot{q}_i + c_i\,\tanh\frac{\dot{q}_i}{\omega_c}",
+            "Friction of joint i has the coefficients v (viscous) and c (coulomb), and the width coulomb_velocity.",
+        ),
+    ],
+)
 
 
 def plant(robot: Robot | None = None, name: str = "Plant", walls: int = 1, *, wrist: bool = False) -> ContinuousModel:
@@ -44,10 +60,13 @@ def plant(robot: Robot | None = None, name: str = "Plant", walls: int = 1, *, wr
     """
     robot = robot or PlanarRobot()
     place = {1: "against a compliant wall", 2: "in a corner of two compliant walls"}[walls]
-    model = ContinuousModel(name, f"{robot.title} {place}")
+    aims = "; position and angle of its tip are the task" if robot.task.angles else ""
+    model = ContinuousModel(name, f"{robot.title} {place}{aims}")
     publish(
         model,
         robot.icon(corner=walls > 1),
+        PLANT,
+        [robot.drawing(walls)],
         __name__,
         *robot.modules,
         "fmus.environment.contact",

@@ -6,11 +6,26 @@ writes.
 """
 
 import csv
+from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
-from adaptimp_fmu import Experiment, Icon, Model, Ownership, ParameterSet, ReferenceRun, Role, present, runtime_license
+from adaptimp_fmu import (
+    Drawing,
+    Experiment,
+    Icon,
+    Model,
+    Ownership,
+    ParameterSet,
+    ReferenceRun,
+    Role,
+    present,
+    runtime_license,
+)
 from fmus import start
+from fmus.drawings.loop import loop, signals
 
+AUTHOR = "The adaptimp authors"
 VERSION = "1"
 STEP = 1e-4  # s, start of every sample_time and of the plant's dt_max
 REFERENCES = Path(__file__).parent / "reference"
@@ -23,19 +38,44 @@ TERMINALS = {
     "drive": ("tau",),  # of the joints
 }
 """Signals of each terminal. An FMU has those terminals of which it has a signal."""
+TOPICS = {
+    "Start": ("q_start", "dq_start", "p_start"),
+    "Arm": ("m", "l", "payload", "viscous", "coulomb", "coulomb_velocity", "gravity"),
+    "Wall": ("wall_normal", "wall_offset", "K_f", "D_f", "mu", "friction_velocity"),
+    "Second wall": ("wall_normal2", "wall_offset2", "K_f2", "D_f2", "mu2", "friction_velocity2"),
+    "Ellipse": ("semi_axis", "period", "depth", "height", "orientation"),
+    "Target impedance": ("M", "B", "K", "null_damping"),
+    "Adaptation": (
+        *("Gamma", "Psi", "K_d", "p_min", "p_max", "projection", "dead_zone", "freeze_when_saturated"),
+        *("update_divisor", "acc_filter_time"),
+    ),
+    "Noise": ("noise_std", "noise_bound", "noise_period", "contact_gated", "seed"),
+    "Rejection of noise": ("contact_threshold", "gamma_margin", "gamma_eps"),
+    "Bias, range and resolution": ("bias", "range", "resolution", "moment_range", "moment_resolution"),
+    "Norms of positions and angles": ("L",),
+    "Failure": ("failure", "failure_start", "failure_duration", "failure_force"),
+    "Limits of the torque": ("tau_max", "tau_rate_max", "time_constant"),
+    "Sampling and integration": ("sample_time", "dt_max"),
+}
+"""Parameters by topic, for all FMUs of this project; a page has the topics of which its FMU has a parameter."""
 EXPERIMENT = Experiment(start_time=0.0, stop_time=start.PERIOD, step_size=STEP)
 
 
-def publish(model: Model, icon: Icon, *modules: str) -> None:
+def publish(model: Model, icon: Icon, component: str, drawings: Sequence[Drawing], *modules: str) -> None:
     """Give a model of this project its icon, documentation, license, default experiment and references.
 
     Parameters
     ----------
+    component
+        Name of the component of the loop that the model is made for.
+    drawings
+        Drawings of what the model's variables mean.
     modules
         Names of the modules whose docstrings hold the equations, the model's own module first.
     """
     present(model, icon, *modules)
-    model.ownership = Ownership(version=VERSION, license="MIT", license_text=runtime_license())
+    model.guide = replace(model.guide, drawings=drawings, place=[loop(component)], signals=signals(), topics=TOPICS)
+    model.ownership = Ownership(author=AUTHOR, version=VERSION, license="MIT", license_text=runtime_license())
     model.experiment = EXPERIMENT
     folder = REFERENCES / model.name
     if (folder / f"{model.name}_ref.opt").exists():

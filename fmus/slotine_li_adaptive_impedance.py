@@ -20,12 +20,13 @@ and its adaptation remains that of (33) and (34), with dx_r.
 
 import casadi as ca
 
-from adaptimp_fmu import NOT_NEGATIVE, SampledModel
+from adaptimp_fmu import NOT_NEGATIVE, Formula, Formulas, SampledModel
 from fmus import icons
 from fmus.control.adaptation import declare_adaptation
-from fmus.control.controller import EQUATIONS, Controller, declare_controller, require_square
+from fmus.control.controller import EQUATIONS, Controller, declare_controller, drawings, require_square
 from fmus.control.gains import declare_gain, require_semidefinite
 from fmus.control.impedance import target_acceleration
+from fmus.drawings.loop import CONTROLLER
 from fmus.elements import of_axes, of_task
 from fmus.mechanics.algebra import solve_square, times
 from fmus.project import publish
@@ -33,6 +34,25 @@ from fmus.robots.robot import Robot
 
 GAIN = 4.0  # kg.s2/m2, assumed: of the unknown payload's mass
 GAIN_UNIT = "1/N.m"  # of Gamma, beside the units of its two parameters
+
+
+FORMULAS = Formulas(
+    "Algorithm 2",
+    [
+        Formula(
+            r"s = \dot{e} + \Psi e, \quad \dot{x}_r = \dot{x}_t - \Psi e, \quad \ddot{x}_r = \ddot{x}_t - \Psi \dot{e}",
+            "The augmented error, and the velocity and acceleration that lead back to the target.",
+            "30",
+        ),
+        Formula(
+            r"F = \hat{H}_x \ddot{x}_r + \hat{C}_x \dot{x}_r + \hat{g}_x + \hat{f}_x + \hat{F} - K_d s, \quad"
+            r" \tau = J^{T} F",
+            "The law needs no acceleration.",
+            "32",
+        ),
+        Formula(r"\frac{d\hat{p}}{dt} = -\Gamma\,W_s^{T} s", "The estimates follow the augmented error.", "33"),
+    ],
+)
 
 
 def slotine_li_adaptive_impedance(
@@ -57,6 +77,8 @@ def slotine_li_adaptive_impedance(
     publish(
         controller.model,
         icons.adaptive_impedance(2),
+        CONTROLLER,
+        drawings(controller.robot),
         __name__,
         "fmus.control.adaptation",
         *EQUATIONS,

@@ -18,16 +18,33 @@ while the adaptation uses ddq. H(p) + H(phi_hat) must stay positive definite: ch
 
 import casadi as ca
 
-from adaptimp_fmu import NOT_NEGATIVE, SampledModel
+from adaptimp_fmu import NOT_NEGATIVE, Formula, Formulas, SampledModel
 from fmus import icons
 from fmus.control.adaptation import declare_adaptation
-from fmus.control.controller import EQUATIONS, declare_controller, require_square
+from fmus.control.controller import EQUATIONS, declare_controller, drawings, require_square
 from fmus.control.impedance import resolved_torque, target_acceleration
 from fmus.control.noise_rejection import declare_noise_rejection, declare_outputs
 from fmus.craig_adaptive_impedance import GAIN, GAIN_UNIT
+from fmus.drawings.loop import CONTROLLER
 from fmus.mechanics.algebra import solve_spd, solve_square
 from fmus.project import publish
 from fmus.robots.robot import Robot
+
+FORMULAS = Formulas(
+    "Algorithm 1 with one fixed inverse",
+    [
+        Formula(
+            r"F = \hat{F} + C_0 \dot{x} + g_0 + f_0"
+            r" + H_0 \left\{ \ddot{x}_v - M^{-1} [\dots] + \delta a \right\} + F_c,"
+            r" \quad \delta a = -H_0^{-1} W_c \hat{\varphi}",
+            "The model has the parameters p_start (index 0); a correction stands for what differs from them.",
+        ),
+        Formula(
+            r"\frac{d\hat{\varphi}}{dt} = \Gamma\,W_c^{T} H_0^{-1} e^{*}, \quad \hat{p} = p_0 - \hat{\varphi}",
+            "The estimates follow the augmented error.",
+        ),
+    ],
+)
 
 
 def spong_ortega_adaptive_impedance(
@@ -47,6 +64,8 @@ def spong_ortega_adaptive_impedance(
     publish(
         controller.model,
         icons.adaptive_impedance(3),
+        CONTROLLER,
+        drawings(controller.robot),
         __name__,
         "fmus.craig_adaptive_impedance",
         "fmus.control.noise_rejection",

@@ -16,14 +16,32 @@ from collections.abc import Callable
 
 import casadi as ca
 
-from adaptimp_fmu import POSITIVE, SampledModel
+from adaptimp_fmu import POSITIVE, Formula, Formulas, SampledModel
 from fmus import icons, start
+from fmus.drawings.characteristics import cut_ellipse
+from fmus.drawings.loop import TRAJECTORY
 from fmus.elements import ANGLE, LENGTH, along, of_task
 from fmus.environment.half_space import HalfSpace, declare_half_space
 from fmus.mechanics.task import Task
 from fmus.project import group_signals, publish
 
 PARALLEL = 1e-6  # n1.n2 of two walls stays away from 1 and -1 by this much
+
+
+FORMULAS = Formulas(
+    "Virtual trajectory",
+    [
+        Formula(
+            r"x_v = \left( a \cos\frac{2\pi t}{T}, \; b \sin\frac{2\pi t}{T} \right)^{T}",
+            "An ellipse with the semi-axes a and b, run through in the time T, the period.",
+        ),
+        Formula(
+            r"n^{T} x_v \le d_0 + d",
+            "The component along the wall's normal is held where it would lie deeper than d, the depth, inside the"
+            " wall; d0 is wall_offset.",
+        ),
+    ],
+)
 
 
 def virtual_trajectory(name: str = "VirtualTrajectory", walls: int = 1, task: Task | None = None) -> SampledModel:
@@ -40,7 +58,7 @@ def virtual_trajectory(name: str = "VirtualTrajectory", walls: int = 1, task: Ta
     place = {1: "the wall", 2: "each of two walls"}[walls]
     held = " and a constant angle" if task.angles else ""
     model = SampledModel(name, f"Ellipse with a straight segment inside {place}{held}")
-    publish(model, icons.cut_ellipse(corner=walls > 1), __name__, "fmus")
+    publish(model, icons.cut_ellipse(corner=walls > 1), TRAJECTORY, [cut_ellipse(walls)], __name__, "fmus")
     semi_axis = model.parameter(
         "semi_axis",
         start.SEMI_AXIS,

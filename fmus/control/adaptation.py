@@ -16,7 +16,7 @@ from dataclasses import dataclass, field
 
 import casadi as ca
 
-from adaptimp_fmu import NOT_NEGATIVE, POSITIVE, Limits, Type
+from adaptimp_fmu import NOT_NEGATIVE, POSITIVE, Formula, Formulas, Limits, Type
 from fmus.control.controller import Controller
 from fmus.control.gain_units import gain_units
 from fmus.control.gains import declare_gain, require_definite, require_semidefinite
@@ -25,7 +25,19 @@ from fmus.mechanics.algebra import is_diagonal, times
 from fmus.mechanics.task import Metric
 from fmus.metric import declare_metric
 
-UNLIMITED = 1e9  # an upper bound of p that is none
+UNLIMITED = 1e9  # a bound of p that is none
+
+
+FORMULAS = Formulas(
+    "Update of the estimates",
+    [
+        Formula(
+            r"\hat{p}_{k+N} = \hat{p}_k - N\,T_s\,\Gamma\,g_k",
+            "Every N-th tick (update_divisor) the estimates follow the gradient g of the law above. With projection"
+            " they stay within p_min and p_max.",
+        )
+    ],
+)
 
 
 @dataclass(frozen=True)
@@ -91,7 +103,7 @@ def declare_adaptation(controller: Controller, gain: float, per: str) -> Adaptat
         "saturated",
         [False] * n,
         type=Type.BOOLEAN,
-        description=[f"{text} is saturated (optional)" for text in of_joints("Whether the actuator", n)],
+        description=of_joints("Whether the actuator is saturated (optional)", n),
     )
     Gamma = _declare_Gamma(controller, gain, per)
     Psi = declare_gain(
@@ -108,7 +120,7 @@ def declare_adaptation(controller: Controller, gain: float, per: str) -> Adaptat
     r, units = len(robot.parameters), controller.units_of_p
     p_min = model.parameter(
         "p_min",
-        [0.0] * r,
+        [-UNLIMITED if parameter.signed else 0.0 for parameter in robot.parameters],
         unit=units,
         description=controller.texts_of_p("Lower bound of the"),
     )

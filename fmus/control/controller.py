@@ -8,11 +8,12 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from adaptimp_fmu import NOT_NEGATIVE, POSITIVE, DefinitionError, SampledModel
+from adaptimp_fmu import ANY, NOT_NEGATIVE, POSITIVE, DefinitionError, Drawing, SampledModel
 from fmus.control.full_tirt import LARGEST_NORM, FullImpedance, companion, row_norm
 from fmus.control.gains import declare_gain, require_definite
 from fmus.control.impedance import ArmEstimate, Measured
 from fmus.control.tirt import Impedance
+from fmus.drawings.characteristics import impedance as drawn_impedance
 from fmus.elements import ACCELERATION, ANGLE, LENGTH, RATE, of_axes, of_joints, of_task
 from fmus.mechanics.algebra import factors_spd
 from fmus.mechanics.arm import ArmModel
@@ -91,13 +92,15 @@ class Controller:
         name, H
             The inertia and its name, kg.m2, shape (n, n).
         masses
-            Name of the variable whose first n elements are the masses in H.
+            Name of the variable whose first elements are the masses, or other inertial parameters, in H.
         advice
             What the user is to do, for the message.
         """
+        inertial = [unit for unit in self.units_of_p if unit.startswith("kg")]
+        what = "masses" if set(inertial) == {"kg"} else "inertial parameters"
         sentence = (
-            f"{name} is singular because of the masses {masses}[1] to {masses}[{self.arm.n}], and the control law needs"
-            f" its inverse; {advice}. Size of a pivot of {name}, kg.m2"
+            f"{name} is singular because of the {what} {masses}[1] to {masses}[{len(inertial)}], and the control law"
+            f" needs its inverse; {advice}. Size of a pivot of {name}, kg.m2"
         )
         _, pivots = factors_spd(H)
         for pivot in pivots:
@@ -146,7 +149,7 @@ def declare_controller(name: str, description: str, robot: Robot | None = None, 
         "p_start",
         robot.p_start,
         unit=[parameter.unit for parameter in robot.parameters],
-        limits=NOT_NEGATIVE,
+        limits=ANY if any(parameter.signed for parameter in robot.parameters) else NOT_NEGATIVE,
         description=[f"Assumed {parameter.text}" for parameter in robot.parameters],
     )
     for demand in arm.demands(measured.q):
@@ -183,6 +186,11 @@ def require_square(controller: Controller, law: str) -> None:
             " another task."
         )
         raise DefinitionError(msg)
+
+
+def drawings(robot: Robot) -> list[Drawing]:
+    """Draw what the variables of every controller mean: the target impedance, and the frames of the arm."""
+    return [drawn_impedance(), robot.drawing()]
 
 
 def _declare_measurements(model: SampledModel, robot: Robot) -> tuple[Measured, ca.SX]:

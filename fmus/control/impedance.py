@@ -9,10 +9,33 @@ from dataclasses import dataclass
 
 import casadi as ca
 
+from adaptimp_fmu import Formula, Formulas
 from fmus.control.full_tirt import FullImpedance
 from fmus.control.tirt import Impedance
 from fmus.mechanics.algebra import solve_mobility, solve_spd, solve_square
 from fmus.mechanics.arm import ArmModel
+
+FORMULAS = Formulas(
+    "Impedance control",
+    [
+        Formula(
+            r"M (\ddot{x} - \ddot{x}_v) + B (\dot{x} - \dot{x}_v) + K (x - x_v) = -F_{\text{ext}}",
+            "The target: the tip is to yield like a mass on a spring and a damper.",
+            "3",
+        ),
+        Formula(
+            r"\tau = \hat{H} \ddot{q}^{*} + \hat{C} \dot{q} + \hat{g} + \hat{f} + J^{T} \hat{F}",
+            "The torque, from a model of the arm.",
+            "6",
+        ),
+        Formula(
+            r"\ddot{q}^{*} = J^{-1} \left\{ \ddot{x}_v - M^{-1} \left[ B (\dot{x} - \dot{x}_v) + K (x - x_v)"
+            r" + \hat{F} \right] - \dot{J} \dot{q} \right\}",
+            "The acceleration of the joints that the target asks for.",
+            "7",
+        ),
+    ],
+)
 
 
 @dataclass(frozen=True)

@@ -32,13 +32,32 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from adaptimp_fmu import NOT_NEGATIVE, POSITIVE, Limits
+from adaptimp_fmu import NOT_NEGATIVE, POSITIVE, Formula, Formulas, Limits
 from fmus.control.adaptation import Adaptation
 from fmus.control.controller import Controller
 from fmus.control.full_tirt import FullImpedance
 from fmus.control.gains import require_definite
 from fmus.elements import of_task
 from fmus.mechanics.algebra import spectral_norm
+
+FORMULAS = Formulas(
+    "Rejection of the sensor's noise",
+    [
+        Formula(r"e^{*} = \dot{e} + \Psi e", "The augmented error.", "14"),
+        Formula(r"F_c = -\frac{\gamma}{2} \hat{H}_x e^{*}", "A force against the noise.", "22"),
+        Formula(
+            r"\gamma = \gamma_m \max\left( 0, \; \frac{2\mu\delta - \alpha}{\beta^2 + \varepsilon^2} \right)",
+            "Its gain, with the factor gamma_margin; gamma_eps, written as epsilon, keeps the gain finite.",
+            "25",
+        ),
+        Formula(
+            r"\alpha = X^{T} Q X, \quad \beta = \|e^{*}\|, \quad \mu = \|\hat{H}_x^{-1} e^{*}\|, \quad"
+            r" X = (e, \dot{e})",
+            "The numbers in the gain.",
+            "23",
+        ),
+    ],
+)
 
 
 @dataclass(frozen=True)

@@ -9,9 +9,24 @@ from dataclasses import dataclass
 
 import casadi as ca
 
+from adaptimp_fmu import Formula, Formulas
+
 # Below this |(B/2M)^2 - K/M| h^2 the kernels come from their series, whose first neglected term,
 # z^7/14!, is then below 1e-24.
 SERIES_LIMIT = 1e-2
+
+
+FORMULAS = Formulas(
+    "Reference trajectory of the target impedance (TIRT)",
+    [
+        Formula(
+            r"M (\ddot{x}_t - \ddot{x}_v) + B (\dot{x}_t - \dot{x}_v) + K (x_t - x_v) = -\hat{F}",
+            "What the tip would do if it were the target; solved exactly over each sample.",
+            "11",
+        ),
+        Formula(r"e = x - x_t", "The regression error: how far the arm is from its target."),
+    ],
+)
 
 
 @dataclass(frozen=True)

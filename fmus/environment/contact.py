@@ -14,9 +14,26 @@ from dataclasses import dataclass
 
 import casadi as ca
 
+from adaptimp_fmu import Formula, Formulas
 from fmus.environment.half_space import HalfSpace
 
 PLANE = 2  # coordinates of a point of the plane
+
+FORMULAS = Formulas(
+    "Contact",
+    [
+        Formula(r"d = n^{T} x - d_0", "The depth d of the tip is positive inside the wall; d0 is wall_offset."),
+        Formula(
+            r"F_n = \max\left( 0, \; K_f\,d\,(1 + D_f\,\dot{d}) \right) \quad \text{while in contact}",
+            "The wall pushes and never pulls.",
+        ),
+        Formula(
+            r"F_{\text{ext}} = F_n\,n + \mu\,F_n\,\tanh\frac{v_t}{v_\mu}\,t",
+            "Friction acts along the surface: t is n turned by +90 degrees, v_t the speed along t, and the width is"
+            " friction_velocity.",
+        ),
+    ],
+)
 
 
 @dataclass(frozen=True)

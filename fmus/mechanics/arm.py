@@ -19,10 +19,21 @@ from fmus.mechanics.task import Task
 
 @dataclass(frozen=True)
 class ArmParameter:
-    """Unit of an element of p, and a text that says what it is, such as ``mass at the end of link 1``."""
+    """An element of p.
+
+    Attributes
+    ----------
+    unit
+        Its unit, such as ``kg``.
+    text
+        What it is, such as ``mass at the end of link 1``.
+    signed
+        Whether it may be negative, as a first moment of mass may.
+    """
 
     unit: str
     text: str
+    signed: bool = False
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,17 @@ sensor sits.
 
 import casadi as ca
 
-from adaptimp_fmu import NOT_NEGATIVE, ContinuousModel
+from adaptimp_fmu import NOT_NEGATIVE, ContinuousModel, Formula, Formulas
+
+FORMULAS = Formulas(
+    "Force at the wrist",
+    [
+        Formula(
+            r"F_{\text{wrist}} = F_{\text{ext}} + m_s\,(\ddot{x} + g\,e_2)",
+            "The part beyond the sensor has the mass m_s, the payload; e_2 points up.",
+        )
+    ],
+)
 
 
 def declare_payload(model: ContinuousModel, mass: ca.SX) -> ca.SX:

@@ -5,8 +5,8 @@
 Everything follows from the forward kinematics by symbolic differentiation, for any number of
 joints n. Angles are relative: the absolute angle of link i is q[1] + ... + q[i], counted from the
 x1 axis, counter-clockwise. Gravity acts along -x2. F_ext is the force of the tip on the
-environment. The task is the position of the tip; with `pose` also the absolute angle of the last link, and F_ext then
-ends with the moment.
+environment. Task coordinates are the position of the tip, and for some arms also the absolute angle of the last
+link; F_ext then ends with a moment.
 
 Each function is a CasADi `Function`: called with symbols it gives an expression, called with
 NumPy arrays it gives numbers.
@@ -20,10 +20,31 @@ from functools import cached_property
 
 import casadi as ca
 
+from adaptimp_fmu import Formula, Formulas
 from fmus.mechanics.task import Task
 
 DIMENSION = 2
 """Number of coordinates of a point of the plane."""
+
+
+FORMULAS = Formulas(
+    "Kinematics",
+    [
+        Formula(
+            r"x = \sum_{i=1}^{n} l_i \left( \cos\varphi_i, \; \sin\varphi_i \right)^{T}, \quad"
+            r" \varphi_i = q_1 + \dots + q_i",
+            "The tip is where the chain of the links ends.",
+        ),
+        Formula(
+            r"\dot{x} = J(q)\,\dot{q}, \quad \ddot{x} = J(q)\,\ddot{q} + \dot{J}(q, \dot{q})\,\dot{q}",
+            "The Jacobian leads from the joints to the tip.",
+        ),
+        Formula(
+            r"H a + C v + g + f = Y(q, \dot{q}, v, a)\,p",
+            "The dynamics are linear in the parameters p: masses, viscous and Coulomb friction.",
+        ),
+    ],
+)
 
 
 @dataclass(frozen=True)

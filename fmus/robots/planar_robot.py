@@ -6,8 +6,9 @@ from functools import cached_property
 
 import casadi as ca
 
-from adaptimp_fmu import NOT_NEGATIVE, POSITIVE, DefinitionError, Icon, Model
+from adaptimp_fmu import NOT_NEGATIVE, POSITIVE, DefinitionError, Drawing, Icon, Model
 from fmus import icons, start
+from fmus.drawings.arm import arm as drawn_arm
 from fmus.elements import RATE, of_joints, of_links
 from fmus.mechanics.arm import ArmModel, ArmParameter
 from fmus.mechanics.planar_arm import PlanarArm
@@ -79,7 +80,7 @@ class PlanarRobot:
     @property
     def title(self) -> str:
         """What its plant is."""
-        return f"Planar arm with point masses{' and a task of position and angle' if self.pose else ''}"
+        return "Planar arm with point masses"
 
     @property
     def modules(self) -> Sequence[str]:
@@ -89,6 +90,10 @@ class PlanarRobot:
     def icon(self, *, corner: bool = False) -> Icon:
         """Icon of its plant."""
         return icons.arm(self.n, corner=corner)
+
+    def drawing(self, walls: int = 1) -> Drawing:
+        """Draw its frames and signs."""
+        return drawn_arm(self.n, walls)
 
     def declare_known(self, model: Model) -> ArmModel:
         """Declare lengths, gravity and the velocity of friction."""

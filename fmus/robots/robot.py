@@ -5,7 +5,7 @@ from typing import Protocol
 
 import casadi as ca
 
-from adaptimp_fmu import Icon, Model
+from adaptimp_fmu import Drawing, Icon, Model
 from fmus.mechanics.arm import ArmModel, ArmParameter
 from fmus.mechanics.task import Task
 from fmus.start import MotionStart
@@ -56,6 +56,10 @@ class Robot(Protocol):
 
     def icon(self, *, corner: bool = False) -> Icon:
         """Icon of its plant, which may touch two walls."""
+        ...
+
+    def drawing(self, walls: int = 1) -> Drawing:
+        """Draw its frames and signs, with one wall or two."""
         ...
 
     def declare_known(self, model: Model) -> ArmModel:

@@ -72,15 +72,11 @@ def common_beginning(texts: Sequence[str]) -> str:
     """
     if len(set(texts)) == 1:
         return texts[0]
-    shared = [words[0] for words in _leading(zip(*(text.split() for text in texts), strict=False))]
+    places = zip(*(text.split() for text in texts), strict=False)
+    shared = [words[0] for words in takewhile(lambda words: len(set(words)) == 1, places)]
     while shared and shared[-1].lower() in _LEADING_ON:
         shared.pop()
     return " ".join(shared).rstrip(" ,;([")
-
-
-def _leading(columns: Iterable[tuple[str, ...]]) -> Iterable[tuple[str, ...]]:
-    """Words of the texts at one place, up to the first place where the words differ."""
-    return takewhile(lambda words: len(set(words)) == 1, columns)
 
 
 def chosen(patterns: Iterable[str], known: Collection[str]) -> tuple[list[str], list[str]]:

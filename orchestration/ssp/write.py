@@ -3,7 +3,7 @@
 import re
 import zipfile
 from collections import Counter
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -15,6 +15,8 @@ from orchestration.fmi.codes import BOOLEAN, ENUMERATION, INTEGER, REAL, STRING
 from orchestration.fmi.description import Variable
 from orchestration.fmi.units import Unit, UnitDefinition
 from orchestration.sandbox.zip.names import names_a_device
+from orchestration.ssp.diagram import Box, diagram
+from orchestration.ssp.geometry import place_component, place_connection, place_connector, place_system
 from orchestration.ssp.schema import (
     ASSUMPTIONS_ANNOTATION,
     FMU_TYPE,
@@ -147,11 +149,12 @@ def _structure(system: System, fmus: dict[Path, str], sets: dict[str, str]) -> b
     )
     outer = etree.SubElement(root, f"{{{SSD}}}System", name=system.name)
     elements = etree.SubElement(outer, f"{{{SSD}}}Elements")
-    units, connected = _Units(), _connected(system)
+    units, layout = _Units(), diagram(system)
     for component in system.components:
         source = f"resources/{fmus[component.description.path]}"
         element = etree.SubElement(elements, f"{{{SSD}}}Component", name=component.name, type=FMU_TYPE, source=source)
-        _connectors(element, component, connected.get(component.name, ()), units)
+        _connectors(element, component, layout.boxes[component.name], units)
+        place_component(element, layout, component.name)
         if component.start:
             bindings = etree.SubElement(element, f"{{{SSD}}}ParameterBindings")
             source = f"resources/{sets[component.name]}"
@@ -160,8 +163,9 @@ def _structure(system: System, fmus: dict[Path, str], sets: dict[str, str]) -> b
         _annotate(element, NAMES_ANNOTATION, "names", [{"variable": v.name, "fmu": v.declared} for v in renamed])
     if system.connections:  # an empty list is invalid
         listing = etree.SubElement(outer, f"{{{SSD}}}Connections")
-        for connection in system.connections:
-            _connection(listing, system, connection)
+        for connection, route in zip(system.connections, layout.routes, strict=True):
+            place_connection(_connection(listing, system, connection), layout, route)
+    place_system(outer, layout, [component.name for component in system.components])
     assumed = [{"variable": path, "text": text} for path, text in sorted(system.assumptions.items())]
     _annotate(outer, ASSUMPTIONS_ANNOTATION, "assumptions", assumed)
     units.write(root, SSD)
@@ -180,24 +184,16 @@ def _experiment(root: Xml, system: System) -> None:
         etree.SubElement(annotation, "step", size=_real(system.step))
 
 
-def _connected(system: System) -> dict[str, set[str]]:
-    """Names of the connected variables of each component that has any."""
-    found: dict[str, set[str]] = {}
-    for connection in system.connections:
-        found.setdefault(connection.source, set()).add(connection.output)
-        found.setdefault(connection.target, set()).add(connection.input)
-    return found
-
-
-def _connectors(element: Xml, component: Component, connected: Collection[str], units: _Units) -> None:
-    """Add connectors for the connected variables of a component."""
+def _connectors(element: Xml, component: Component, box: Box, units: _Units) -> None:
+    """Add connectors for the connected variables of a component, which are those that its box shows."""
     listing = etree.Element(f"{{{SSD}}}Connectors")
     for variable in component.description.variables.values():
-        if variable.name not in connected:
+        if variable.name not in box.inputs and variable.name not in box.outputs:
             continue
         connector = etree.SubElement(listing, f"{{{SSD}}}Connector", name=variable.fmu_name, kind=variable.causality)
         typed = etree.SubElement(connector, f"{{{SSC}}}{variable.type}")
         _set_unit(typed, component, variable, units)
+        place_connector(connector, box, variable.name)
     if len(listing):
         element.append(listing)
 
@@ -209,8 +205,8 @@ def _set_unit(element: Xml, component: Component, variable: Variable, units: _Un
         element.set("unit", name)
 
 
-def _connection(listing: Xml, system: System, connection: Connection) -> None:
-    """Add a connection with its full transformation, because some simulation tools do not convert units."""
+def _connection(listing: Xml, system: System, connection: Connection) -> Xml:
+    """Add and return a connection with its full transformation, because some simulation tools do not convert units."""
     source, target = system.component(connection.source), system.component(connection.target)
     output, input_ = source.variable(connection.output), target.variable(connection.input)
     element = etree.SubElement(
@@ -229,6 +225,7 @@ def _connection(listing: Xml, system: System, connection: Connection) -> None:
         if scale.offset != 0:
             numbers["offset"] = _real(scale.offset)
         etree.SubElement(element, f"{{{SSC}}}LinearTransformation", numbers)
+    return element
 
 
 def _annotate(element: Xml, kind: str, name: str, items: list[dict[str, str]]) -> None:

@@ -90,7 +90,7 @@ def test_info_of_an_fmu(adaptimp: Command, fmu_folder: Path) -> None:
         "start": 4000.0,
         "min": stiffness["min"],
         "max": None,
-        "description": "Target stiffness",
+        "description": "Target stiffness along x2 (up)",
     }
     carried = " ".join(outcome.out.split())
     assert "HoganImpedance.exp (experiment/smoke-test), HoganImpedance_in.csv (testcase)" in carried

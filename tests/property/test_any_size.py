@@ -4,14 +4,18 @@ All matrices of the pair are solved with six rows, by the generic methods of `fm
 """
 
 from collections.abc import Callable
+from dataclasses import replace
 
+import casadi as ca
 import numpy as np
 import pytest
 
 from adaptimp_fmu import SampledModel
 from fmus.control.gain_units import gain_units, product_unit
 from fmus.craig_adaptive_impedance import craig_adaptive_impedance
+from fmus.force_sensor import force_sensor
 from fmus.hogan_impedance import MOBILITY, hogan_impedance
+from fmus.mechanics.task import Task
 from fmus.plant import plant
 from fmus.slotine_li_adaptive_impedance import slotine_li_adaptive_impedance
 from fmus.spong_ortega_adaptive_impedance import spong_ortega_adaptive_impedance
@@ -101,6 +105,37 @@ def test_a_pair_of_plants_moves_as_each_alone() -> None:
         for half in halves({**given, "ddq": tau})
     ]
     np.testing.assert_allclose(pair, np.hstack(alone), rtol=0, atol=AGREEMENT * np.abs(pair).max())
+
+
+def test_parameters_that_may_be_negative_start_and_are_bounded_below_zero() -> None:
+    """As products of mass and place of a link are in space."""
+    signed = tuple(replace(p, unit="kg.m", signed=True) if p.unit == "kg" else p for p in TwinRobot.parameters)
+    model = craig_adaptive_impedance("Law", replace(TwinRobot(), parameters=signed))
+    variables = {variable.name: variable for variable in model.variables}
+    assert variables["p_start[1]"].minimum == -np.inf
+    assert [variables[f"p_min[{i}]"].start for i in (1, 18)] == [-1e9, 0.0]
+    assert variables["Gamma[1]"].unit == "kg2.s2"
+    texts = [check.sentence for check in model.checks]
+    assert any("inertial parameters p_hat[1] to p_hat[6]" in text for text in texts)
+
+
+def test_a_sensor_of_forces_and_moments_in_space_draws_three_pairs_within_its_bound() -> None:
+    sensor = force_sensor("Sensor", Task(positions=3, angles=3))
+    assert sensor.noise is not None
+    names = [variable.name for variable in sensor.variables if variable.role.is_parameter]
+    given = {"noise_std": 8.0, "noise_bound": 15.0, "L": 0.2}
+    values = [given.get(name, 0.0) for name in names]
+    noise = ca.Function("noise", [sensor.noise.uniforms, ca.vertcat(*sensor.parameter_symbols)], [sensor.noise.value])
+    uniforms = np.random.default_rng(4).random((4, 20_000))
+    drawn = np.array(noise.map(20_000)(uniforms, np.tile(np.array(values)[:, None], 20_000)))
+    newtons = drawn / np.array([1, 1, 1, 0.2, 0.2, 0.2])[:, None]
+    lengths = np.linalg.norm(newtons, axis=0)
+    assert 0.8 * 15 < lengths.max() <= 15 * (1 + 1e-14)
+    spread = newtons.std(axis=1)
+    # Five standard errors of a standard deviation of 20000 values, and of a correlation.
+    assert np.abs(spread / spread.mean() - 1).max() < 5 / np.sqrt(2 * 20_000)
+    correlation = np.corrcoef(newtons) - np.eye(6)
+    assert np.abs(correlation).max() < 5 / np.sqrt(20_000)
 
 
 @pytest.mark.parametrize(

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from adaptimp_fmu import NOT_NEGATIVE, POSITIVE, Icon, Model
+from adaptimp_fmu import NOT_NEGATIVE, POSITIVE, Drawing, Icon, Model
 from fmus import icons
 from fmus.mechanics.arm import ArmParameter, Demand
 from fmus.mechanics.planar_model import PlanarArmModel
@@ -93,6 +93,10 @@ class TwinRobot:
     def icon(self, *, corner: bool = False) -> Icon:
         """Icon of one arm."""
         return icons.arm(ONE.n, corner=corner)
+
+    def drawing(self, walls: int = 1) -> Drawing:
+        """Draw one arm."""
+        return ONE.drawing(walls)
 
     def declare_known(self, model: Model) -> TwinModel:
         """Declare lengths of both arms, a gravity and a velocity of friction."""

@@ -4,12 +4,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
 
-import jinja2
-
 from adaptimp_fmu.codegen import RUNTIME_LICENSE, runtime_license, runtime_sources
 from adaptimp_fmu.description import number
+from adaptimp_fmu.pages import page_environment
 from adaptimp_fmu.variables import Type
 from orchestration.containers.fmu.description import summary
+from orchestration.containers.fmu.drawn_diagram import drawn
 from orchestration.containers.plan import FIXED, INPUT, OUTPUT, TUNABLE, Member, Plan
 from orchestration.fmi.codes import BOOLEAN, REAL
 from orchestration.fmi.document import Document
@@ -68,13 +68,14 @@ def container_documentation(plan: Plan, documents: Mapping[str, Document], sourc
         Names of the C files in ``sources/`` that are compiled.
     """
     parts = [_part(member, documents[member.name]) for member in plan.members]
-    template = _environment().get_template("container.html.j2")
+    template = page_environment("orchestration.containers").get_template("container.html.j2")
     page = template.render(
         plan=plan,
         summary=summary(plan),
         saves_state=plan.saves,
         libraries=["m"] if any(fmu.needed for fmu in plan.fmus) else [],
-        parts=parts,
+        parts_made=parts,
+        diagram=drawn(plan.system),
         given=_given(plan.system),
         tables={title: _rows(plan, roles) for title, roles in _KINDS.items()},
         sources=sources,
@@ -88,17 +89,6 @@ def container_documentation(plan: Plan, documents: Mapping[str, Document], sourc
 def _most_steps() -> str:
     """Limit of the runtime, read from its source, so that the page cannot contradict it."""
     return runtime_sources()["container.c"].partition("#define MAX_INNER_STEPS ")[2].partition("\n")[0]
-
-
-def _environment() -> jinja2.Environment:
-    return jinja2.Environment(
-        loader=jinja2.PackageLoader("orchestration.containers"),
-        undefined=jinja2.StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        keep_trailing_newline=True,
-        autoescape=True,
-    )
 
 
 def _part(member: Member, document: Document) -> Part:

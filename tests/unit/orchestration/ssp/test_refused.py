@@ -12,8 +12,8 @@ pytestmark = pytest.mark.usefixtures("own_cache")
 FMU, VALUES = 'source="resources/Relay.fmu"', 'source="resources/relay.ssv"'
 FROM_PLANT = 'startElement="plant" startConnector="x"'
 MAPPED = r'\1><ssc:BooleanMappingTransformation><ssc:MapEntry source="true" target="false"/>'
-MAPPED += "</ssc:BooleanMappingTransformation></ssd:Connection>"
-SCALED = r'\1><ssc:LinearTransformation factor="2"/></ssd:Connection>'
+MAPPED += "</ssc:BooleanMappingTransformation>"
+SCALED = r'\1><ssc:LinearTransformation factor="2"/>'
 DICTIONARY = '<ssd:SignalDictionaryReference name="d" dictionary="d"/></ssd:Elements>'
 NESTED = '<ssd:System name="a"><ssd:Elements><ssd:Component name="b" source="resources/Relay.fmu"/></ssd:Elements>'
 NESTED += '</ssd:System><ssd:Component name="a__b" source="resources/Relay.fmu"/></ssd:Elements>'
@@ -46,11 +46,11 @@ def test_bad_packages_are_refused(package: Path, pattern: str, replacement: str,
     ("pattern", "replacement", "message"),
     [
         (
-            r'(<ssd:Connection startElement="source" startConnector="even"[^>]*)/>',
+            r'(<ssd:Connection startElement="source" startConnector="even"[^>]*)>',
             MAPPED,
             "a BooleanMapping.* not supp",
         ),
-        (r'(<ssd:Connection startElement="source" startConnector="n"[^>]*)/>', SCALED, "Integer; only Reals can be"),
+        (r'(<ssd:Connection startElement="source" startConnector="n"[^>]*)>', SCALED, "Integer; only Reals can be"),
         (FROM_PLANT, 'startConnector="x"', "system small has no connector x; there is none"),
         (
             'type="application/x-fmu-sharedlibrary"',

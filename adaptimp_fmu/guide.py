@@ -1,0 +1,111 @@
+"""What the page in an FMU says besides the model's declaration: formulas, drawings, neighbours, topics.
+
+Everything is optional: a model that states nothing has a page of its variables, its rules and its author's text.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+
+@dataclass(frozen=True)
+class Formula:
+    """A formula with the sentence that introduces the formula.
+
+    Attributes
+    ----------
+    latex
+        LaTeX of the mathematical mode, without dollar signs.
+    text
+        What the formula says, in words.
+    number
+        Number of the equation in its source, such as ``11``; empty if the equation has no number.
+
+    Examples
+    --------
+    >>> from adaptimp_fmu import Formula
+    >>> law = Formula(r"F = K (x_v - x)", "The force grows with the deviation.", "3")
+    """
+
+    latex: str
+    text: str
+    number: str = ""
+
+
+@dataclass(frozen=True)
+class Formulas:
+    """Formulas under a heading.
+
+    Examples
+    --------
+    >>> from adaptimp_fmu import Formula, Formulas, Guide, SampledModel
+    >>> model = SampledModel("Spring", "A spring")
+    >>> law = Formulas("Law", [Formula(r"F = K (x_v - x)", "The force grows with the deviation.")])
+    >>> model.guide = Guide(formulas=[law])
+    """
+
+    title: str
+    items: Sequence[Formula]
+
+
+@dataclass(frozen=True)
+class Drawing:
+    """A drawing: an ``svg`` element, and the caption below it. The element has a title for those who cannot see it.
+
+    Examples
+    --------
+    >>> from adaptimp_fmu import Drawing, Guide, SampledModel
+    >>> from adaptimp_fmu.svg import Picture
+    >>> picture = Picture(120, 40, "A force that points to the right")
+    >>> picture.arrow([(10, 20), (110, 20)])
+    >>> model = SampledModel("Force", "A force")
+    >>> model.guide = Guide(drawings=[Drawing(picture.svg(), "The force is positive to the right.")])
+    """
+
+    svg: str
+    caption: str
+
+
+@dataclass(frozen=True)
+class Signal:
+    """Where a signal comes from and where it goes to, as components of the system that the FMU is made for.
+
+    Examples
+    --------
+    >>> from adaptimp_fmu import Guide, Signal
+    >>> guide = Guide(signals={"F": Signal("controller", ["cart"]), "x": Signal("cart", ["controller"])})
+    """
+
+    source: str
+    targets: Sequence[str]
+
+
+@dataclass(frozen=True)
+class Guide:
+    """What the page in an FMU shows besides the declared variables.
+
+    Attributes
+    ----------
+    formulas
+        Formulas under headings, in the order of the page.
+    drawings
+        Drawings of what the variables mean, such as frames and signs.
+    place
+        Drawings of the system with this component marked.
+    signals
+        Partners of inputs and outputs, by the name of a variable or of an array.
+    topics
+        Names of parameters or of their arrays, by topic. Parameters without a topic come last.
+
+    Examples
+    --------
+    >>> from adaptimp_fmu import Guide, SampledModel
+    >>> model = SampledModel("Gain", "A gain")
+    >>> k = model.parameter("k", 2.0, description="Gain")
+    >>> model.guide = Guide(topics={"Law": ["k"], "Sampling": ["sample_time"]})
+    """
+
+    formulas: Sequence[Formulas] = ()
+    drawings: Sequence[Drawing] = ()
+    place: Sequence[Drawing] = ()
+    signals: Mapping[str, Signal] = field(default_factory=dict)
+    topics: Mapping[str, Sequence[str]] = field(default_factory=dict)
