@@ -94,8 +94,9 @@ class Body:
     inertia
         I11, I12, I22, I13, I23, I33 about the centre of mass, in the axes of the frame, kg m2.
     axial_only
-        Whether I33 is all that is known: the body turns about axis 3 of a frame that does not move, so that nothing
-        else matters. The mass is 0 then, which is a convention and no statement about the body.
+        Whether I33 is all that is known: the body turns about axis 3 of a frame that does not move, and gravity is
+        along this axis, so that nothing else matters. The mass is 0 then, which is a convention and not a statement
+        about the body.
 
     Raises
     ------

@@ -7,6 +7,7 @@ would otherwise be lost without a word. Links that no moving joint carries do no
 A document type, entities and inclusion are refused. Meshes, materials, collisions and transmissions are not read.
 """
 
+import math
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -49,7 +50,7 @@ def chain_of_urdf(
     """The arm that a URDF text describes; `name` is what errors call the file. For the rest see `read_urdf`."""
     robot = robot_of_xml(_parsed(text, name), name)
     held = dict(locked or {})
-    robot.known("locked joint", held, robot.joints)
+    _check_held(robot, held)
     base = robot.root if base is None else base
     robot.known("base link", [base], robot.links)
     robot.known("tip link", [tip], robot.links)
@@ -86,6 +87,19 @@ def _parsed(text: bytes, name: str) -> etree._Element:
             )
             raise RobotError(msg)
     return root
+
+
+def _check_held(robot: UrdfRobot, held: Mapping[str, float]) -> None:
+    """Refuse joints that are not there, and positions that a joint cannot have."""
+    robot.known("locked joint", held, robot.joints)
+    for name, value in held.items():
+        joint = robot.joints[name]
+        if not math.isfinite(value) or (value != 0 and joint.kind not in set(JointKind)):
+            msg = (
+                f"{robot.file}, line {joint.line}: joint {name} is {joint.kind} and cannot be held at {value:g}; only "
+                f"{', '.join(JointKind)} joints are held at finite numbers, and others at 0."
+            )
+            raise RobotError(msg)
 
 
 def _path(robot: UrdfRobot, base: str, tip: str) -> list[UrdfJoint]:

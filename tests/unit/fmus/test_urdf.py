@@ -217,6 +217,16 @@ def test_names_that_the_file_does_not_have_are_refused() -> None:
             "upper, lower.",
         ),
         (
+            {"locked": {"flange": 0.3}},
+            "arm.urdf, line 12: joint flange is fixed and cannot be held at 0.3; only revolute, continuous, prismatic "
+            "joints are held at finite numbers, and others at 0.",
+        ),
+        (
+            {"locked": {"elbow": np.inf}},
+            "arm.urdf, line 9: joint elbow is prismatic and cannot be held at inf; only revolute, continuous, "
+            "prismatic joints are held at finite numbers, and others at 0.",
+        ),
+        (
             {"base": "lower"},
             "Robot arm: no joint moves between lower and tool, so there is nothing to control; choose another base or "
             "tip.",
