@@ -12,7 +12,7 @@ import pinocchio
 from fmus.mechanics.chain import Chain, Joint
 from fmus.mechanics.rigid_body import Body, Placement
 from fmus.robots.puma560 import LINKS, puma560
-from fmus.robots.urdf import read_urdf
+from fmus.robots.urdf import chain_of_urdf, read_urdf
 
 pin: Any = pinocchio  # a compiled module, whose names a type checker does not see
 
@@ -46,7 +46,30 @@ DESCRIBED = {
     "Z1": Described("z1_description/urdf/z1.urdf", "gripperStator", 6, {"jointGripper": -0.4}),
     "TIAGo": Described("tiago_description/robots/tiago_no_hand.urdf", "arm_tool_link", 8),
 }  # fmt: skip
-NAMES = ("PUMA", "planar 3R", *DESCRIBED)
+NAMES = ("PUMA", "planar 3R", "slide", *DESCRIBED)
+INERTIAL = (
+    '<inertial><origin xyz="0.1 -0.2 0.3" rpy="0.3 0.2 0.1"/><mass value="{}"/>'
+    '<inertia ixx="0.05" ixy="0.01" ixz="0.002" iyy="0.06" iyz="-0.003" izz="0.07"/></inertial>'
+)
+SLIDE = "".join(
+    [
+        '<robot name="slide"><link name="link0"/>',
+        *(f'<link name="link{k}">{INERTIAL.format(3 - 0.5 * k)}</link>' for k in range(1, 5)),
+        *(
+            f'<joint name="joint{k}" type="{kind}"><parent link="link{k - 1}"/><child link="link{k}"/>'
+            f'<origin xyz="0.3 {0.1 * k} 0.2" rpy="{0.2 * k} 0.4 -0.3"/><axis xyz="{axis}"/>'
+            '<limit lower="-4" upper="4" velocity="1" effort="1"/></joint>'
+            for k, kind, axis in (
+                (1, "revolute", "0 0 1"),
+                (2, "revolute", "0 0.6 0.8"),
+                (3, "prismatic", "0.48 0.6 0.64"),
+                (4, "revolute", "1 0 0"),
+            )
+        ),
+        "</robot>",
+    ]
+)
+"""An arm with a slide between turning joints, and axes in all directions: turns of a slide cause Coriolis forces."""
 
 
 @cache
@@ -56,6 +79,8 @@ def chain(name: str) -> Chain:
         return puma560(Placement.from_rpy((0.01, -0.02, 0.12), (0.3, -0.4, 0.5)))
     if name == "planar 3R":
         return _planar_chain()
+    if name == "slide":
+        return chain_of_urdf(SLIDE.encode(), "slide.urdf", "link4")
     robot = DESCRIBED[name]
     return read_urdf(ROBOTS / robot.file, robot.tip, locked=robot.locked | _others(name))
 
@@ -67,6 +92,9 @@ def model(name: str) -> tuple[Any, int]:
         built = _puma_model()
     elif name == "planar 3R":
         built = _planar_model()
+    elif name == "slide":
+        whole = pin.buildModelFromXML(SLIDE)
+        built = whole, whole.getFrameId("link4", pin.FrameType.BODY)
     else:
         built = _described_model(DESCRIBED[name], chain(name))
     built[0].gravity = pin.Motion(np.array(GRAVITY), np.zeros(3))

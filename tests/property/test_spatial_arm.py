@@ -77,6 +77,14 @@ def test_torque_is_the_sum_of_its_parts(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", NAMES)
+def test_bias_is_the_torque_at_one_velocity_without_acceleration(name: str) -> None:
+    a, s = arm(name), sample(name)
+    q, dq, p = s["q"], s["dq"], s["p"]
+    torque = evaluate(a.inverse_dynamics, q, dq, dq, 0 * dq, p, *GIVEN)
+    near(evaluate(a.bias, q, dq, p, *GIVEN), torque)
+
+
+@pytest.mark.parametrize("name", NAMES)
 def test_regressor_gives_the_torque_at_two_velocities_with_friction_and_rotors(name: str) -> None:
     a, s = arm(name), sample(name)
     motion = (s["q"], s["dq"], s["v"], s["a"])

@@ -1,4 +1,4 @@
-"""Evidence from an independent engine: Pinocchio gives the kinematics and dynamics of eight arms in space.
+"""Evidence from an independent engine: Pinocchio gives the kinematics and dynamics of nine arms in space.
 
 Pinocchio knows no expression of ours. It reads the URDF files itself, holds joints itself, and walks the chain of
 spatial inertias numerically; we use accelerations of points and CasADi.
