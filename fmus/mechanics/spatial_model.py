@@ -135,7 +135,8 @@ def spatial_parameters(chain: Chain) -> Sequence[ArmParameter]:
             letters = symbol.rstrip("123")
             unit = {"m": "kg", "mc": "kg.m", "I": "kg.m2"}[letters]
             text = texts[letters].format(symbol.removeprefix(letters))
-            found.append(ArmParameter(unit, f"body {joint.body.name}: {text}"))
+            signed = symbol not in ("m", "I11", "I22", "I33")
+            found.append(ArmParameter(unit, f"body {joint.body.name}: {text}", signed))
     kinds = (
         ("N.m.s/rad", "N.s/m", "viscous friction of joint"),
         ("N.m", "N", "Coulomb friction of joint"),

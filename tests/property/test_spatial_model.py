@@ -85,6 +85,8 @@ def test_parameters_have_units_and_texts_of_their_own(name: str) -> None:
     parameters = arm(name).parameters
     for parameter in parameters:
         base_exponents(parameter.unit)
+    assert all(parameter.signed for parameter, value in zip(parameters, chain(name).p, strict=True) if value < 0)
+    assert sum(parameter.signed for parameter in parameters) == 6 * arm(name).n
     assert len({parameter.text for parameter in parameters}) == len(parameters) == 13 * arm(name).n
 
 
