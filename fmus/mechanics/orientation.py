@@ -1,0 +1,68 @@
+"""Roll, pitch and yaw of a tip as task coordinates, with the Jacobian and the forces that belong to them.
+
+The coordinates are x = (p, phi): the position p, m, and the angles phi = (roll, pitch, yaw), rad, which turn the tip
+from its reference orientation R_0 to its orientation R, about the axes 1, 2, 3 of the base in this order:
+
+    R = R3(yaw) R2(pitch) R1(roll) R_0
+
+So phi = 0 is the reference orientation, and small angles are small rotations about the axes of the base. The angular
+velocity in the axes of the base is w = E(phi) dphi. With the geometric Jacobian J_g and a wrench (f, m) of force and
+moment in the axes of the base, at the tip,
+
+    dx = J_a dq,   J_a = diag(I, E^-1) J_g,   F = (f, E' m),   dx' F = v' f + w' m
+
+E is singular at pitch = +-90 deg, where roll and yaw turn about one axis: det E = cos(pitch). Roll and yaw jump by a
+full turn at +-180 deg. A reference orientation near those that the task needs keeps both far away.
+"""
+
+import casadi as ca
+
+
+def rotation(phi: ca.SX) -> ca.SX:
+    """The matrix R3(yaw) R2(pitch) R1(roll), shape (3, 3), of angles phi rad, shape (3,)."""
+    (cr, cp, cy), (sr, sp, sy) = ([f(phi[k]) for k in range(3)] for f in (ca.cos, ca.sin))
+    return ca.vertcat(
+        ca.horzcat(cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr),
+        ca.horzcat(sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr),
+        ca.horzcat(-sp, cp * sr, cp * cr),
+    )
+
+
+def angles(R: ca.SX) -> ca.SX:
+    """Roll, pitch and yaw, rad, shape (3,), of a rotation matrix: roll and yaw within a half turn, pitch a quarter."""
+    return ca.vertcat(ca.atan2(R[2, 1], R[2, 2]), ca.atan2(-R[2, 0], pitch_cosine(R)), ca.atan2(R[1, 0], R[0, 0]))
+
+
+def pitch_cosine(R: ca.SX) -> ca.SX:
+    """cos(pitch) of a rotation matrix, shape (1,): how far it is from the singularity of the angles, where it is 0."""
+    return ca.sqrt(R[0, 0] ** 2 + R[1, 0] ** 2)
+
+
+def rates_to_angular_velocity(phi: ca.SX) -> ca.SX:
+    """The matrix E(phi), shape (3, 3): w = E dphi, in the axes of the base."""
+    (cp, cy), (sp, sy) = ([f(phi[k]) for k in (1, 2)] for f in (ca.cos, ca.sin))
+    return ca.vertcat(ca.horzcat(cy * cp, -sy, 0), ca.horzcat(sy * cp, cy, 0), ca.horzcat(-sp, 0, 1))
+
+
+def angular_velocity_to_rates(R: ca.SX) -> ca.SX:
+    """The inverse of E, shape (3, 3), from the rotation matrix itself: dphi = E^-1 w needs no angle."""
+    cp, sp = pitch_cosine(R), -R[2, 0]
+    cy, sy = R[0, 0] / cp, R[1, 0] / cp
+    return ca.vertcat(
+        ca.horzcat(cy / cp, sy / cp, 0), ca.horzcat(-sy, cy, 0), ca.horzcat(cy * sp / cp, sy * sp / cp, 1)
+    )
+
+
+def analytic_jacobian(J: ca.SX, R: ca.SX) -> ca.SX:
+    """The Jacobian J_a of x = (p, phi), shape (6, n), of the geometric one, J; R turns from the reference, (3, 3)."""
+    return ca.vertcat(J[:3, :], angular_velocity_to_rates(R) @ J[3:, :])
+
+
+def generalized_force(wrench: ca.SX, phi: ca.SX) -> ca.SX:
+    """F = (f, E' m), N and N.m, shape (6,): what dx = (dp, dphi) works against, for a wrench (f, m), shape (6,)."""
+    return ca.vertcat(wrench[:3], rates_to_angular_velocity(phi).T @ wrench[3:])
+
+
+def wrench(F: ca.SX, R: ca.SX) -> ca.SX:
+    """The wrench (f, m), N and N.m, shape (6,), of F = (f, E' m): the inverse of `generalized_force`."""
+    return ca.vertcat(F[:3], angular_velocity_to_rates(R).T @ F[3:])

@@ -1,0 +1,147 @@
+"""Equations of an arm in space with its gravity given, in position, roll, pitch and yaw, as control laws ask for them.
+
+The task coordinates are x = (p, phi) of `fmus.mechanics.orientation`, six in number. A force F of the arm on the
+environment is (f, E' m) in these coordinates, so that J_a' F are the joint torques of the wrench (f, m).
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import casadi as ca
+
+from fmus.mechanics.algebra import gram_determinant
+from fmus.mechanics.arm import ArmParameter, Demand
+from fmus.mechanics.chain import Chain
+from fmus.mechanics.orientation import analytic_jacobian, angles, pitch_cosine
+from fmus.mechanics.rigid_body import SYMBOLS, RobotError
+from fmus.mechanics.spatial_arm import SpatialArm
+from fmus.mechanics.task import Task
+
+TASK = Task(positions=3, angles=3)
+PITCH = 0.01
+"""The smallest cos(pitch) at which the angles are used: a pitch of 89.4 deg, where roll and yaw turn 100 times as fast
+as the tip."""
+SINGULARITY = 1e-12
+"""The smallest det(J J'), positions divided by the reach of the arm, at which the arm is not taken for singular."""
+
+
+@dataclass(frozen=True)
+class SpatialArmModel:
+    """Equations of a spatial arm whose gravity is given; see `fmus.mechanics.arm.ArmModel`.
+
+    Attributes
+    ----------
+    arm
+        Equations in the axes of the base.
+    gravity
+        Acceleration of a falling body in the axes of the base, m/s2, shape (3,).
+    coulomb_velocity
+        Joint rate over which Coulomb friction changes sign, rad/s.
+    reference
+        Orientation R_0 of the tip at which roll, pitch and yaw are 0, shape (3, 3).
+
+    Raises
+    ------
+    RobotError
+        If the arm has fewer than six joints, so that its tip cannot follow six coordinates.
+    """
+
+    arm: SpatialArm
+    gravity: ca.SX
+    coulomb_velocity: ca.SX
+    reference: ca.SX
+
+    def __post_init__(self) -> None:
+        """Refuse arms whose Jacobian never has full rank."""
+        if self.n < TASK.size:
+            msg = (
+                f"Robot {self.arm.chain.name}: position and orientation of the tip are {TASK.size} task coordinates, "
+                f"but the arm has {self.n} joints; use an arm of at least {TASK.size} joints, or hold fewer joints."
+            )
+            raise RobotError(msg)
+
+    @property
+    def n(self) -> int:
+        """Number of joints."""
+        return self.arm.n
+
+    @property
+    def task(self) -> Task:
+        """Task coordinates: three of the position and three angles."""
+        return TASK
+
+    @property
+    def parameters(self) -> Sequence[ArmParameter]:
+        """What the elements of p are, shape (13 n,)."""
+        return spatial_parameters(self.arm.chain)
+
+    def forward_kinematics(self, q: ca.SX) -> ca.SX:
+        """Task coordinates x = (p, phi), m and rad, shape (6,)."""
+        R, position = self._tip(q)
+        return ca.vertcat(position, angles(R))
+
+    def jacobian(self, q: ca.SX) -> ca.SX:
+        """Analytic Jacobian J_a, shape (6, n): dx = J_a dq."""
+        return analytic_jacobian(self.arm.jacobian(q), self._tip(q)[0])
+
+    def jacobian_rate(self, q: ca.SX, dq: ca.SX) -> ca.SX:
+        """Time derivative of the analytic Jacobian, shape (6, n)."""
+        J = self.jacobian(q)
+        return ca.reshape(ca.jtimes(ca.vec(J), q, dq), *J.shape)
+
+    def inertia(self, q: ca.SX, p: ca.SX) -> ca.SX:
+        """Inertia matrix H, kg m2, shape (n, n)."""
+        return self.arm.inertia(q, p)
+
+    def bias(self, q: ca.SX, dq: ca.SX, p: ca.SX) -> ca.SX:
+        """Torque C dq + g + f, N.m, shape (n,)."""
+        return self.arm.bias(q, dq, p, self.gravity, self.coulomb_velocity)
+
+    def inverse_dynamics(self, q: ca.SX, dq: ca.SX, v: ca.SX, a: ca.SX, p: ca.SX) -> ca.SX:
+        """Torque H a + C v + g + f, N.m, shape (n,)."""
+        return self.arm.inverse_dynamics(q, dq, v, a, p, self.gravity, self.coulomb_velocity)
+
+    def regressor(self, q: ca.SX, dq: ca.SX, v: ca.SX, a: ca.SX) -> ca.SX:
+        """Regressor Y, shape (n, 13 n)."""
+        return self.arm.regressor(q, dq, v, a, self.gravity, self.coulomb_velocity)
+
+    def demands(self, q: ca.SX) -> Sequence[Demand]:
+        """Demands that the angles are not singular, and that the arm is not."""
+        pitch = f"The tip pitches too far from its reference orientation: cos(pitch) must exceed {PITCH:g}"
+        reach = f"The arm is singular: det(J J'), with positions in reaches of the arm, must exceed {SINGULARITY:g}"
+        J = self.arm.jacobian(q)
+        scaled = ca.vertcat(J[:3, :] / self.arm.chain.reach, J[3:, :])
+        return [
+            Demand(pitch_cosine(self._tip(q)[0]) - PITCH, pitch),
+            Demand(gram_determinant(scaled) - SINGULARITY, reach),
+        ]
+
+    def _tip(self, q: ca.SX) -> tuple[ca.SX, ca.SX]:
+        """The rotation of the tip from its reference orientation, shape (3, 3), and its position, m, shape (3,)."""
+        R, position = self.arm.tip_frame(q)
+        return R @ self.reference.T, position
+
+
+def spatial_parameters(chain: Chain) -> Sequence[ArmParameter]:
+    """What the elements of p are, shape (13 n,), in the order of `Chain.p`."""
+    texts = {
+        "m": "mass",
+        "mc": "first moment along axis {} of its frame",
+        "I": "moment of inertia {} about the origin of its frame",
+    }
+    found = []
+    for joint in chain.joints:
+        for symbol in SYMBOLS:
+            letters = symbol.rstrip("123")
+            unit = {"m": "kg", "mc": "kg.m", "I": "kg.m2"}[letters]
+            text = texts[letters].format(symbol.removeprefix(letters))
+            signed = symbol not in ("m", "I11", "I22", "I33")
+            found.append(ArmParameter(unit, f"body {joint.body.name}: {text}", signed))
+    kinds = (
+        ("N.m.s/rad", "N.s/m", "viscous friction of joint"),
+        ("N.m", "N", "Coulomb friction of joint"),
+        ("kg.m2", "kg", "rotor inertia of joint"),
+    )
+    for turning, sliding, text in kinds:
+        found += [ArmParameter(turning if joint.turns else sliding, f"{text} {joint.name}") for joint in chain.joints]
+    return found

@@ -1,0 +1,63 @@
+"""The PUMA 560, the arm of Lu and Meng's time: frames, masses, inertias and rotors.
+
+Numbers: B. Armstrong, O. Khatib, J. Burdick, "The explicit dynamic model and inertial parameters of the PUMA 560 arm",
+IEEE Conf. Robotics and Automation, 1986, pp. 510-518, as P. Corke's Robotics Toolbox lists them for the Denavit-
+Hartenberg parameters that J. Craig modified (`mdl_puma560akb`). The frame of link i is that of joint i; joint i turns
+about axis 3. Moments of inertia are about the centres of mass. Products of inertia were taken as 0.
+
+The authors give link 1 no mass and no centre of mass: it turns about a vertical axis that does not move, so that its
+moment about this axis is all that the motion depends on. They measured no friction for these numbers, so it is 0.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fmus.mechanics.chain import Chain, Joint, JointLimits
+from fmus.mechanics.rigid_body import Body, Placement
+
+
+@dataclass(frozen=True)
+class _Link:
+    """A row of the tables: Denavit-Hartenberg a m, alpha in quarter turns, d m; body; motor inertia kg m2 and gears."""
+
+    a: float
+    quarter_turns: int
+    d: float
+    mass: float
+    center: tuple[float, float, float]
+    moments: tuple[float, float, float]
+    motor: float
+    gear: float
+
+
+LINKS = (
+    _Link(0.0, 0, 0.0, 0.0, (0.0, 0.0, 0.0), (0.0, 0.0, 0.35), 291e-6, -62.6111),
+    _Link(0.0, -1, 0.2435, 17.4, (0.068, 0.006, -0.016), (0.13, 0.524, 0.539), 409e-6, 107.815),
+    _Link(0.4318, 0, -0.0934, 4.8, (0.0, -0.070, 0.014), (0.066, 0.0125, 0.066), 299e-6, -53.7063),
+    _Link(-0.0203, 1, 0.4331, 0.82, (0.0, 0.0, -0.019), (1.8e-3, 1.8e-3, 1.3e-3), 35e-6, 76.0364),
+    _Link(0.0, -1, 0.0, 0.34, (0.0, 0.0, 0.0), (0.3e-3, 0.3e-3, 0.4e-3), 35e-6, 71.923),
+    _Link(0.0, 1, 0.0, 0.09, (0.0, 0.0, 0.032), (0.15e-3, 0.15e-3, 0.04e-3), 35e-6, 76.686),
+)
+"""The six links, from the base on."""
+
+
+def puma560(tip: Placement | None = None) -> Chain:
+    """The arm as a chain; the frame of the tip in that of link 6 is by default link 6's own, in the wrist's centre."""
+    joints = tuple(_joint(i + 1, link) for i, link in enumerate(LINKS))
+    return Chain("PUMA 560", joints, tip or Placement(), base_name="base", tip_name="tool")
+
+
+def _joint(number: int, link: _Link) -> Joint:
+    """A joint with its link."""
+    ixx, iyy, izz = link.moments
+    body = Body(f"link{number}", link.mass, link.center, (ixx, 0.0, iyy, 0.0, 0.0, izz), axial_only=number == 1)
+    alpha = link.quarter_turns * np.pi / 2
+    turned = Placement.from_rpy((link.a, 0, 0), (alpha, 0, 0))
+    return Joint(
+        f"joint{number}",
+        body,
+        turned @ Placement(translation=(0.0, 0.0, link.d)),
+        limits=JointLimits(),
+        rotor_inertia=link.motor * link.gear**2,
+    )
