@@ -28,6 +28,6 @@ def drawn(system: System) -> Drawing:
         picture.text((box.x + box.width / 2, box.y + 19), name, anchor="middle", bold=True, size=13, lowered=False)
     return Drawing(
         picture.svg(),
-        "Components from left to right in the order in which they step. A line leads from an output to an input; lines"
-        " from one component to another run together.",
+        "A component stands to the right of those that step before it and feed it. A line leads from an output to an"
+        " input; lines from one component to another run together.",
     )

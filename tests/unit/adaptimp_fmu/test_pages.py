@@ -35,12 +35,12 @@ def test_drawings_are_svg_with_a_title(declare: Callable[[], Model]) -> None:
     guide = declare().guide
     for drawing in (*guide.place, *guide.drawings):
         root = etree.fromstring(drawing.svg)
-        width, height = float(root.get("width")), float(root.get("height"))
+        width, height = float(root.attrib["width"]), float(root.attrib["height"])
         title = root.find("{http://www.w3.org/2000/svg}title")
         assert title is not None
         assert title.text == root.get("aria-label")
         for element in root.iter("{http://www.w3.org/2000/svg}polyline", "{http://www.w3.org/2000/svg}polygon"):
-            for point in element.get("points").split():
+            for point in element.attrib["points"].split():
                 x, y = map(float, point.split(","))
                 assert 0 <= x <= width, drawing.caption
                 assert 0 <= y <= height, drawing.caption

@@ -98,6 +98,13 @@ def test_loop_runs_from_left_to_right(fig5: System) -> None:
     assert columns == sorted(set(columns))
 
 
+def part(element: etree._Element, name: str) -> etree._Element:
+    """The child of a name, which must be there."""
+    child = element.find(f"{SSD}{name}")
+    assert child is not None, name
+    return child
+
+
 def test_package_holds_the_layout(fig5: System, tmp_path: Path) -> None:
     """Connector and connection, read back by the standard's rules, meet: y points up, connectors are relative."""
     layout = diagram(fig5)
@@ -105,25 +112,25 @@ def test_package_holds_the_layout(fig5: System, tmp_path: Path) -> None:
         root = etree.fromstring(archive.read("SystemStructure.ssd"))
     ends: dict[tuple[str, str], Point] = {}
     for component in root.iter(f"{SSD}Component"):
-        place = component.find(f"{SSD}ElementGeometry")
-        x1, y1, x2, y2 = (float(place.get(name)) for name in ("x1", "y1", "x2", "y2"))
+        place = part(component, "ElementGeometry")
+        x1, y1, x2, y2 = (float(place.attrib[name]) for name in ("x1", "y1", "x2", "y2"))
         assert x1 < x2
         assert y1 < y2, "nothing is mirrored"
         for connector in component.iter(f"{SSD}Connector"):
-            at = connector.find(f"{SSD}ConnectorGeometry")
-            x, y = (float(at.get(axis)) for axis in "xy")
-            assert x == (0 if connector.get("kind") == "input" else 1)
-            ends[component.get("name"), connector.get("name")] = (x1 + x * (x2 - x1), y1 + y * (y2 - y1))
+            at = part(connector, "ConnectorGeometry")
+            x, y = (float(at.attrib[axis]) for axis in "xy")
+            assert x == (0 if connector.attrib["kind"] == "input" else 1)
+            ends[component.attrib["name"], connector.attrib["name"]] = (x1 + x * (x2 - x1), y1 + y * (y2 - y1))
     connections = list(root.iter(f"{SSD}Connection"))
     assert len(connections) == len(layout.routes)
     for connection, route in zip(connections, layout.routes, strict=True):
-        place = connection.find(f"{SSD}ConnectionGeometry")
-        xs, ys = ([float(text) for text in place.get(f"points{axis}").split()] for axis in "XY")
-        begin = ends[connection.get("startElement"), connection.get("startConnector")]
-        end = ends[connection.get("endElement"), connection.get("endConnector")]
+        place = part(connection, "ConnectionGeometry")
+        xs, ys = ([float(text) for text in place.attrib[f"points{axis}"].split()] for axis in "XY")
+        begin = ends[connection.attrib["startElement"], connection.attrib["startConnector"]]
+        end = ends[connection.attrib["endElement"], connection.attrib["endConnector"]]
         # Connectors are written to a millionth of the box's height, which is below 400.
         assert begin[1] == pytest.approx(ys[0], abs=4e-4)
         assert end[1] == pytest.approx(ys[-1], abs=4e-4)
         assert xs == [x for x, _ in route[1:-1]]
-    note = root.find(f".//{SSD}Note")
-    assert "trajectory, sensor, controller, actuator, plant" in note.get("text")
+    note = next(root.iter(f"{SSD}Note"))
+    assert "trajectory, sensor, controller, actuator, plant" in note.attrib["text"]
