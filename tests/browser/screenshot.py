@@ -11,7 +11,7 @@ from playwright.sync_api import sync_playwright
 from tests.browser.conftest import CHROMIUM, FLAGS
 
 WIDTH, HEIGHT = 1280, 860  # pixels
-SLIDING = 1.0  # s
+SLIDING = 0.5  # of the time of the run
 DRAWN = 1500  # ms until the plots have drawn
 
 
