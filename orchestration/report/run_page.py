@@ -42,8 +42,9 @@ class Views:
     told
         What is said of runs, by their labels.
     offered
-        Captions of runs by their labels, among which the reader chooses; the first is shown at first. Without any, all
-        runs are shown.
+        Captions of runs by their labels, among which the reader chooses. Without any, all runs are shown.
+    at_first
+        Label of the offered run that is shown until the reader chooses. Default: the first one.
     """
 
     panels: Sequence[Panel] = ()
@@ -56,6 +57,7 @@ class Views:
     starts: Sequence[str] = ()
     told: Mapping[str, Told] = field(default_factory=dict)
     offered: Mapping[str, str] = field(default_factory=dict)
+    at_first: str = ""
     data: Mapping[str, Any] = field(default_factory=dict)
     blocks: Mapping[str, bytes] = field(default_factory=dict)
 
@@ -75,7 +77,9 @@ def run_page(results: Mapping[str, Result], views: Views, budget: int = BUDGET) 
     runs = _stored(results, views, panels, share)
     data: dict[str, Any] = {"runs": [run.record() for run in runs], "panels": [asdict(panel) for panel in panels]}
     told = {label: views.told.get(label, Told()) for label in results}
-    shown = [0] if views.offered else list(range(len(runs)))
+    shown = list(range(len(runs)))
+    if views.offered:
+        shown = [list(results).index(views.at_first or next(iter(results)))]
     data["shown"] = shown
     sections = [*views.first, _plots(runs, panels, shown, views.offered)]
     if len(results) == TWO and not views.offered:

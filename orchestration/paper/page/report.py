@@ -24,6 +24,8 @@ from orchestration.results.row_hash import row_hash
 from orchestration.system.system import System
 
 NAME, SUFFIX = "report.html", ".html"
+AT_FIRST = "fig5"
+"""What the page of the paper shows until the reader chooses; the live part starts from it, too."""
 MOST_RUNS = 2
 
 
@@ -101,6 +103,7 @@ def paper_page(results: Mapping[str, Result], claims: Sequence[Claim], words: Ma
     kept = {label: _only(result, needed) for label, result in results.items()}
     offered = {name: SCENARIOS[name].caption for name in results}
     views = replace(views, offered=offered, last=[claims_section(claims, words), *views.last])
+    views = replace(views, at_first=AT_FIRST if AT_FIRST in results else "")
     page = run_page(kept, views)
     lead = "Runs of the figures of Lu and Meng (1991), made from FMUs, and what they say of the claims of the paper."
     return replace(page, title="Adaptive impedance control: the paper reproduced", lead=lead)
