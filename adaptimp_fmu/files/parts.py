@@ -95,6 +95,18 @@ def has(package: str) -> bool:
     return find_spec(package) is not None
 
 
+def lacks(part: str) -> list[str]:
+    """Return the packages of a part that are not installed.
+
+    Examples
+    --------
+    >>> from adaptimp_fmu.files.parts import lacks
+    >>> lacks("build")
+    []
+    """
+    return [package for package, its_part in PARTS.items() if its_part == part and not has(package)]
+
+
 def require(package: str, part: str | None = None) -> None:
     """Refuse work that needs an optional package, before any work is done.
 

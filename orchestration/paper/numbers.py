@@ -43,3 +43,6 @@ FAILURES = {"dropout": (1, 0.05), "stuck": (2, 0.05), "spike": (3, 5e-3)}
 SPIKE_FORCE = 1e3  # N, along the wall's normal
 PAYLOAD = TRUE_M2 / 2  # kg, beyond the wrist sensor
 PAYLOAD_THRESHOLD = 20.0  # N, of a contact with a payload; its force in free motion is below 8 N
+
+# Of this project.
+N_STATES = 1000  # random states at which equations are compared

@@ -1,10 +1,11 @@
 """Reproduces everything the paper shows, figures and claims, from FMUs."""
 
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from adaptimp_fmu.files.parts import lacks
 from adaptimp_fmu.files.temporary_folder import temporary_folder
 from adaptimp_fmu.files.whole_file import write_whole
 from orchestration.paper.built_fmus import fmus
@@ -15,12 +16,11 @@ from orchestration.paper.claims.page import as_markdown, as_records, word
 from orchestration.paper.evidence import Evidence
 from orchestration.paper.figures.draw import draw
 from orchestration.paper.laboratory import Job
-from orchestration.paper.page.live import live_parts
-from orchestration.paper.page.live_data import native_hashes
 from orchestration.paper.page.report import NAME, paper_page, write_page
 from orchestration.paper.scenarios import ALL_SCENARIOS, SCENARIOS, Scenario
 from orchestration.paper.strength import read_strength
 from orchestration.paper.studies.native_runs import NativeLaboratory
+from orchestration.report.page import Page
 from orchestration.results.result import Result
 from orchestration.sandbox.archive import file_hash
 
@@ -85,9 +85,20 @@ def reproduce(folder: Path, tell: Tell, image: str = "png", *, fresh: bool = Fal
     words = {claim.id: word(claim, strength) for claim in claims}
     tell("Writing the page of the paper")
     page = folder / NAME
-    live = live_parts(native_hashes(results))
-    write_page(live.added_to(paper_page(results, claims, words)), page)
+    write_page(_page(results, claims, words, tell), page)
     return Report(figures, claims_file, page, claims, words, kept)
+
+
+def _page(results: Mapping[str, Result], claims: Sequence[Claim], words: Mapping[str, str], tell: Tell) -> Page:
+    """The page of the paper, with the live part if its programs can be built."""
+    page = paper_page(results, claims, words)
+    if missing := lacks("build"):
+        tell(f'The page runs nothing live, which needs {missing[0]} of the part "build"')
+        return page
+    from orchestration.paper.page.live import live_parts
+    from orchestration.paper.page.live_data import native_hashes
+
+    return live_parts(native_hashes(results)).added_to(page)
 
 
 def _digests(laboratory: NativeLaboratory, scenarios: Mapping[str, Scenario]) -> dict[str, str]:

@@ -18,8 +18,8 @@ from fmus.control.tirt import Impedance
 from fmus.mechanics.algebra import solve_spd, solve_square
 from fmus.mechanics.planar_arm import PlanarArm
 from fmus.mechanics.planar_model import PlanarArmModel
+from orchestration.paper.numbers import N_STATES
 
-N_STATES = 1000
 SEED = 1991
 
 

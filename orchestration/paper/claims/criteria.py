@@ -11,8 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from orchestration.paper.measure import RECOVERED, SETTLED
-from orchestration.paper.numbers import TARGET_STIFFNESS, TIP_START, TORQUE_SHARE, TRUE_M2
-from orchestration.paper.theory import N_STATES
+from orchestration.paper.numbers import N_STATES, TARGET_STIFFNESS, TIP_START, TORQUE_SHARE, TRUE_M2
 
 _COMPARE = {"<": operator.lt, "<=": operator.le, ">": operator.gt, ">=": operator.ge}
 _SHOWN_PER_SI = {"mm": 1e3, "%": 1e2}  # units that people read better, in what the numbers are kept in
