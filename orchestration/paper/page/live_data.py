@@ -59,12 +59,13 @@ def live_data(programs: Mapping[str, Program], hashes: Mapping[str, str] | None 
     hashes
         SHA-256 of the rows of each scenario, from runs of the master. Default: they are run here.
     """
+    variables = [v for program in programs.values() for v in program.record["description"]["variables"]]
     return {
         "figures": {name: _figure(name, hashes) for name in FIGURES},
         "controllers": {identifier: program.record for identifier, program in programs.items()},
         "settings": [setting.record() for setting in live_settings()],
         "fixed": [{"name": one.name, "value": one.value, "reason": one.reason} for one in FIXED],
-        **live_claims(),
+        **live_claims({v["name"] for v in variables if v["role"] == "output"}),
     }
 
 

@@ -145,13 +145,12 @@ export async function start({ showRuns, runs }) {
     const normal = [values["plant.wall_normal[1]"], values["plant.wall_normal[2]"]];
     const units = Object.fromEntries(data.controllers[state.controller].description.variables.map((v) => [v.name, v.unit]));
     const extra = { arm: { lengths, wall: { normal, offset: values["plant.wall_offset"] } } };
-    latest = { label: label(), time, columns, units, held: [], phases: phases(said.rows), extra };
-    element("numbers").innerHTML = "";
-    for (const [name, value, unit] of said.numbers) {
-      const pair = element("numbers").appendChild(document.createElement("div"));
-      const [term, number] = ["dt", "dd"].map((tag) => pair.appendChild(document.createElement(tag)));
-      [term.textContent, number.textContent] = [name, `${short(value, 4)} ${unit}`];
-    }
+    latest = { label: label(), time, columns, units, held: data.held, phases: said.phases, extra };
+    data.numbers.forEach(({ factor, unit }, i) => {
+      const [pair, value] = [element("numbers").children[i], said.numbers[i]];
+      pair.hidden = Number.isNaN(value);
+      pair.lastElementChild.textContent = `${short(factor * value, 4)} ${unit}`;
+    });
     say(`${label()}: answered in ${said.milliseconds.toFixed(0)} ms.`);
     element("status").dataset.milliseconds = said.milliseconds.toFixed(1);
     if (moved || !runs.length) await draw();
@@ -226,25 +225,6 @@ function place({ low, high, log }, value) {
 function at({ low, high, log, whole, factor }, step) {
   const value = log ? low * (high / low) ** (step / STEPS) : low + ((high - low) * step) / STEPS;
   return whole ? Math.round(value) : Number((value * factor).toPrecision(3)) / factor;
-}
-
-/** Begin and end of each contact and saturation, s. @param {Record<string, Float64Array>} rows */
-function phases(rows) {
-  /** @param {string[]} names */
-  const spans = (names) => {
-    /** @type {number[][]} */
-    const found = [];
-    let before = false;
-    rows.time.forEach((time, k) => {
-      const now = names.some((name) => rows[name][k] !== 0);
-      if (now && !before) found.push([time, time]);
-      else if (now) found[found.length - 1][1] = time;
-      before = now;
-    });
-    return found;
-  };
-  const [force, saturated] = ["plant.F_ext", "actuator.saturated"].map((name) => [`${name}[1]`, `${name}[2]`]);
-  return { "in contact": spans(force), saturated: spans(saturated) };
 }
 
 /** @param {string} name @param {Blob} content */

@@ -3,7 +3,7 @@
  *
  * @typedef {import("./state.js").Data} Data
  * @typedef {import("./state.js").Run} Run
- * @typedef {import("./measures.js").Rows} Rows
+ * @typedef {import("./formulas.js").Rows} Rows
  */
 const PART = 10000; // steps of which all outputs are kept at once
 
@@ -26,16 +26,20 @@ export class Loop {
 
   /** Every row of some columns. @param {Run} run @param {string[]} columns @returns {Rows} */
   rows(run, columns) {
-    return this.#with(run, (started) => started.run(steps(run), { columns }));
+    const [rows] = this.parts(run, columns, Infinity);
+    return rows;
   }
 
-  /** All outputs, part by part. @param {Run} run @returns {Generator<Rows>} */
-  *parts(run) {
-    const names = outputs(this.data, run.controller);
-    const started = this.#started(run);
+  /** The rows part by part, all outputs unless columns are named. */
+  /** @param {Run} run @param {string[]} [columns] @param {number} [size] steps of a part @returns {Generator<Rows>} */
+  *parts(run, columns = outputs(this.data, run.controller), size = PART) {
+    const [started, all] = [this.systems[run.controller].create(), Math.round(run.stop / run.step)];
     try {
-      for (let done = 0, all = steps(run); done < all; done += PART) {
-        const rows = started.run(Math.min(PART, all - done), { columns: names });
+      started.setStep(run.step);
+      started.set(run.values);
+      started.initialize();
+      for (let done = 0; done < all; done += size) {
+        const rows = started.run(Math.min(size, all - done), { columns });
         yield done ? Object.fromEntries(Object.entries(rows).map(([name, column]) => [name, column.subarray(1)])) : rows;
       }
     } finally {
@@ -46,7 +50,7 @@ export class Loop {
   /** SHA-256 of all rows, as `adaptimp run --hash` says it. @param {Run} run @returns {Promise<string>} */
   async hash(run) {
     const names = outputs(this.data, run.controller);
-    const all = new Float64Array((steps(run) + 1) * names.length);
+    const all = new Float64Array((Math.round(run.stop / run.step) + 1) * names.length);
     let row = 0;
     for (const rows of this.parts(run)) {
       names.forEach((name, j) => rows[name].forEach((value, k) => (all[(row + k) * names.length + j] = value)));
@@ -67,34 +71,7 @@ export class Loop {
     }
     return new Blob(parts, { type: "text/csv" });
   }
-
-  /** @template T @param {Run} run @param {(started: any) => T} work @returns {T} */
-  #with(run, work) {
-    const started = this.#started(run);
-    try {
-      return work(started);
-    } finally {
-      started.free();
-    }
-  }
-
-  /** @param {Run} run */
-  #started(run) {
-    const started = this.systems[run.controller].create();
-    try {
-      started.setStep(run.step);
-      started.set(run.values);
-      started.initialize();
-      return started;
-    } catch (error) {
-      started.free();
-      throw error;
-    }
-  }
 }
-
-/** @param {Run} run */
-const steps = (run) => Math.round(run.stop / run.step);
 
 /** @param {Data} data @param {string} controller @returns {string[]} */
 const outputs = (data, controller) =>

@@ -12,9 +12,10 @@
  * @typedef {{comparison: string, limit: number, unit: string, text: string}} Criterion
  * @typedef {{figures: Record<string, Figure>, controllers: Record<string, Controller>, settings: Setting[],
  *   fixed: {name: string, value: string, reason: string}[], criteria: Record<string, Criterion>,
- *   claims: {id: string, claim: string, where: string, criteria: string[]}[],
- *   numbers: {settled: number, recovered: number, start: number[], semiAxis: number[]},
- *   fixedMass: {figure: string, values: Record<string, number>}}} Data
+ *   claims: {id: string, measured: Record<string, number[]>, touches: number[]}[], nodes: import("./formulas.js").Node[],
+ *   numbers: {value: number, factor: number, unit: string}[], phases: Record<string, number>,
+ *   runs: Record<string, {figure: string, values: Record<string, number>}>, columns: Record<string, string[]>,
+ *   drawn: string[], held: string[]}} Data
  * @typedef {{figure: string, controller: string, changes: Record<string, number>}} State
  * @typedef {{controller: string, step: number, stop: number, values: Record<string, number>}} Run
  */

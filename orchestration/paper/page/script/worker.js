@@ -5,11 +5,9 @@
  * @typedef {{kind: "show"|"claims"|"hash"|"csv", state: State}} Request
  */
 import { Evidence, answer } from "./claims.js";
+import { Formulas } from "./formulas.js";
 import { Loop } from "./loop.js";
-import { MEASURED, REFERENCE, numbersOf, thinned } from "./measures.js";
 import { runOf } from "./state.js";
-
-const JOINTS = ["plant.q", "actuator.tau", "actuator.saturated"].flatMap((name) => [`${name}[1]`, `${name}[2]`]);
 
 /** @type {Promise<Loop>} */
 let loop;
@@ -42,9 +40,11 @@ async function serve(of, request) {
   const [{ data }, began] = [of, performance.now()];
   const run = runOf(data, request.state);
   if (request.kind === "show") {
-    const all = of.rows(run, [...MEASURED, ...REFERENCE, ...JOINTS]);
-    const rows = thinned(all);
-    const shown = { ...request, rows, numbers: numbersOf(all), milliseconds: performance.now() - began };
+    const rows = of.rows(run, data.drawn);
+    const formulas = new Formulas(data.nodes, () => rows, () => run.values);
+    const numbers = data.numbers.map(({ value }) => formulas.at(value));
+    const phases = Object.fromEntries(Object.entries(data.phases).map(([name, on]) => [name, spans(rows.time, formulas.at(on))]));
+    const shown = { ...request, rows, numbers, phases, milliseconds: performance.now() - began };
     postMessage(shown, { transfer: Object.values(rows).map((column) => column.buffer) });
   } else if (request.kind === "hash") postMessage({ ...request, hash: await of.hash(run) });
   else if (request.kind === "csv") postMessage({ ...request, csv: of.csv(run) });
@@ -56,4 +56,15 @@ async function serve(of, request) {
       if (waiting.has("claims")) return;
     }
   }
+}
+
+/** Begin and end, s, of each interval in which a condition holds. @param {Float64Array} time @param {Uint8Array} on */
+function spans(time, on) {
+  /** @type {number[][]} */
+  const found = [];
+  on.forEach((now, k) => {
+    if (now && !on[k - 1]) found.push([time[k], time[k]]);
+    else if (now) found[found.length - 1][1] = time[k];
+  });
+  return found;
 }
