@@ -9,7 +9,7 @@ from typing import Any
 
 from orchestration.paper.claims import criteria
 from orchestration.paper.claims.claim import Question
-from orchestration.paper.claims.criteria import Criterion
+from orchestration.paper.claims.criteria import SHOWN_PER_SI, Criterion
 from orchestration.paper.claims.evaluation import QUESTIONS
 from orchestration.paper.claims.judged import FIGURES as ADAPTIVE
 from orchestration.paper.evidence import GAIN
@@ -155,4 +155,5 @@ def _claim(question: Question, formulas: Formulas) -> dict[str, Any]:
 
 
 def _criterion(one: Criterion) -> dict[str, Any]:
-    return {"comparison": one.comparison, "limit": one.limit, "unit": one.unit, "text": str(one)}
+    about = {"comparison": one.comparison, "limit": one.limit, "unit": one.unit, "text": str(one)}
+    return {**about, "factor": SHOWN_PER_SI.get(one.unit, 1.0)}

@@ -40,6 +40,7 @@ _BEFORE, _FROM, _AFTER = f"time < {_FIRST}", f"time >= {_FIRST}", f"time >= {_LA
 _DURING = f"{_FROM} and time <= {_LAST}"
 _E, _APART, _M2 = "norm(controller.e)", "norm(controller.x_t - trajectory.x_v)", "controller.p_hat[2]"
 _M2_ERROR = f"abs({_M2} - fig5.plant.m[2])"
+_EITHER_TOUCHING = f"norm(plant.F_ext) + norm({IDEAL}.plant.F_ext) > 0"
 _TOUCHES = f"count({TOUCHING})"
 _END = ", ".join(f"final(plant.x[{i}]) - {place}" for i, place in enumerate(TIP_START, 1)).replace("- -", "+ ")
 
@@ -68,11 +69,11 @@ MEASURES: Mapping[str, str] = {
     "e_start": f"max({_E}, where=not ({_FROM}))",
     "e_free": f"max({_E}, where={_BEFORE} and time > {_FIRST} / 2)",
     "e_contact": f"max({_E}, where={_DURING})",
-    "force_error": f"rms(norm(plant.F_ext - {IDEAL}.plant.F_ext), where={TOUCHING} or norm({IDEAL}.plant.F_ext) > 0)",
+    "force_error": f"rms(norm(plant.F_ext - {IDEAL}.plant.F_ext), where={_EITHER_TOUCHING})",
     "m2_end": f"final({_M2})",
     "share_saturated": f"share({SATURATED})",
 }
-"""Measures of one run by name, as `orchestration.paper.measure` has them; without a contact those of a contact are NaN."""
+"""Measures of one run by name, as `orchestration.paper.measure` has them; NaN without a contact where they need one."""
 
 
 class _PageReader(Reader):

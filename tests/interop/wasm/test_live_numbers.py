@@ -36,7 +36,7 @@ import { readFileSync, writeFileSync } from "node:fs";
 import { Evidence, answer } from "./claims.js";
 import { Loop, decimal } from "./loop.js";
 import { load } from "./system.mjs";
-import { commandOf, fromLink, linkOf, pathsOf, preset, runOf, structureOf, valueOf } from "./state.js";
+import { commandOf, fromLink, linkOf, preset, runOf, structureOf, valueOf } from "./state.js";
 const data = JSON.parse(readFileSync("data.json", "utf8"));
 const modules = Object.fromEntries(Object.keys(data.controllers).map((name) => [name, readFileSync(`${name}.wasm`)]));
 const loop = await Loop.of(data, modules, load);

@@ -8,7 +8,7 @@
  * @typedef {{id: string, holds: boolean|null, values: Record<string, number[]>, why: string}} Answer
  *   `holds` is null if the claim cannot be judged, and `why` says why
  */
-import { EACH, Formulas } from "./formulas.js";
+import { Formulas, compute } from "./formulas.js";
 import { preset, runOf } from "./state.js";
 
 /** The runs that claims need, each made when it is first asked for; a failure is kept as well. */
@@ -46,7 +46,7 @@ export function answer({ data, formulas }, id) {
     const values = /** @type {Record<string, number[]>} */ (Object.fromEntries(found));
     const met = Object.entries(values).map(([name, numbers]) => {
       const { comparison, limit } = data.criteria[name];
-      return numbers.every((value) => EACH[comparison]()(value, limit));
+      return numbers.every((value) => compute(comparison, value, limit));
     });
     return { id, holds: met.every(Boolean), values, why: "" };
   } catch (error) {

@@ -2,33 +2,31 @@
  * Computes formulas of `orchestration.paper.page.live_formulas`: each part once, when it is first asked for.
  *
  * @typedef {Record<string, Float64Array>} Rows
- * @typedef {number|Float64Array|Uint8Array} Value a number, or one for each row; what is computed of columns that begin a row
+ * @typedef {number|Float64Array} Value a number, or one for each row; what is computed of columns that begin a row
  *   later has one row less
  * @typedef {[string, ...any[]]} Node an operation and its operands: places of other nodes
  */
 
-/** @type {Record<string, () => (a: number, b: number) => number|boolean>} a count has a memory, so each is made anew */
-export const EACH = {
-  "+": () => (a, b) => a + b,
-  "-": () => (a, b) => a - b,
-  "*": () => (a, b) => a * b,
-  "/": () => (a, b) => a / b,
-  "<": () => (a, b) => a < b,
-  "<=": () => (a, b) => a <= b,
-  ">": () => (a, b) => a > b,
-  ">=": () => (a, b) => a >= b,
-  and: () => (a, b) => a && b,
-  or: () => (a, b) => a || b,
-  not: () => (a) => !a,
-  abs: () => Math.abs,
-  sqrt: () => Math.sqrt,
-  norm: () => (a, b) => Math.sqrt(a * a + b * b),
-  count: () => {
-    let [begun, before] = [0, 0];
-    return (a) => ((begun += Number(a && !before)), (before = a), begun);
-  },
-};
-const CONDITIONS = ["<", "<=", ">", ">=", "and", "or", "not"];
+/** What an operation makes of the numbers of a row. One function for all of them is what browsers make fast. */
+/** @param {string} op @param {number} a @param {number} b @returns {number} a condition is 1 or 0 */
+export function compute(op, a, b) {
+  switch (op) {
+    case "-": return a - b;
+    case "*": return a * b;
+    case "norm": return Math.sqrt(a * a + b * b);
+    case ">": return Number(a > b);
+    case ">=": return Number(a >= b);
+    case "<": return Number(a < b);
+    case "<=": return Number(a <= b);
+    case "and": return a && b;
+    case "not": return Number(!a);
+    case "abs": return Math.abs(a);
+    case "+": return a + b;
+    case "/": return a / b;
+    case "sqrt": return Math.sqrt(a);
+    default: throw new Error(`The page cannot compute ${op}.`);
+  }
+}
 
 /** @type {Record<string, (values: Float64Array) => number>} */
 const REDUCE = {
@@ -61,20 +59,20 @@ export class Formulas {
     if (op === "start") return this.starts(operands[0])[operands[1]];
     if (op === "column") return this.rows(operands[0])[operands[1]].subarray(operands[2]);
     const [a, b] = operands.map((place) => this.at(place));
+    if (op === "count") return count(a);
     if (!(op in REDUCE)) return each(op, a, b ?? a);
-    const chosen = b ? a.filter((/** @type {number} */ _, /** @type {number} */ k) => b[k]) : a;
-    return chosen.length ? REDUCE[op](chosen) : NaN;
+    const values = b ? chosen(a, b) : a;
+    return values.length ? REDUCE[op](values) : NaN;
   }
 }
 
 /** @param {string} op @param {Value} a @param {Value} b @returns {Value} */
 function each(op, a, b) {
-  const [compute, sizes] = [EACH[op](), [a, b].flatMap((of) => (typeof of === "number" ? [] : [of.length]))];
-  if (typeof a === "number" && typeof b === "number") return Number(compute(a, b));
-  const size = Math.min(...sizes);
+  if (typeof a === "number" && typeof b === "number") return compute(op, a, b);
+  const size = Math.min(...[a, b].map((of) => (typeof of === "number" ? Infinity : of.length)));
   const [left, right] = [a, b].map((of) => (typeof of === "number" ? new Float64Array(size).fill(of) : of));
-  const values = new (CONDITIONS.includes(op) ? Uint8Array : Float64Array)(size);
-  for (let k = 0; k < size; k += 1) values[k] = Number(compute(left[k], right[k]));
+  const values = new Float64Array(size);
+  for (let k = 0; k < size; k += 1) values[k] = compute(op, left[k], right[k]);
   return values;
 }
 
@@ -87,4 +85,18 @@ function sum(values) {
     total = next;
   }
   return total;
+}
+
+/** How often a condition has begun to hold. @param {Float64Array} condition */
+function count(condition) {
+  let begun = 0;
+  return condition.map((holds, k) => (begun += Number(holds && !condition[k - 1])));
+}
+
+/** The values at which a condition holds. @param {Float64Array} values @param {Float64Array} where */
+function chosen(values, where) {
+  const found = new Float64Array(values.length);
+  let size = 0;
+  for (let k = 0; k < values.length; k += 1) if (where[k]) found[size++] = values[k];
+  return found.subarray(0, size);
 }

@@ -58,7 +58,7 @@ async function serve(of, request) {
   }
 }
 
-/** Begin and end, s, of each interval in which a condition holds. @param {Float64Array} time @param {Uint8Array} on */
+/** Begin and end, s, of each interval in which a condition holds. @param {Float64Array} time @param {Float64Array} on */
 function spans(time, on) {
   /** @type {number[][]} */
   const found = [];
