@@ -13,6 +13,7 @@ from orchestration.paper.claims.criteria import SHOWN_PER_SI, Criterion
 from orchestration.paper.claims.evaluation import QUESTIONS
 from orchestration.paper.claims.judged import FIGURES as ADAPTIVE
 from orchestration.paper.evidence import GAIN
+from orchestration.paper.figures.overlay import FORCE
 from orchestration.paper.numbers import SEMI_AXIS
 from orchestration.paper.page.live_formulas import IDEAL, SAMPLED, SATURATED, SHOWN, TOUCHING, Formulas
 from orchestration.paper.scenarios import UNSATURATED
@@ -127,6 +128,7 @@ def live_claims(outputs: Collection[str]) -> dict[str, Any]:
             {"value": formulas.place(measure), "label": label, "factor": factor, "unit": unit}
             for measure, label, factor, unit in NUMBERS
         ],
+        "norms": {f"{FORCE} (norm)": formulas.place(f"norm({FORCE})")},
         "phases": {"in contact": formulas.place(TOUCHING), "saturated": formulas.place(SATURATED)},
     }
     runs = {name: {"figure": figure, "values": {**values}} for name, (figure, values) in RUNS.items()}

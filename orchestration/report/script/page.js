@@ -56,7 +56,7 @@ export async function start(modules) {
     all.push(new Plots(element("difference-panels"), cursor, range, stored.difference.panels));
     await all[1].showRuns([await runOf(stored.difference.run)]);
   }
-  connectZoom(element("zoom"), cursor, range, all);
+  connectZoom(element("zoom"), cursor, range);
   await showRuns(stored.shown.map((/** @type {number} */ place) => runs[place]));
   document.addEventListener("theme", () => all.forEach((each) => each.restyle()));
   document.documentElement.dataset.ready = performance.now().toFixed(0);

@@ -11,45 +11,43 @@
 import { Formulas, compute } from "./formulas.js";
 import { preset, runOf } from "./state.js";
 
-/** The runs that claims need, each made when it is first asked for; a failure is kept as well. */
-export class Evidence {
-  /** @param {Data} data @param {State} state @param {(run: Run, columns: string[]) => Rows} make */
-  constructor(data, state, make) {
-    this.data = data;
-    /** @type {Map<string, Rows|Error>} */
-    const found = new Map();
-    const run = (/** @type {string} */ name) => {
-      const { figure, values } = data.runs[name];
-      const changed = runOf(data, { ...preset(data, figure), changes: state.changes });
-      return { ...changed, values: { ...changed.values, ...values } };
-    };
-    const rows = (/** @type {string} */ name) => {
-      try {
-        if (!found.has(name)) found.set(name, make(run(name), data.columns[name]));
-      } catch (error) {
-        found.set(name, new Error(`the run ${name} fails: ${error instanceof Error ? error.message : error}`));
-      }
-      const one = found.get(name);
-      if (one instanceof Error) throw one;
-      return /** @type {Rows} */ (one);
-    };
-    this.formulas = new Formulas(data.nodes, rows, (name) => run(name).values);
-  }
+/**
+ * The formulas over the runs that claims need, each made when it is first asked for; a failure is kept as well.
+ * @param {Data} data @param {State} state @param {(run: Run, columns: string[]) => Rows} make
+ */
+export function evidence(data, state, make) {
+  /** @type {Map<string, Rows|Error>} */
+  const found = new Map();
+  const run = (/** @type {string} */ name) => {
+    const { figure, values } = data.runs[name];
+    const changed = runOf(data, { ...preset(data, figure), changes: state.changes });
+    return { ...changed, values: { ...changed.values, ...values } };
+  };
+  const rows = (/** @type {string} */ name) => {
+    try {
+      if (!found.has(name)) found.set(name, make(run(name), data.columns[name]));
+    } catch (error) {
+      found.set(name, new Error(`the run ${name} fails: ${/** @type {Error} */ (error).message}`));
+    }
+    const one = /** @type {Rows|Error} */ (found.get(name));
+    if (one instanceof Error) throw one;
+    return one;
+  };
+  return new Formulas(data.nodes, rows, (name) => run(name).values);
 }
 
-/** @param {Evidence} from @param {string} id of a claim @returns {Answer} */
-export function answer({ data, formulas }, id) {
-  const { measured, touches } = data.claims.find((claim) => claim.id === id) ?? { measured: {}, touches: [] };
+/** @param {Data} data @param {Formulas} formulas @param {Data["claims"][0]} claim @returns {Answer} */
+export function answer({ criteria }, formulas, { id, measured, touches }) {
   try {
     if (touches.some((place) => Number.isNaN(formulas.at(place)))) throw new Error("the tip never touches the wall");
-    const found = Object.entries(measured).map(([name, places]) => [name, places.map((place) => formulas.at(place))]);
-    const values = /** @type {Record<string, number[]>} */ (Object.fromEntries(found));
+    const numbersAt = (/** @type {number[]} */ places) => places.map((place) => formulas.at(place));
+    const values = Object.fromEntries(Object.entries(measured).map(([name, places]) => [name, numbersAt(places)]));
     const met = Object.entries(values).map(([name, numbers]) => {
-      const { comparison, limit } = data.criteria[name];
-      return numbers.every((value) => compute(comparison, value, limit));
+      const { comparison, limit } = criteria[name];
+      return numbers.every((/** @type {number} */ value) => compute(comparison, value, limit));
     });
     return { id, holds: met.every(Boolean), values, why: "" };
   } catch (error) {
-    return { id, holds: null, values: {}, why: error instanceof Error ? error.message : String(error) };
+    return { id, holds: null, values: {}, why: /** @type {Error} */ (error).message };
   }
 }

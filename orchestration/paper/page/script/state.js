@@ -13,6 +13,7 @@
  *   fixed: {name: string, value: string, reason: string}[], criteria: Record<string, Criterion>,
  *   claims: {id: string, measured: Record<string, number[]>, touches: number[]}[], nodes: import("./formulas.js").Node[],
  *   numbers: {value: number, factor: number, unit: string}[], phases: Record<string, number>,
+ *   norms: Record<string, number>,
  *   runs: Record<string, {figure: string, values: Record<string, number>}>, columns: Record<string, string[]>,
  *   starts: Record<string, Record<string, Starts>>, drawn: string[], held: string[]}} Data
  * @typedef {{given: Record<string, number>, own: Record<string, number>, paths: Record<string, string[]>}} Starts
@@ -86,10 +87,8 @@ export function commandOf(data, state) {
 
 /** @param {Data} data @param {State} state @returns {string} what follows # in a link */
 export function linkOf(data, state) {
-  const words = new URLSearchParams({ try: state.figure });
-  if (state.controller !== data.figures[state.figure].controller) words.set("controller", state.controller);
-  for (const [key, value] of Object.entries(state.changes)) words.set(key, String(value));
-  return words.toString();
+  const switched = state.controller === data.figures[state.figure].controller ? {} : { controller: state.controller };
+  return new URLSearchParams(/** @type {any} */ ({ try: state.figure, ...switched, ...state.changes })).toString();
 }
 
 /**
@@ -98,21 +97,16 @@ export function linkOf(data, state) {
  * @returns {{state: State, unknown: string[]}|undefined}
  */
 export function fromLink(data, text) {
-  const words = new URLSearchParams(text.replace(/^#/, ""));
-  const figure = words.get("try");
-  if (figure === null) return undefined;
-  const unknown = Object.hasOwn(data.figures, figure) ? [] : [`try=${figure}`];
-  const state = preset(data, unknown.length ? "fig5" : figure);
-  const controller = words.get("controller") ?? state.controller;
-  if (Object.hasOwn(data.controllers, controller)) state.controller = controller;
-  else unknown.push(`controller=${controller}`);
-  for (const [key, value] of words) {
-    if (key === "try" || key === "controller") continue;
-    const number = value.trim() === "" ? NaN : Number(value);
-    if (data.settings.some((s) => s.key === key) && Number.isFinite(number)) state.changes[key] = number;
-    else unknown.push(`${key}=${value}`);
-  }
-  return { state, unknown };
+  const words = [...new URLSearchParams(text.replace(/^#/, ""))];
+  const { try: figure, controller } = Object.fromEntries(words);
+  if (figure === undefined) return undefined;
+  const state = preset(data, Object.hasOwn(data.figures, figure) ? figure : "fig5");
+  if (Object.hasOwn(data.controllers, controller ?? "")) state.controller = controller;
+  const isKnown = (/** @type {string} */ key) => data.settings.some((setting) => setting.key === key);
+  for (const [key, value] of words) if (isKnown(key) && value.trim() && Number.isFinite(+value)) state.changes[key] = +value;
+  const taken = /** @type {Record<string, string>} */ ({ try: state.figure, controller: state.controller });
+  const unknown = words.filter(([key, value]) => !(key in state.changes) && taken[key] !== value);
+  return { state, unknown: unknown.map((word) => word.join("=")) };
 }
 
 /** The system as an .ssd file with the values in it. @param {Data} data @param {State} state @returns {string} */

@@ -4,7 +4,7 @@
  * @typedef {import("./state.js").State} State
  * @typedef {{kind: "show"|"claims"|"hash"|"csv", state: State}} Request
  */
-import { Evidence, answer } from "./claims.js";
+import { answer, evidence } from "./claims.js";
 import { Formulas } from "./formulas.js";
 import { Loop } from "./loop.js";
 import { runOf } from "./state.js";
@@ -25,7 +25,7 @@ addEventListener("message", async ({ data: said }) => {
     try {
       await serve(await loop, request);
     } catch (error) {
-      postMessage({ ...request, error: error instanceof Error ? error.message : String(error) });
+      postMessage({ ...request, error: /** @type {Error} */ (error).message });
     }
     await arrived();
   }
@@ -44,14 +44,15 @@ async function serve(of, request) {
     const formulas = new Formulas(data.nodes, () => rows, () => run.values);
     const numbers = data.numbers.map(({ value }) => formulas.at(value));
     const phases = Object.fromEntries(Object.entries(data.phases).map(([name, on]) => [name, spans(rows.time, formulas.at(on))]));
+    for (const [name, place] of Object.entries(data.norms)) rows[name] = formulas.at(place);
     const shown = { ...request, rows, numbers, phases, milliseconds: performance.now() - began };
     postMessage(shown, { transfer: Object.values(rows).map((column) => column.buffer) });
   } else if (request.kind === "hash") postMessage({ ...request, hash: await of.hash(run) });
   else if (request.kind === "csv") postMessage({ ...request, csv: of.csv(run) });
   else {
-    const evidence = new Evidence(data, request.state, (one, columns) => of.rows(one, columns));
-    for (const { id } of data.claims) {
-      postMessage({ ...request, answer: answer(evidence, id), milliseconds: performance.now() - began });
+    const formulas = evidence(data, request.state, (one, columns) => of.rows(one, columns));
+    for (const claim of data.claims) {
+      postMessage({ ...request, answer: answer(data, formulas, claim), milliseconds: performance.now() - began });
       await arrived();
       if (waiting.has("claims")) return;
     }
