@@ -37,6 +37,7 @@ def live_data(programs: Mapping[str, Program], hashes: Mapping[str, str] | None 
     variables = [v for program in programs.values() for v in program.record["description"]["variables"]]
     return {
         "figures": {name: _figure(name, hashes) for name in FIGURES},
+        "units": {v["name"]: v["unit"] for v in variables if v["role"] == "output"},
         "starts": starts(programs),
         "controllers": {identifier: program.record for identifier, program in programs.items()},
         "settings": [setting.record() for setting in live_settings()],

@@ -24,7 +24,8 @@ export function connectChoice(list, plots, panels) {
       unit: each,
       curves: chosen.filter((name) => unit(name) === each).map((name) => ({ column: name, label: name })),
     }));
-    plots.setPanels([...panels, ...added]);
+    plots.panels = [...panels, ...added];
+    plots.showRuns(plots.runs);
   });
 }
 

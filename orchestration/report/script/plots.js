@@ -37,13 +37,8 @@ export class Plots {
     this.waiting = false;
     range.addEventListener("interval", () => this.refreshSoon());
     cursor.addEventListener("cursor", () => this.showCursor());
+    document.addEventListener("theme", () => this.restyle());
     new ResizeObserver(() => this.refreshSoon()).observe(host);
-  }
-
-  /** Draw other panels. @param {Panel[]} panels */
-  async setPanels(panels) {
-    this.panels = panels;
-    await this.showRuns(this.runs);
   }
 
   /** Draw runs in the place of those before; curves that were switched off stay so. @param {Run[]} runs */

@@ -8,16 +8,16 @@
  * @typedef {{id: string, holds: boolean|null, values: Record<string, number[]>, why: string}} Answer
  *   `holds` is null if the claim cannot be judged, and `why` says why
  */
-import { Formulas, compute } from "./formulas.js";
+import { compute, valuesOf } from "./formulas.js";
 import { preset, runOf } from "./state.js";
 
 /**
- * The formulas over the runs that claims need, each made when it is first asked for; a failure is kept as well.
+ * What gives the values of formulas over the runs that claims need, each made when it is first asked for.
  * @param {Data} data @param {State} state @param {(run: Run, columns: string[]) => Rows} make
  */
 export function evidence(data, state, make) {
-  /** @type {Map<string, Rows|Error>} */
-  const found = new Map();
+  /** @type {Record<string, Rows>} */
+  const found = {};
   const run = (/** @type {string} */ name) => {
     const { figure, values } = data.runs[name];
     const changed = runOf(data, { ...preset(data, figure), changes: state.changes });
@@ -25,22 +25,19 @@ export function evidence(data, state, make) {
   };
   const rows = (/** @type {string} */ name) => {
     try {
-      if (!found.has(name)) found.set(name, make(run(name), data.columns[name]));
+      return (found[name] ??= make(run(name), data.columns[name]));
     } catch (error) {
-      found.set(name, new Error(`the run ${name} fails: ${/** @type {Error} */ (error).message}`));
+      throw new Error(`the run ${name} fails: ${/** @type {Error} */ (error).message}`);
     }
-    const one = /** @type {Rows|Error} */ (found.get(name));
-    if (one instanceof Error) throw one;
-    return one;
   };
-  return new Formulas(data.nodes, rows, (name) => run(name).values);
+  return valuesOf(data.nodes, rows, (name) => run(name).values);
 }
 
-/** @param {Data} data @param {Formulas} formulas @param {Data["claims"][0]} claim @returns {Answer} */
-export function answer({ criteria }, formulas, { id, measured, touches }) {
+/** @param {Data} data @param {(place: number) => any} at @param {Data["claims"][0]} claim @returns {Answer} */
+export function answer({ criteria }, at, { id, measured, touches }) {
   try {
-    if (touches.some((place) => Number.isNaN(formulas.at(place)))) throw new Error("the tip never touches the wall");
-    const numbersAt = (/** @type {number[]} */ places) => places.map((place) => formulas.at(place));
+    if (touches.some((place) => Number.isNaN(at(place)))) throw new Error("the tip never touches the wall");
+    const numbersAt = (/** @type {number[]} */ places) => places.map(at);
     const values = Object.fromEntries(Object.entries(measured).map(([name, places]) => [name, numbersAt(places)]));
     const met = Object.entries(values).map(([name, numbers]) => {
       const { comparison, limit } = criteria[name];

@@ -38,32 +38,27 @@ const REDUCE = {
   final: (values) => values[values.length - 1],
 };
 
-export class Formulas {
-  /** @param {Node[]} nodes @param {(run: string) => Rows} rows @param {(run: string) => Record<string, number>} starts */
-  constructor(nodes, rows, starts) {
-    this.nodes = nodes;
-    this.rows = rows;
-    this.starts = starts;
-    /** @type {Value[]} */
-    this.found = [];
-  }
-
-  /** @param {number} place @returns {any} a `Value`; NaN for a reduction of no row */
-  at(place) {
-    return (this.found[place] ??= this.#computed(...this.nodes[place]));
-  }
-
+/**
+ * What gives the value at a place; NaN for a reduction of no row.
+ * @param {Node[]} nodes @param {(run: string) => Rows} rows @param {(run: string) => Record<string, number>} starts
+ * @returns {(place: number) => any} a `Value`
+ */
+export function valuesOf(nodes, rows, starts) {
+  /** @type {Value[]} */
+  const found = [];
+  const at = (/** @type {number} */ place) => (found[place] ??= computed(...nodes[place]));
   /** @param {string} op @param {any[]} operands @returns {Value} */
-  #computed(op, ...operands) {
+  const computed = (op, ...operands) => {
     if (op === "number") return operands[0];
-    if (op === "start") return this.starts(operands[0])[operands[1]];
-    if (op === "column") return this.rows(operands[0])[operands[1]].subarray(operands[2]);
-    const [a, b] = operands.map((place) => this.at(place));
+    if (op === "start") return starts(operands[0])[operands[1]];
+    if (op === "column") return rows(operands[0])[operands[1]].subarray(operands[2]);
+    const [a, b] = /** @type {any[]} */ (operands.map(at));
     if (op === "count") return count(a);
     if (!(op in REDUCE)) return each(op, a, b ?? a);
-    const values = b ? chosen(a, b) : a;
+    const values = b ? a.filter((/** @type {number} */ _, /** @type {number} */ k) => b[k]) : a;
     return values.length ? REDUCE[op](values) : NaN;
-  }
+  };
+  return at;
 }
 
 /** @param {string} op @param {Value} a @param {Value} b @returns {Value} */
@@ -91,12 +86,4 @@ function sum(values) {
 function count(condition) {
   let begun = 0;
   return condition.map((holds, k) => (begun += Number(holds && !condition[k - 1])));
-}
-
-/** The values at which a condition holds. @param {Float64Array} values @param {Float64Array} where */
-function chosen(values, where) {
-  const found = new Float64Array(values.length);
-  let size = 0;
-  for (let k = 0; k < values.length; k += 1) if (where[k]) found[size++] = values[k];
-  return found.subarray(0, size);
 }

@@ -42,8 +42,8 @@ export async function start({ showRuns, runs }) {
     state = wanted;
     data.settings.forEach(showSetting);
     const { figure, controller } = state;
-    fill({ figure, controller, caption: data.figures[figure].caption, command: commandOf(data, state) });
-    fill({ link: `${location.href.split("#")[0]}#${linkOf(data, state)}` });
+    const link = `${location.href.split("#")[0]}#${linkOf(data, state)}`;
+    fill({ figure, controller, caption: data.figures[figure].caption, command: commandOf(data, state), link });
     fill({ hash: "not computed yet", native: "not compared yet" });
     element("claims").setAttribute("aria-busy", "true");
     ask("show", drawer);
@@ -92,9 +92,6 @@ export async function start({ showRuns, runs }) {
   }
   // Listens before the fields do, since not all events rise.
   element("form").addEventListener("input", (/** @type {any} */ { target }) => ((moved = true), change(target)), true);
-  element("form").addEventListener("focusout", (/** @type {any} */ { target }) => {
-    data.settings.filter(({ key }) => key === target.name).forEach(showSetting);
-  });
 
   /** @type {Record<string, () => unknown>} */
   const actions = {
@@ -107,6 +104,7 @@ export async function start({ showRuns, runs }) {
     "copy-link": () => copy("link"),
     "copy-command": () => copy("command"),
   };
+  const copy = (/** @type {string} */ id) => navigator.clipboard.writeText(element(id).value).then(() => say("Copied."));
   for (const [name, act] of Object.entries(actions)) element(name).addEventListener("click", act);
 
   /** @param {any} said */
@@ -119,9 +117,8 @@ export async function start({ showRuns, runs }) {
     const { rows: { time, ...columns }, phases } = said;
     const { values } = runOf(data, state);
     const [lengths, normal] = ["l", "wall_normal"].map((name) => [1, 2].map((i) => values[`plant.${name}[${i}]`]));
-    const units = Object.fromEntries(data.controllers[state.controller].description.variables.map((v) => [v.name, v.unit]));
     const extra = { arm: { lengths, wall: { normal, offset: values["plant.wall_offset"] } } };
-    latest = { label: label(), time, columns, units, held: data.held, phases, extra };
+    latest = { label: label(), time, columns, units: data.units, held: data.held, phases, extra };
     data.numbers.forEach(({ factor, unit }, i) => {
       const [pair, value] = [element("numbers").children[i], said.numbers[i]];
       pair.hidden = Number.isNaN(value);
@@ -159,12 +156,11 @@ export async function start({ showRuns, runs }) {
 
   /** @param {string} hash */
   function proved(hash) {
-    const [native, command] = [data.figures[state.figure].hash, `adaptimp run ${state.figure}`];
-    const same = `${command} gave the same hash when this page was made: the bits are the same.`;
-    const differ = `${command} gave ${native} when this page was made: the bits differ. Please report this.`;
-    const plain = linkOf(data, state) === linkOf(data, preset(data, state.figure));
-    const other = "The command above says the hash of its rows; it is this one.";
-    fill({ hash, native: !plain ? other : native === hash ? same : differ });
+    const [{ figure }, plain] = [state, linkOf(data, state) === linkOf(data, preset(data, state.figure))];
+    const native = data.figures[figure].hash;
+    const said = native === hash ? ["the same hash", "the bits are the same."] : [native, "the bits differ. Please report this."];
+    const compared = `adaptimp run ${figure} gave ${said[0]} when this page was made: ${said[1]}`;
+    fill({ hash, native: plain ? compared : "The command above says the hash of its rows; it is this one." });
   }
 
   function label() {
@@ -187,12 +183,6 @@ export async function start({ showRuns, runs }) {
   addEventListener("hashchange", follow);
   if (!fromLink(data, location.hash)) show(state);
   follow();
-}
-
-/** @param {string} id of what to copy */
-async function copy(id) {
-  const done = navigator.clipboard.writeText(element(id).value).then(() => "Copied.");
-  fill({ status: await done.catch(() => "The clipboard is closed to this page; select the text and copy it.") });
 }
 
 /** @param {string} name @param {Blob} content */

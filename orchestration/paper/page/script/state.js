@@ -15,7 +15,7 @@
  *   numbers: {value: number, factor: number, unit: string}[], phases: Record<string, number>,
  *   norms: Record<string, number>,
  *   runs: Record<string, {figure: string, values: Record<string, number>}>, columns: Record<string, string[]>,
- *   starts: Record<string, Record<string, Starts>>, drawn: string[], held: string[]}} Data
+ *   starts: Record<string, Record<string, Starts>>, drawn: string[], units: Record<string, string>, held: string[]}} Data
  * @typedef {{given: Record<string, number>, own: Record<string, number>, paths: Record<string, string[]>}} Starts
  *   Start values of a figure with a controller: those of `adaptimp run FIGURE --controller X`, those in which the page
  *   differs, and the variables of each setting
@@ -41,16 +41,10 @@ export function runOf(data, state) {
     const chosen = options.find((option) => option.value === asked);
     for (const path of paths[key]) {
       const value = chosen?.values[path] ?? asked ?? values[path];
-      values[path] = ticks ? wholeTicks(value, step) : value;
+      values[path] = !ticks ? value : Math.round(value / step) > 1 ? Math.round(value / step) * step : 0;
     }
   }
   return { controller: state.controller, step, stop, values };
-}
-
-/** @param {number} period @param {number} step @returns {number} */
-function wholeTicks(period, step) {
-  const ticks = Math.max(1, Math.round(period / step));
-  return ticks === 1 ? 0 : ticks * step;
 }
 
 /**
