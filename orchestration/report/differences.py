@@ -1,7 +1,6 @@
 """Two runs side by side: a verdict, the columns that differ, and what the second run has more than the first."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict
 from typing import Any
 
 import numpy as np
@@ -80,4 +79,4 @@ def _difference(first: Result, second: Result, names: Sequence[str]) -> Result:
 
 
 def _difference_panel(panel: Panel) -> dict[str, Any]:
-    return {**asdict(panel), "title": f"Difference: {panel.title}"}
+    return {**panel.record(), "title": f"Difference: {panel.title}"}

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -32,6 +33,11 @@ class Curve:
     label: str
     hidden: bool = False
 
+    @property
+    def column(self) -> str:
+        """Name of the column that is drawn: that of the norm if there are several."""
+        return self.columns[0] if len(self.columns) == 1 else f"{base_name(self.columns[0])} (norm)"
+
 
 @dataclass(frozen=True)
 class Panel:
@@ -53,6 +59,11 @@ class Panel:
     unit: str
     curves: Sequence[Curve]
     factor: float = 1.0
+
+    def record(self) -> dict[str, Any]:
+        """What the page is told of the panel."""
+        curves = [{"column": one.column, "label": one.label, "hidden": one.hidden} for one in self.curves]
+        return {"title": self.title, "unit": self.unit, "factor": self.factor, "curves": curves}
 
 
 def panels_by_unit(results: Sequence[Result], most: int = MOST_CURVES) -> list[Panel]:
@@ -76,9 +87,9 @@ def panels_by_unit(results: Sequence[Result], most: int = MOST_CURVES) -> list[P
 
 
 def norms_of(panels: Sequence[Panel]) -> dict[str, Sequence[str]]:
-    """Names of the columns whose norm a curve shows, by the name of the norm, as ``script/plots.js`` makes it."""
-    groups = [curve.columns for panel in panels for curve in panel.curves if len(curve.columns) > 1]
-    return {f"{base_name(columns[0])} (norm)": columns for columns in groups}
+    """Names of the columns whose norm a curve shows, by the name of the norm."""
+    curves = [curve for panel in panels for curve in panel.curves]
+    return {curve.column: curve.columns for curve in curves if len(curve.columns) > 1}
 
 
 def with_norms(result: Result, norms: Mapping[str, Sequence[str]]) -> Result:

@@ -1,7 +1,7 @@
 """The page of one run or of two: plots, differences, the system and where the numbers come from."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -75,7 +75,7 @@ def run_page(results: Mapping[str, Result], views: Views, budget: int = BUDGET) 
     panels = views.panels or panels_by_unit(list(results.values()))
     share = budget // (len(results) + (len(results) == TWO))  # the difference of two runs counts as a run
     runs = _stored(results, views, panels, share)
-    data: dict[str, Any] = {"runs": [run.record() for run in runs], "panels": [asdict(panel) for panel in panels]}
+    data: dict[str, Any] = {"runs": [run.record() for run in runs], "panels": [panel.record() for panel in panels]}
     told = {label: views.told.get(label, Told()) for label in results}
     shown = list(range(len(runs)))
     if views.offered:

@@ -14,7 +14,7 @@ from orchestration.paper.measure import RECOVERED, SETTLED
 from orchestration.paper.numbers import N_STATES, TARGET_STIFFNESS, TIP_START, TORQUE_SHARE, TRUE_M2
 
 _COMPARE = {"<": operator.lt, "<=": operator.le, ">": operator.gt, ">=": operator.ge}
-_SHOWN_PER_SI = {"mm": 1e3, "%": 1e2}  # units that people read better, in what the numbers are kept in
+SHOWN_PER_SI = {"mm": 1e3, "%": 1e2}  # units that people read better, in what the numbers are kept in
 
 
 @dataclass(frozen=True)
@@ -59,12 +59,12 @@ class Criterion:
         if not found.size:
             return ""
         worst = found.max() if self.comparison.startswith("<") else found.min()
-        factor = _SHOWN_PER_SI.get(self.unit, 1.0)
+        factor = SHOWN_PER_SI.get(self.unit, 1.0)
         return f"worst {worst * factor:.4g} of {self.comparison} {self.limit * factor:.4g} {self.unit}".rstrip()
 
     def __str__(self) -> str:
         """The criterion as a phrase, such as ``|e| <= 1 mm``."""
-        limit = f"{self.limit * _SHOWN_PER_SI.get(self.unit, 1.0):.4g} {self.unit}".rstrip()
+        limit = f"{self.limit * SHOWN_PER_SI.get(self.unit, 1.0):.4g} {self.unit}".rstrip()
         if self.beyond:
             limit = f"{self.beyond} + {limit}" if self.limit else self.beyond
         return f"{self.quantity} {self.comparison} {limit}{f' ({self.why})' if self.why else ''}"

@@ -15,7 +15,7 @@ from orchestration.report.page import Page, Section
 START = "live.js"
 PLOTS = "plots"
 """Section of a page that shows the runs."""
-WORKER = ("state.js", "measures.js", "claims.js", "loop.js", "worker.js")
+WORKER = ("state.js", "formulas.js", "claims.js", "loop.js", "worker.js")
 """Scripts that the worker is made of, in their order."""
 ABOUT = {
     STATED: "The numbers that the paper gives. A slider reaches from a quarter of the number to four times of it; a"

@@ -4,7 +4,7 @@ import json
 import re
 import zipfile
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 from adaptimp_fmu.files.temporary_folder import temporary_folder
@@ -12,41 +12,16 @@ from orchestration.containers.wasm.module import DESCRIPTION, write_wasm
 from orchestration.master.simulate import simulate
 from orchestration.paper.page.live_claims import live_claims
 from orchestration.paper.page.live_settings import FIGURES, live_settings
+from orchestration.paper.page.live_starts import HOMES, Program, starts
 from orchestration.paper.ready import scenario
-from orchestration.paper.scenarios import CRAIG, SLOTINE_LI, SPONG_ORTEGA
 from orchestration.paper.studies.fixed_values import FIXED
 from orchestration.results.result import Result
 from orchestration.results.row_hash import row_hash
 from orchestration.system.system import System
 
-HOMES: Mapping[str, tuple[str, str]] = {
-    "HoganImpedance": ("fig2", "Conventional (Hogan)"),
-    CRAIG: ("fig5", "Algorithm 1 (Craig)"),
-    SLOTINE_LI: ("fig7", "Algorithm 2 (Slotine and Li)"),
-    SPONG_ORTEGA: ("spong-ortega", "Algorithm 1 with a fixed inverse (Spong and Ortega)"),
-}
-"""Of each controller the scenario whose numbers it has where it takes another one's place, and its name."""
-_SHARED = re.compile(r"controller\.(M|B|K|l|p_start)\[\d\]|controller\.gravity")
-"""Numbers of the task: another controller takes them from the scenario whose controller it replaces."""
 _BINDING = re.compile(r'<ssd:ParameterBinding type="[^"]*" source="resources/(\w+)\.ssv"/>')
 _NAME, _STEP = re.compile(r'(?<= name=)"loop"'), re.compile(r'(?<=<step size=)"[^"]*"')
 _KEPT = ("name", "index", "role", "type", "unit", "start")
-
-
-@dataclass(frozen=True)
-class Program:
-    """A controller in the paper's loop.
-
-    Attributes
-    ----------
-    module
-        The loop as a module of WebAssembly.
-    record
-        What the page must know of it.
-    """
-
-    module: bytes
-    record: Mapping[str, Any]
 
 
 def live_data(programs: Mapping[str, Program], hashes: Mapping[str, str] | None = None) -> dict[str, Any]:
@@ -59,12 +34,15 @@ def live_data(programs: Mapping[str, Program], hashes: Mapping[str, str] | None 
     hashes
         SHA-256 of the rows of each scenario, from runs of the master. Default: they are run here.
     """
+    variables = [v for program in programs.values() for v in program.record["description"]["variables"]]
     return {
         "figures": {name: _figure(name, hashes) for name in FIGURES},
+        "units": {v["name"]: v["unit"] for v in variables if v["role"] == "output"},
+        "starts": starts(programs),
         "controllers": {identifier: program.record for identifier, program in programs.items()},
         "settings": [setting.record() for setting in live_settings()],
         "fixed": [{"name": one.name, "value": one.value, "reason": one.reason} for one in FIXED],
-        **live_claims(),
+        **live_claims({v["name"] for v in variables if v["role"] == "output"}),
     }
 
 
@@ -87,7 +65,6 @@ def _figure(name: str, hashes: Mapping[str, str] | None) -> dict[str, Any]:
         "controller": found.models["controller"],
         "step": found.step,
         "stop": found.stop_time,
-        "values": {path: value.number for path, value in found.values.items()},
         "hash": hashes[name] if hashes is not None else row_hash(simulate(scenario(name))),
     }
 
@@ -109,9 +86,8 @@ def _program(identifier: str) -> Program:
         structure = zipfile.ZipFile(package).read("SystemStructure.ssd").decode()
     kept = {key: described[key] for key in ("abi", "name", "identity", "step", "startTime")}
     kept["variables"] = [{key: v[key] for key in _KEPT} for v in described["variables"]]
-    own = {p: v.number for p, v in FIGURES[home].values.items() if p.startswith("controller.") and not _SHARED.match(p)}
     structure = _structure(structure, described["variables"])
-    return Program(module, {"label": label, "home": home, "own": own, "description": kept, "structure": structure})
+    return Program(module, {"label": label, "description": kept, "structure": structure})
 
 
 def _structure(structure: str, variables: Sequence[Mapping[str, Any]]) -> str:

@@ -86,7 +86,6 @@ class LiveSetting:
             "label": self.label,
             "unit": unit,
             "factor": factor,
-            "paths": {path: list(figures) for path, figures in self.changes.items()},
             "low": self.low,
             "high": self.high,
             "log": self.log,

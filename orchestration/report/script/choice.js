@@ -22,32 +22,23 @@ export function connectChoice(list, plots, panels) {
     const added = [...new Set(chosen.map(unit))].map((each) => ({
       title: "Chosen columns",
       unit: each,
-      curves: chosen.filter((name) => unit(name) === each).map((name) => ({ columns: [name], label: name })),
+      curves: chosen.filter((name) => unit(name) === each).map((name) => ({ column: name, label: name })),
     }));
-    plots.setPanels([...panels, ...added]);
+    plots.panels = [...panels, ...added];
+    plots.showRuns(plots.runs);
   });
 }
 
-/** Let buttons zoom and move the interval of time, and choose what dragging does. */
-/** @param {HTMLElement} bar @param {import("./cursor.js").Cursor} cursor @param {import("./cursor.js").Interval} range @param {Plots[]} plots */
-export function connectZoom(bar, cursor, range, plots) {
-  const zoom = (/** @type {number} */ factor) => {
+/** Let buttons zoom and move the interval of time, by their factor and share of it. */
+/** @param {HTMLElement} bar @param {import("./cursor.js").Cursor} cursor @param {import("./cursor.js").Interval} range */
+export function connectZoom(bar, cursor, range) {
+  bar.addEventListener("click", (event) => {
+    const { zoom, move } = /** @type {HTMLElement} */ (event.target).dataset;
     const inside = cursor.time > range.start && cursor.time < range.end;
     const middle = inside ? cursor.time : (range.start + range.end) / 2;
-    return [middle - (middle - range.start) * factor, middle + (range.end - middle) * factor];
-  };
-  const move = (/** @type {number} */ share) => [range.start, range.end].map((t) => t + share * (range.end - range.start));
-  /** @type {Record<string, () => number[]>} */
-  const ways = { in: () => zoom(0.5), out: () => zoom(2), back: () => move(-0.25), on: () => move(0.25) };
-  bar.addEventListener("click", (event) => {
-    const button = /** @type {HTMLElement} */ (event.target).closest("button");
-    if (button?.dataset.zoom) {
-      const [start, end] = ways[button.dataset.zoom]?.() ?? [cursor.begin, cursor.end];
-      range.set(start, end);
-    } else if (button) {
-      const dragging = button.getAttribute("aria-pressed") !== "true";
-      button.setAttribute("aria-pressed", String(dragging));
-      for (const each of plots) each.drag(dragging);
-    }
+    const offset = middle + (range.end - range.start) * Number(move);
+    const ends = [range.start, range.end].map((t) => offset + (t - middle) * Number(zoom));
+    const [start, end] = zoom ? ends : [cursor.begin, cursor.end];
+    range.set(start, end);
   });
 }

@@ -43,9 +43,8 @@ export class Interval extends EventTarget {
 
 /** Connect button, slider and speed of a player with a cursor. @param {HTMLElement} player @param {Cursor} cursor */
 export function connectPlayer(player, cursor) {
-  const [button, slider, speed, shown] = ["play", "time", "speed", "shown"].map(
-    (part) => /** @type {any} */ (player.querySelector(`[data-part=${part}]`)),
-  );
+  /** @type {any[]} */
+  const [button, slider, shown, speed] = [...player.querySelectorAll("[data-part]")];
   button.addEventListener("click", () => (cursor.playing ? cursor.set(cursor.time) : cursor.play()));
   slider.addEventListener("input", () => cursor.set(cursor.begin + slider.valueAsNumber * (cursor.end - cursor.begin)));
   speed.addEventListener("change", () => (cursor.speed = Number(speed.value)));

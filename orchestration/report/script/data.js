@@ -21,11 +21,7 @@ const SAME_INSTANT = 1e-9; // relative to the larger of 1 s and the time
 const NO_NUMBERS = [NaN, Infinity, -Infinity]; // meaning of the last codes of a packed column
 
 /** The text of a block of the page. @param {string} id */
-export function text(id) {
-  const element = document.getElementById(id);
-  if (!element) throw new Error(`The page has no block ${id}.`);
-  return element.textContent ?? "";
-}
+const text = (id) => document.getElementById(id)?.textContent ?? "";
 
 /** The parsed JSON of a block. @param {string} id @returns {any} */
 export const json = (id) => JSON.parse(text(id));

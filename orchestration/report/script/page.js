@@ -35,8 +35,8 @@ export async function start(modules) {
   const plots = new Plots(element("panels"), cursor, range, stored.panels);
   element("panels").addEventListener("thinned", (event) => {
     const rows = /** @type {CustomEvent<number>} */ (event).detail;
-    const bins = `The curves show the least and the largest value of every ${rows} rows; zoom in for more.`;
-    element("thinned").textContent = rows > 1 ? bins : "The curves show every row.";
+    const shown = rows > 1 ? `the least and the largest value of every ${rows} rows; zoom in for more.` : "every row.";
+    element("thinned").textContent = `The curves show ${shown}`;
   });
   const runs = await Promise.all(stored.runs.map(runOf));
   const showRuns = async (/** @type {Run[]} */ shown) => {
@@ -51,14 +51,12 @@ export async function start(modules) {
   connectPlayer(element("player"), cursor);
   connectChoice(element("choice"), plots, stored.panels);
   connectBoxes(element("runs-shown"), MOST_RUNS, (labels) => showRuns(runs.filter(({ label }) => labels.includes(label))));
-  const all = [plots];
   if (stored.difference) {
-    all.push(new Plots(element("difference-panels"), cursor, range, stored.difference.panels));
-    await all[1].showRuns([await runOf(stored.difference.run)]);
+    const differences = new Plots(element("difference-panels"), cursor, range, stored.difference.panels);
+    await differences.showRuns([await runOf(stored.difference.run)]);
   }
-  connectZoom(element("zoom"), cursor, range, all);
+  connectZoom(element("zoom"), cursor, range);
   await showRuns(stored.shown.map((/** @type {number} */ place) => runs[place]));
-  document.addEventListener("theme", () => all.forEach((each) => each.restyle()));
   document.documentElement.dataset.ready = performance.now().toFixed(0);
   document.dispatchEvent(new Event("ready"));
 }

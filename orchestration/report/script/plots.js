@@ -2,7 +2,7 @@
  * Panels with curves over time, drawn by Bokeh: one range of time for all, curves that toggle, the values at the cursor.
  *
  * @typedef {import("./data.js").Run} Run
- * @typedef {{columns: string[], label: string, hidden?: boolean}} Curve  Of several columns the norm is drawn.
+ * @typedef {{column: string, label: string, hidden?: boolean}} Curve
  * @typedef {{title: string, unit: string, factor?: number, curves: Curve[]}} Panel  Factor: of shown to stored values.
  * @typedef {{run: Run, name: string, levels: import("./pyramid.js").Level[], source: any, glyph: any,
  *     place: number, number: number, item: HTMLElement, value: HTMLElement, visible: boolean}} Line
@@ -16,7 +16,6 @@ const POINTS = 3000; // of a curve at most: more than the pixels of its panel
 const DASHES = ["solid", "dashed", "dotted", "dotdash"];
 const [HEIGHT, LEFT, RIGHT] = [210, 66, 12]; // px; room of the scales is the same in all panels, so that times are aligned
 const STRIP = 0.035; // of the height of a panel
-const PANEL = '<h3></h3><ul class="legend"></ul><div class="plot" role="img"><div class="mark"></div></div>';
 
 export class Plots {
   /**
@@ -36,42 +35,26 @@ export class Plots {
     this.drawn = [];
     this.shape = "";
     this.waiting = false;
-    this.dragging = !matchMedia("(pointer: coarse)").matches; // a finger scrolls the page
     range.addEventListener("interval", () => this.refreshSoon());
     cursor.addEventListener("cursor", () => this.showCursor());
+    document.addEventListener("theme", () => this.restyle());
     new ResizeObserver(() => this.refreshSoon()).observe(host);
-  }
-
-  /** Draw other panels. @param {Panel[]} panels */
-  async setPanels(panels) {
-    this.panels = panels;
-    await this.showRuns(this.runs);
   }
 
   /** Draw runs in the place of those before; curves that were switched off stay so. @param {Run[]} runs */
   async showRuns(runs) {
     const off = new Set(this.drawn.flatMap(({ lines }) => lines.filter(({ visible }) => !visible).map(({ name }) => name)));
-    const names = this.panels.flatMap(({ curves }) => curves.flatMap(({ columns }) => [nameOf(columns), ...columns]));
+    const names = this.panels.flatMap(({ curves }) => curves.map(({ column }) => column));
     await Promise.all(runs.map((run) => run.load?.(names)));
     this.runs = runs;
-    const curves = this.panels.flatMap((panel) => panel.curves);
-    const kinds = runs.map((run) => curves.map(({ columns }) => [columnOf(run, columns), lateness(run, columns[0])]));
-    const shape = JSON.stringify([this.panels, kinds, runs.map(({ label, phases }) => [label, Object.keys(phases ?? {})])]);
-    if (shape === this.shape) {
-      this.replace(runs);
-    } else {
-      this.shape = shape;
+    const kinds = runs.map((run) => names.map((name) => run.columns[name] && lateness(run, name)));
+    const looks = runs.map(({ label, phases }) => [runs.length > 1 && label, Object.keys(phases ?? {})]);
+    const shape = JSON.stringify([this.panels, kinds, looks]);
+    if (shape !== this.shape) {
       this.drawn.forEach(({ view }) => view.remove());
-      [this.drawn, this.host.textContent] = [[], ""];
+      [this.shape, this.drawn, this.host.textContent] = [shape, [], ""];
       await Promise.all(this.panels.map((panel) => this.draw(panel, off, this.drawn)));
-      this.drag(this.dragging);
     }
-    this.restyle();
-    this.showCursor();
-  }
-
-  /** Give the figures the numbers of other runs of the same kind. @param {Run[]} runs */
-  replace(runs) {
     for (const { bands, lines } of this.drawn) {
       for (const { phase, place, quad } of bands) quad.data_source.data = edges(runs[place].phases?.[phase] ?? []);
       for (const line of lines) {
@@ -79,49 +62,53 @@ export class Plots {
         line.levels = pyramid(line.run.columns[line.name], line.run.bins?.[line.name]);
       }
     }
+    this.restyle();
+    this.showCursor();
   }
 
   /** @param {Panel} panel @param {Set<string>} off  Columns whose curves are not shown. @param {any[]} drawn */
   async draw(panel, off, drawn) {
     const { Plotting, Range1d, ColumnDataSource } = /** @type {any} */ (window).Bokeh;
-    const element = this.host.appendChild(document.createElement("section"));
-    [element.className, element.innerHTML] = ["panel", PANEL];
+    const element = this.host.appendChild(copyOf("panel"));
     const [title, legend, area] = /** @type {HTMLElement[]} */ ([...element.children]);
     title.textContent = panel.unit ? `${panel.title} (${panel.unit})` : panel.title;
     area.setAttribute("aria-label", `${title.textContent} over time`);
     const figure = Plotting.figure({
-      ...{ height: HEIGHT, sizing_mode: "stretch_width", x_range: new Range1d(), y_range: new Range1d() },
-      ...{ tools: "xbox_zoom,reset", toolbar_location: null, min_border_left: LEFT, min_border_right: RIGHT },
+      ...{ height: HEIGHT, sizing_mode: "stretch_width", min_border_left: LEFT, min_border_right: RIGHT },
+      ...{ x_range: new Range1d(), y_range: new Range1d(), extra_y_ranges: { share: new Range1d({ start: 0, end: 1 }) } },
       ...{ background_fill_color: null, border_fill_color: null, outline_line_color: null },
+      ...{ tools: "xbox_zoom,reset", toolbar_location: null },
     });
+    if (matchMedia("(pointer: coarse)").matches) figure.toolbar.active_drag = null; // a finger scrolls the page
     figure.x_range.setv({ start: this.range.start, end: this.range.end });
     figure.x_range.change.connect(() => this.range.set(figure.x_range.start, figure.x_range.end));
+    const alone = this.runs.length === 1;
     const bands = this.runs.flatMap(({ phases }, place) =>
-      Object.entries(phases ?? {}).map(([phase, spans]) => {
-        const looks = { source: new ColumnDataSource({ data: edges(spans) }), line_width: 0.7, level: "underlay" };
-        return { phase, place, quad: figure.quad({ field: "left" }, { field: "right" }, 0, 1, looks) };
+      Object.keys(phases ?? {}).map((phase) => {
+        const looks = { source: new ColumnDataSource({ data: edges([]) }), line_width: 0.7, level: "underlay" };
+        const top = 1 - (alone ? 0 : 1.3 * STRIP * place);
+        const bottom = alone && phase !== "saturated" ? 0 : top - STRIP;
+        const [left, right] = [{ field: "left" }, { field: "right" }];
+        return { phase, place, quad: figure.quad(left, right, bottom, top, { ...looks, y_range_name: "share" }) };
       }),
     );
     /** @type {Line[]} */
     const lines = [];
     for (const [place, run] of this.runs.entries()) {
-      for (const [order, curve] of panel.curves.entries()) {
-        const name = columnOf(run, curve.columns);
-        if (!name) continue;
-        const [alone, source] = [this.runs.length === 1, new ColumnDataSource({ data: { x: [], y: [] } })];
+      for (const [order, { column: name, label, hidden }] of panel.curves.entries()) {
+        if (!run.columns[name]) continue;
+        const source = new ColumnDataSource({ data: { x: [], y: [] } });
         const looks = { source, line_width: 1.5, line_dash: alone ? "solid" : DASHES[order % DASHES.length] };
         const [x, y] = [{ field: "x" }, { field: "y" }];
         const glyph = lateness(run, name) ? figure.step(x, y, "after", looks) : figure.line(x, y, looks);
-        const item = legend.appendChild(document.createElement("li"));
-        item.innerHTML = `<button><i style="border-top-style: ${looks.line_dash}"></i><span></span></button><output></output>`;
+        const item = legend.appendChild(copyOf("curve"));
         const [button, value] = /** @type {HTMLElement[]} */ ([...item.children]);
-        button.lastElementChild?.append(alone ? curve.label : `${run.label}: ${curve.label}`);
-        const levels = pyramid(run.columns[name], run.bins?.[name]);
+        button.lastElementChild?.append(alone ? label : `${run.label}: ${label}`);
+        /** @type {HTMLElement} */ (button.firstElementChild).style.borderTopStyle = looks.line_dash;
         const number = alone ? order : place;
-        const line = { run, name, levels, source, glyph, place, number, item, value, visible: true };
+        const line = { run, name, levels: [], source, glyph, place, number, item, value, visible: true };
         const toggle = () => button.setAttribute("aria-pressed", String((line.visible = !line.visible)));
-        button.setAttribute("aria-pressed", "true");
-        if (off.has(name) || curve.hidden) toggle();
+        if (off.has(name) || hidden) toggle();
         button.addEventListener("click", () => (toggle(), this.refresh()));
         lines.push(line);
       }
@@ -129,12 +116,6 @@ export class Plots {
     for (const kind of ["pointermove", "click"]) area.addEventListener(kind, (event) => this.point(view, area, event));
     const view = await Plotting.show(figure, area);
     drawn.push({ panel, figure, view, bands, lines, area });
-  }
-
-  /** Choose whether dragging zooms. @param {boolean} dragging */
-  drag(dragging) {
-    this.dragging = dragging;
-    for (const { figure } of this.drawn) figure.toolbar.active_drag = dragging ? figure.toolbar.tools[0] : null;
   }
 
   /** Set the cursor to where a pointer is; while it plays, only a click does. */
@@ -169,7 +150,7 @@ export class Plots {
   /** Give each curve the points that the range of time needs, and fit the scales of values. */
   refresh() {
     let rows = 1;
-    for (const { panel, figure, lines, bands } of this.drawn) {
+    for (const { panel, figure, lines } of this.drawn) {
       let [least, most] = [Infinity, -Infinity];
       for (const line of lines) {
         line.glyph.visible = line.visible;
@@ -177,19 +158,13 @@ export class Plots {
         const { bin, ...points } = this.points(line, panel.factor ?? 1);
         line.source.data = points;
         rows = Math.max(rows, bin);
-        const finite = line.source.data.y.filter(Number.isFinite);
-        least = finite.reduce((/** @type {number} */ a, /** @type {number} */ b) => Math.min(a, b), least);
-        most = finite.reduce((/** @type {number} */ a, /** @type {number} */ b) => Math.max(a, b), most);
+        const finite = points.y.filter(Number.isFinite);
+        [least, most] = [Math.min(least, ...finite), Math.max(most, ...finite)];
       }
       const room = most > least ? 0.06 * (most - least) : Math.abs(most) < Infinity ? Math.abs(most) || 1 : 1;
       const [start, end] = least <= most ? [least - room, most + room] : [0, 1];
       figure.y_range.setv({ start, end });
       figure.x_range.setv({ start: this.range.start, end: this.range.end });
-      for (const { phase, place, quad } of bands) {
-        const [alone, strip] = [this.runs.length === 1, STRIP * (end - start)];
-        const top = alone ? end : end - 1.3 * strip * place;
-        quad.glyph.setv({ top: { value: top }, bottom: { value: alone && phase !== "saturated" ? start : top - strip } });
-      }
     }
     this.host.dispatchEvent(new CustomEvent("thinned", { detail: rows }));
   }
@@ -229,16 +204,8 @@ export class Plots {
 /** Left and right edges of bands. @param {number[][]} spans */
 const edges = (spans) => ({ left: spans.map(([begin]) => begin), right: spans.map(([, end]) => end) });
 
-/** Name of the column of a curve: of several columns that of their norm, which is computed where it is not stored. */
-/** @param {Run} run @param {string[]} columns */
-function columnOf(run, columns) {
-  const name = nameOf(columns);
-  const parts = columns.map((column) => run.columns[column]);
-  if (!run.columns[name] && parts.every((values, i) => values && (run.bins?.[columns[i]] ?? 1) === 1)) {
-    run.columns[name] = parts[0].map((_, row) => Math.hypot(...parts.map((values) => values[row])));
-  }
-  return run.columns[name] && name;
-}
-
-/** @param {string[]} columns */
-const nameOf = (columns) => (columns.length === 1 ? columns[0] : `${columns[0].replace(/\[\d+\]$/, "")} (norm)`);
+/** The content of a template of the page. @param {string} id */
+const copyOf = (id) => {
+  const { content } = /** @type {HTMLTemplateElement} */ (document.getElementById(id));
+  return /** @type {HTMLElement} */ (content.firstElementChild?.cloneNode(true));
+};

@@ -37,16 +37,14 @@ function mover(group, run, cursor) {
   const { lengths, wall } = /** @type {Arm} */ (run.extra?.arm);
   const vector = (/** @type {string} */ name, /** @type {number} */ row) =>
     columnsOf(name).map((column) => valuesAt(run, column, row)[0] ?? NaN);
-  const largest = (/** @type {string} */ name) => {
-    const sizes = columnsOf(name).flatMap((column) => [...(run.columns[column] ?? [])].map((value) => Math.abs(value) || 0));
-    return sizes.reduce((most, size) => Math.max(most, size), 0) || 1;
-  };
+  const larger = (/** @type {number} */ most, /** @type {number} */ value) => Math.max(most, Math.abs(value) || 0);
+  const largest = (/** @type {string} */ name) =>
+    columnsOf(name).reduce((most, column) => run.columns[column]?.reduce(larger, most) ?? most, 0) || 1;
   const set = (/** @type {string} */ part, /** @type {string} */ attribute, /** @type {string} */ value) => {
     const element = group.querySelector(`[data-part=${part}]`);
     element?.toggleAttribute("hidden", value.includes("NaN"));
     if (!value.includes("NaN")) element?.setAttribute(attribute, value);
   };
-  const move = (/** @type {string} */ part, /** @type {number[]} */ [x, y]) => set(part, "transform", `translate(${x} ${y})`);
   const wallAt = (/** @type {number} */ depth) => {
     const [a, b] = wall?.normal ?? [NaN, NaN];
     return `rotate(${(Math.atan2(b, a) * 180) / Math.PI}) translate(${SCALE * depth} 0)`;
@@ -71,8 +69,8 @@ function mover(group, run, cursor) {
     const [fx, fy] = force.map((part) => ((ARROW * part) / size) * Math.sqrt(size / mostForce));
     set("force", "d", `M ${SCALE * x[0]} ${SCALE * x[1]} l ${fx} ${fy}`);
     for (const [part, place] of Object.entries({ tip: x, virtual, target })) {
-      move(part, place.map((v) => SCALE * v));
-      move(`near-${part}`, place.map((v, i) => SCALE * MAGNIFIED * (v - x[i])));
+      set(part, "transform", `translate(${place.map((v) => SCALE * v)})`);
+      set(`near-${part}`, "transform", `translate(${place.map((v, i) => SCALE * MAGNIFIED * (v - x[i]))})`);
     }
     const [a, b] = wall?.normal ?? [NaN, NaN];
     set("near-wall", "transform", wallAt(MAGNIFIED * ((wall?.offset ?? NaN) - a * x[0] - b * x[1])));

@@ -3,39 +3,31 @@
  *
  * @typedef {import("./state.js").Data} Data
  * @typedef {import("./state.js").Run} Run
- * @typedef {import("./measures.js").Rows} Rows
+ * @typedef {import("./formulas.js").Rows} Rows
  */
 const PART = 10000; // steps of which all outputs are kept at once
 
-export class Loop {
-  /** @param {Data} data @param {Record<string, any>} systems by controller */
-  constructor(data, systems) {
-    this.data = data;
-    this.systems = systems;
-  }
+/** @typedef {Awaited<ReturnType<typeof loopOf>>} Loop */
 
-  /**
-   * @param {Data} data @param {Record<string, BufferSource>} modules of WebAssembly, by controller
-   * @param {(module: BufferSource, description: object) => Promise<any>} load of the host of modules
-   */
-  static async of(data, modules, load) {
-    const names = Object.keys(data.controllers);
-    const loaded = names.map(async (name) => [name, await load(modules[name], data.controllers[name].description)]);
-    return new Loop(data, Object.fromEntries(await Promise.all(loaded)));
-  }
+/**
+ * @param {Data} data @param {Record<string, BufferSource>} modules of WebAssembly, by controller
+ * @param {(module: BufferSource, description: object) => Promise<any>} load of the host of modules
+ */
+export async function loopOf(data, modules, load) {
+  const names = Object.keys(data.controllers);
+  const loaded = names.map(async (name) => [name, await load(modules[name], data.controllers[name].description)]);
+  const systems = Object.fromEntries(await Promise.all(loaded));
 
-  /** Every row of some columns. @param {Run} run @param {string[]} columns @returns {Rows} */
-  rows(run, columns) {
-    return this.#with(run, (started) => started.run(steps(run), { columns }));
-  }
-
-  /** All outputs, part by part. @param {Run} run @returns {Generator<Rows>} */
-  *parts(run) {
-    const names = outputs(this.data, run.controller);
-    const started = this.#started(run);
+  /** The rows part by part, all outputs unless columns are named. */
+  /** @param {Run} run @param {string[]} [columns] @param {number} [size] steps of a part @returns {Generator<Rows>} */
+  function* parts(run, columns = outputs(data, run.controller), size = PART) {
+    const [started, all] = [systems[run.controller].create(), Math.round(run.stop / run.step)];
     try {
-      for (let done = 0, all = steps(run); done < all; done += PART) {
-        const rows = started.run(Math.min(PART, all - done), { columns: names });
+      started.setStep(run.step);
+      started.set(run.values);
+      started.initialize();
+      for (let done = 0; done < all; done += size) {
+        const rows = started.run(Math.min(size, all - done), { columns });
         yield done ? Object.fromEntries(Object.entries(rows).map(([name, column]) => [name, column.subarray(1)])) : rows;
       }
     } finally {
@@ -43,13 +35,16 @@ export class Loop {
     }
   }
 
+  /** Every row of some columns. @param {Run} run @param {string[]} columns @returns {Rows} */
+  const rowsOf = (run, columns) => [...parts(run, columns, Infinity)][0];
+
   /** SHA-256 of all rows, as `adaptimp run --hash` says it. @param {Run} run @returns {Promise<string>} */
-  async hash(run) {
-    const names = outputs(this.data, run.controller);
-    const all = new Float64Array((steps(run) + 1) * names.length);
+  async function hash(run) {
+    const columns = outputs(data, run.controller);
+    const all = new Float64Array((Math.round(run.stop / run.step) + 1) * columns.length);
     let row = 0;
-    for (const rows of this.parts(run)) {
-      names.forEach((name, j) => rows[name].forEach((value, k) => (all[(row + k) * names.length + j] = value)));
+    for (const rows of parts(run)) {
+      columns.forEach((name, j) => rows[name].forEach((value, k) => (all[(row + k) * columns.length + j] = value)));
       row += rows.time.length;
     }
     const digest = new Uint8Array(await crypto.subtle.digest("SHA-256", all));
@@ -57,44 +52,16 @@ export class Loop {
   }
 
   /** The file that `adaptimp run --out F.csv` writes. @param {Run} run @returns {Blob} */
-  csv(run) {
-    const parts = [];
-    for (const rows of this.parts(run)) {
+  function csv(run) {
+    const texts = [["time", ...outputs(data, run.controller)].map((name) => `"${name}"`).join(",")];
+    for (const rows of parts(run)) {
       const columns = Object.values(rows);
-      if (!parts.length) parts.push(`${Object.keys(rows).map((name) => `"${name}"`).join(",")}\n`);
-      const line = (/** @type {number} */ k) => columns.map((column) => decimal(column[k])).join(",");
-      parts.push(`${Array.from(rows.time, (_, k) => line(k)).join("\n")}\n`);
+      texts.push(Array.from(rows.time, (_, k) => columns.map((column) => decimal(column[k])).join(",")).join("\n"));
     }
-    return new Blob(parts, { type: "text/csv" });
+    return new Blob(texts.flatMap((text) => [text, "\n"]), { type: "text/csv" });
   }
-
-  /** @template T @param {Run} run @param {(started: any) => T} work @returns {T} */
-  #with(run, work) {
-    const started = this.#started(run);
-    try {
-      return work(started);
-    } finally {
-      started.free();
-    }
-  }
-
-  /** @param {Run} run */
-  #started(run) {
-    const started = this.systems[run.controller].create();
-    try {
-      started.setStep(run.step);
-      started.set(run.values);
-      started.initialize();
-      return started;
-    } catch (error) {
-      started.free();
-      throw error;
-    }
-  }
+  return { data, rows: rowsOf, hash, csv };
 }
-
-/** @param {Run} run */
-const steps = (run) => Math.round(run.stop / run.step);
 
 /** @param {Data} data @param {string} controller @returns {string[]} */
 const outputs = (data, controller) =>
