@@ -2,11 +2,14 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from orchestration.paper.claims.criteria import Criterion
-from orchestration.paper.evidence import Evidence
+
+if TYPE_CHECKING:
+    from orchestration.paper.evidence import Evidence
 
 HOLDS, NOT_REPRODUCED, NOT_EVALUATED = "holds", "not reproduced", "not evaluated"
 NO_RUNS = "none: equations"
@@ -69,7 +72,7 @@ class Question:
     claim: str
     where: str
     criteria: tuple[Criterion, ...]
-    measurement: Callable[[Evidence], Finding]
+    measurement: "Callable[[Evidence], Finding]"
     runs: str = NO_RUNS
     scope: str = ""
 
@@ -78,7 +81,7 @@ class Question:
         """The criteria as prose."""
         return "; ".join([*map(str, self.criteria), *([self.scope] if self.scope else [])])
 
-    def answer(self, evidence: Evidence) -> Claim:
+    def answer(self, evidence: "Evidence") -> Claim:
         """Measure the claim and judge it.
 
         Raises
