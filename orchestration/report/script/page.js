@@ -1,6 +1,6 @@
 /** Starts the page: unpacks Bokeh and the runs, draws the panels, and starts the modules of further sections. */
 
-import { connectBoxes, connectChoice, connectZoom } from "./choice.js";
+import { connectBoxes, connectChoice, connectZoom, followRuns } from "./choice.js";
 import { connectPlayer, Cursor, Interval } from "./cursor.js";
 import { block, json, runOf } from "./data.js";
 import { Plots } from "./plots.js";
@@ -13,7 +13,7 @@ const MOST_RUNS = 2; // of those that a page offers
  *
  * @typedef {import("./data.js").Run} Run
  * @typedef {object} Context
- * @property {Run[]} runs  The recorded runs of the page.
+ * @property {Run[]} runs  The recorded runs that the page shows at first.
  * @property {Cursor} cursor
  * @property {Interval} range  The interval of time that all plots show.
  * @property {Plots} plots
@@ -47,16 +47,18 @@ export async function start(modules) {
     document.dispatchEvent(new CustomEvent("runs", { detail: shown }));
     cursor.set(cursor.time);
   };
-  for (const begin of modules) await begin({ runs, cursor, range, plots, Bokeh, showRuns });
+  const first = stored.shown.map((/** @type {number} */ place) => runs[place]);
+  for (const begin of modules) await begin({ runs: first, cursor, range, plots, Bokeh, showRuns });
   connectPlayer(element("player"), cursor);
   connectChoice(element("choice"), plots, stored.panels);
   connectBoxes(element("runs-shown"), MOST_RUNS, (labels) => showRuns(runs.filter(({ label }) => labels.includes(label))));
+  followRuns(element("runs-shown"));
   if (stored.difference) {
     const differences = new Plots(element("difference-panels"), cursor, range, stored.difference.panels);
     await differences.showRuns([await runOf(stored.difference.run)]);
   }
   connectZoom(element("zoom"), cursor, range);
-  await showRuns(stored.shown.map((/** @type {number} */ place) => runs[place]));
+  await showRuns(first);
   document.documentElement.dataset.ready = performance.now().toFixed(0);
   document.dispatchEvent(new Event("ready"));
 }
