@@ -14,15 +14,6 @@ export function connectBoxes(list, most, tell) {
   });
 }
 
-/** Let the check boxes of runs tell which of them are shown, whoever has chosen. */
-/** @param {HTMLElement | null} list */
-export function followRuns(list) {
-  document.addEventListener("runs", (event) => {
-    const shown = /** @type {CustomEvent} */ (event).detail.map((/** @type {{ label: string }} */ { label }) => label);
-    for (const box of list?.querySelectorAll("input") ?? []) box.checked = shown.includes(box.value);
-  });
-}
-
 /** Let a list of check boxes choose columns, each unit in a panel. */
 /** @param {HTMLElement | null} list @param {Plots} plots @param {Panel[]} panels  Panels that stay. */
 export function connectChoice(list, plots, panels) {

@@ -36,8 +36,7 @@ export class Interval extends EventTarget {
   /** @param {number} start @param {number} end  s */
   set(start, end) {
     if ((start === this.start && end === this.end) || !(start < end)) return;
-    [this.start, this.end] = [start, end];
-    this.dispatchEvent(new Event("interval"));
+    Object.assign(this, { start, end }).dispatchEvent(new Event("interval"));
   }
 }
 

@@ -1,6 +1,6 @@
 /** Starts the page: unpacks Bokeh and the runs, draws the panels, and starts the modules of further sections. */
 
-import { connectBoxes, connectChoice, connectZoom, followRuns } from "./choice.js";
+import { connectBoxes, connectChoice, connectZoom } from "./choice.js";
 import { connectPlayer, Cursor, Interval } from "./cursor.js";
 import { block, json, runOf } from "./data.js";
 import { Plots } from "./plots.js";
@@ -33,8 +33,7 @@ export async function start(modules) {
   const { Bokeh } = /** @type {any} */ (window);
   const [cursor, range, stored] = [new Cursor(), new Interval(), json("runs")];
   const plots = new Plots(element("panels"), cursor, range, stored.panels);
-  element("panels").addEventListener("thinned", (event) => {
-    const rows = /** @type {CustomEvent<number>} */ (event).detail;
+  element("panels").addEventListener("thinned", (/** @type {any} */ { detail: rows }) => {
     const shown = rows > 1 ? `the least and the largest value of every ${rows} rows; zoom in for more.` : "every row.";
     element("thinned").textContent = `The curves show ${shown}`;
   });
@@ -44,6 +43,8 @@ export async function start(modules) {
     [cursor.begin, cursor.end] = times.length ? [Math.min(...times), Math.max(...times)] : [0, 1];
     range.set(cursor.begin, cursor.end);
     await plots.showRuns(shown);
+    const boxes = element("runs-shown")?.querySelectorAll("input") ?? []; // a run of the live part has none
+    for (const box of boxes) box.checked = shown.some(({ label }) => label === box.value);
     document.dispatchEvent(new CustomEvent("runs", { detail: shown }));
     cursor.set(cursor.time);
   };
@@ -52,7 +53,6 @@ export async function start(modules) {
   connectPlayer(element("player"), cursor);
   connectChoice(element("choice"), plots, stored.panels);
   connectBoxes(element("runs-shown"), MOST_RUNS, (labels) => showRuns(runs.filter(({ label }) => labels.includes(label))));
-  followRuns(element("runs-shown"));
   if (stored.difference) {
     const differences = new Plots(element("difference-panels"), cursor, range, stored.difference.panels);
     await differences.showRuns([await runOf(stored.difference.run)]);
