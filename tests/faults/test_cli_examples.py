@@ -2,10 +2,12 @@
 
 import re
 import shlex
+import zipfile
 from pathlib import Path
 
 import pytest
 
+from orchestration import System, scenario
 from orchestration.cli.app import app
 from orchestration.paper import report
 from orchestration.paper.report import Report
@@ -20,6 +22,8 @@ PAGES_OF_COMMANDS = {
     "docs/command-line.md": 9,
     "docs/components.md": 1,
     "docs/doctor.md": 4,
+    "docs/install.md": 1,
+    "docs/live-page.md": 4,
     "docs/same-bits.md": 1,
     "docs/wrist-sensor.md": 2,
 }
@@ -69,6 +73,17 @@ def prepared(adaptimp: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
     return adaptimp
 
 
+def write_structure(system: System, path: Path) -> None:
+    """Write the system as the live page does: its description alone, which refers to FMUs in ``resources``."""
+    package = system.write(path.with_suffix(".ssp"))
+    with zipfile.ZipFile(package) as archive:
+        path.write_bytes(archive.read("SystemStructure.ssd"))
+        for name in archive.namelist():
+            if name.endswith(".ssv"):
+                archive.extract(name, path.parent)
+    package.unlink()
+
+
 def type_in(adaptimp: Command, line: str) -> None:
     """Run a command line of which a shell would take the comment and the redirection away."""
     command, _, _ = line.partition(" >")
@@ -100,6 +115,8 @@ def test_command_lines_of_pages(
     if page == "docs/doctor.md":  # files of the reader's own
         assert prepared("export", "fig2", "--out", "mine.ssp").code == 0
         (tmp_path / "mine.fmu").rename(tmp_path / "theirs.fmu")
+    if page == "docs/live-page.md":  # the reader has downloaded it
+        write_structure(scenario("fig5"), tmp_path / "fig5.ssd")
     lines = lines_of_page(page)
     assert len(lines) >= number, lines
     for line in lines:

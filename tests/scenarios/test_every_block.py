@@ -20,6 +20,7 @@ FOLLOWED = {
 OTHER_TESTS = {
     ("README.md", "sh"): "tests.scenarios.test_first_swap",
     ("docs/cluster.md", "indented"): "tests.scenarios.test_cluster_page",
+    ("docs/report.md", "sh"): "tests.scenarios.test_report_page",
 }
 """Tests of single fences, and of indented commands, which name the page."""
 MODULE = re.compile(r"^    (?:uv run )?python -m ([\w.]+)(.*)$", re.MULTILINE)
