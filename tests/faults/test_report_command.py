@@ -61,10 +61,10 @@ def test_what_cannot_be_reported_is_refused(
 
 
 def test_pictures_and_pages_are_told_apart(adaptimp: Command) -> None:
-    done = adaptimp("run", "fig2", "--stop", "0.01", "--plot", "run.gif")
+    done = adaptimp("run", "fig2", "--stop", "0.01", "--plot", "run.bmp")
     assert done.code == ExitCode.REFUSED
-    assert "cannot have the suffix .gif; choose .png, .svg, .pdf, .html." in done.err
+    assert "cannot have the suffix .bmp; choose .png, .svg, .pdf, .webp, .gif, .html." in done.err
     done = adaptimp("run", "fig2", "--stop", "0.01", "--plot", "run.html", "--dark")
     assert "--dark is for pictures; run.html is a page, which has a button for that." in done.err
     done = adaptimp("plot", "one.csv", "-o", "run.html")
-    assert "choose .png, .svg, .pdf." in done.err
+    assert "choose .png, .svg, .pdf, .webp, .gif." in done.err
