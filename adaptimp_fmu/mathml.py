@@ -6,10 +6,10 @@ The source of a formula is LaTeX, ``M \ddot{x} + K x = F``. It is converted when
 import re
 from functools import cache
 
-from latex2mathml.converter import convert
 from lxml import etree
 
 from adaptimp_fmu.errors import DefinitionError
+from adaptimp_fmu.files.parts import require
 
 _ARGUMENTS = {
     **dict.fromkeys(("mfrac", "mover", "mroot", "msub", "msup", "munder"), 2),
@@ -34,6 +34,8 @@ def mathml(latex: str, *, block: bool = True) -> str:
     ------
     DefinitionError
         If the text is not LaTeX, or has a command that the converter does not know.
+    MissingPartError
+        If the converter is not installed.
 
     Examples
     --------
@@ -41,6 +43,9 @@ def mathml(latex: str, *, block: bool = True) -> str:
     >>> mathml("a", block=False)
     '<math xmlns="http://www.w3.org/1998/Math/MathML" display="inline"><mrow><mi>a</mi></mrow></math>'
     """
+    require("latex2mathml")  # not at the import: where nothing is built, formulas are only declared
+    from latex2mathml.converter import convert
+
     try:
         text = convert(latex, display="block" if block else "inline")
     except Exception as error:  # the converter has a class for each fault, and IndexError
