@@ -1,7 +1,6 @@
 """A system of FMUs that are simulated together: components, start values, and connections between variables.
 
-A `System` is a value: its methods return changed copies. A system is checked completely when it is made, so
-a system that exists can be run.
+A `System` is a value: its methods return changed copies. A system that exists was checked, so it can be run.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
