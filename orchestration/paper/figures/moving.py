@@ -118,6 +118,10 @@ def joint_positions(label: str, result: Result) -> np.ndarray:
             f"{label}: a moving picture shows an arm, and needs {', '.join(lacking)}; record all columns of the plant."
         )
         raise OrchestrationError(msg)
+    if result[TIP].shape[1:] != (2,) or not np.isfinite(np.hstack([result[JOINTS], result[TIP]])).all():
+        found = f"{TIP} has {result[TIP].shape[1]} elements" if result[TIP].shape[1:] != (2,) else "a row is not finite"
+        msg = f"{label}: a moving picture shows an arm in the plane, and {found}; choose .png or .svg."
+        raise OrchestrationError(msg)
     angles = np.cumsum(result[JOINTS], axis=1)
     directions = np.stack([np.cos(angles), np.sin(angles)], axis=2)
     tip = result[TIP]

@@ -97,3 +97,13 @@ def test_missing_columns_are_named(fig2: System) -> None:
     tip = simulate(fig2, stop_time=0.01, record=["plant.x"])
     with pytest.raises(OrchestrationError, match=r"needs plant.q, plant.F_ext; record all columns of the plant"):
         joint_positions("fig2", tip)
+
+
+def test_a_pose_and_a_run_that_diverged_are_refused(run: Result) -> None:
+    pose = replace(run, names=tuple("plant.x[3]" if name == "plant.gap" else name for name in run.names))
+    with pytest.raises(OrchestrationError, match=r"an arm in the plane, and plant.x has 3 elements; choose"):
+        joint_positions("fig2", pose)
+    lost = replace(run, rows=run.rows.copy())
+    lost.rows[-1, lost.names.index("plant.q[1]")] = np.nan
+    with pytest.raises(OrchestrationError, match=r"an arm in the plane, and a row is not finite; choose"):
+        joint_positions("fig2", lost)
