@@ -6,6 +6,9 @@ An arm of n joints moves a tip, which m task coordinates x describe. Its equatio
 
 with F_ext the force of the tip on the environment, in the coordinates of x: dx' F_ext is its power. The dynamics are
 linear in the parameters p, of shape (r,), which a controller may not know, so that torque = Y p with the regressor Y.
+
+What sensors and contacts give is a wrench: the force, and the moment about the tip, in the axes of the base. In the
+plane, and for a task of positions alone, it is F_ext itself. For angles whose rates are no angular velocity it is not.
 """
 
 from collections.abc import Sequence
@@ -76,6 +79,18 @@ class ArmModel(Protocol):
 
     def jacobian_rate(self, q: ca.SX, dq: ca.SX) -> ca.SX:
         """Time derivative of the Jacobian, m/(rad s) or 1/s, shape (m, n)."""
+        ...
+
+    def wrench_force(self, q: ca.SX, wrench: ca.SX) -> ca.SX:
+        """Force F of a wrench at the tip, N and N.m, shape (m,), in the coordinates of x."""
+        ...
+
+    def wrench_torque(self, q: ca.SX, wrench: ca.SX) -> ca.SX:
+        """Torques J' F of the joints, N.m, shape (n,), that hold a wrench at the tip."""
+        ...
+
+    def wrench_gain(self, q: ca.SX) -> ca.SX:
+        """Largest |F| / |wrench|, shape (1,), with one length L in both: by how much F has larger errors."""
         ...
 
     def inertia(self, q: ca.SX, p: ca.SX) -> ca.SX:

@@ -62,6 +62,20 @@ class PlanarArmModel:
         """Time derivative of the Jacobian, shape (m, n)."""
         return self.arm.jacobian_rate(q, dq, self.l)
 
+    def wrench_force(self, q: ca.SX, wrench: ca.SX) -> ca.SX:
+        """The wrench itself, N and N.m, shape (m,): in the plane the rate of an angle is the angular velocity."""
+        del q
+        return wrench
+
+    def wrench_torque(self, q: ca.SX, wrench: ca.SX) -> ca.SX:
+        """Torques J' F of the joints, N.m, shape (n,), that hold a wrench at the tip."""
+        return ca.mtimes(self.jacobian(q).T, wrench)
+
+    def wrench_gain(self, q: ca.SX) -> ca.SX:
+        """Largest |F| / |wrench|: 1."""
+        del q
+        return ca.SX(1)
+
     def inertia(self, q: ca.SX, p: ca.SX) -> ca.SX:
         """Inertia matrix H, kg m2, shape (n, n)."""
         return self.arm.inertia(q, self.arm.split(p)[0], self.l)

@@ -23,6 +23,7 @@ from dataclasses import dataclass
 import casadi as ca
 
 from fmus.mechanics.chain import Chain, Joint
+from fmus.mechanics.rigid_body import LOWER
 
 TEN = 10
 """Parameters of a body."""
@@ -43,6 +44,11 @@ class Inertia:
             ca.horzcat(ten[4], ten[5], ten[7]), ca.horzcat(ten[5], ten[6], ten[8]), ca.horzcat(ten[7], ten[8], ten[9])
         )
         return cls(ten[0], ten[1:4], I)
+
+    @property
+    def ten(self) -> ca.SX:
+        """The ten parameters in the order of `rigid_body.SYMBOLS`, shape (10,)."""
+        return ca.vertcat(self.m, self.mc, *(self.I[place] for place in LOWER))
 
     def placed(self, R: ca.SX, p: ca.SX) -> "Inertia":
         """The same body in the parent of its frame, which stands there at R, p."""

@@ -2,6 +2,9 @@
 
 The task coordinates are x = (p, phi) of `fmus.mechanics.orientation`, six in number. A force F of the arm on the
 environment is (f, E' m) in these coordinates, so that J_a' F are the joint torques of the wrench (f, m).
+
+The arm holds a payload: a rigid body that is fixed to the tip. Its ten parameters, in the frame of the tip, follow
+those of the chain in p, of shape (13 n + 10,). They act as if they were added to those of the last body.
 """
 
 from collections.abc import Sequence
@@ -12,9 +15,10 @@ import casadi as ca
 from fmus.mechanics.algebra import gram_determinant
 from fmus.mechanics.arm import ArmParameter, Demand
 from fmus.mechanics.chain import Chain
-from fmus.mechanics.orientation import analytic_jacobian, angles, pitch_cosine
+from fmus.mechanics.orientation import analytic_jacobian, angles, generalized_force, pitch_cosine
+from fmus.mechanics.recursions import TEN, Inertia
 from fmus.mechanics.rigid_body import SYMBOLS, RobotError
-from fmus.mechanics.spatial_arm import SpatialArm
+from fmus.mechanics.spatial_arm import PER_JOINT, SpatialArm
 from fmus.mechanics.task import Task
 
 TASK = Task(positions=3, angles=3)
@@ -72,7 +76,7 @@ class SpatialArmModel:
 
     @property
     def parameters(self) -> Sequence[ArmParameter]:
-        """What the elements of p are, shape (13 n,)."""
+        """What the elements of p are, shape (13 n + 10,)."""
         return spatial_parameters(self.arm.chain)
 
     def forward_kinematics(self, q: ca.SX) -> ca.SX:
@@ -89,21 +93,42 @@ class SpatialArmModel:
         J = self.jacobian(q)
         return ca.reshape(ca.jtimes(ca.vec(J), q, dq), *J.shape)
 
+    def wrench_force(self, q: ca.SX, wrench: ca.SX) -> ca.SX:
+        """F = (f, E' m) of a wrench (f, m) at the tip in the axes of the base, N and N.m, shape (6,)."""
+        return generalized_force(wrench, angles(self._tip(q)[0]))
+
+    def wrench_torque(self, q: ca.SX, wrench: ca.SX) -> ca.SX:
+        """Torques of the joints, N.m, shape (n,), that hold a wrench at the tip: by the geometric Jacobian."""
+        return ca.mtimes(self.arm.jacobian(q).T, wrench)
+
+    def wrench_gain(self, q: ca.SX) -> ca.SX:
+        """Largest |F| / |wrench|, shape (1,): the largest singular value of E, sqrt(1 + |sin(pitch)|)."""
+        return ca.sqrt(1 + ca.fabs(self._tip(q)[0][2, 0]))
+
     def inertia(self, q: ca.SX, p: ca.SX) -> ca.SX:
         """Inertia matrix H, kg m2, shape (n, n)."""
-        return self.arm.inertia(q, p)
+        return self.arm.inertia(q, self.loaded(p))
 
     def bias(self, q: ca.SX, dq: ca.SX, p: ca.SX) -> ca.SX:
         """Torque C dq + g + f, N.m, shape (n,)."""
-        return self.arm.bias(q, dq, p, self.gravity, self.coulomb_velocity)
+        return self.arm.bias(q, dq, self.loaded(p), self.gravity, self.coulomb_velocity)
 
     def inverse_dynamics(self, q: ca.SX, dq: ca.SX, v: ca.SX, a: ca.SX, p: ca.SX) -> ca.SX:
         """Torque H a + C v + g + f, N.m, shape (n,)."""
-        return self.arm.inverse_dynamics(q, dq, v, a, p, self.gravity, self.coulomb_velocity)
+        return self.arm.inverse_dynamics(q, dq, v, a, self.loaded(p), self.gravity, self.coulomb_velocity)
 
     def regressor(self, q: ca.SX, dq: ca.SX, v: ca.SX, a: ca.SX) -> ca.SX:
-        """Regressor Y, shape (n, 13 n)."""
-        return self.arm.regressor(q, dq, v, a, self.gravity, self.coulomb_velocity)
+        """Regressor Y, shape (n, 13 n + 10)."""
+        Y = self.arm.regressor(q, dq, v, a, self.gravity, self.coulomb_velocity)
+        payload = ca.SX.sym("payload", TEN)
+        of_payload = ca.jacobian(self._at_the_last_joint(payload), payload)
+        return ca.horzcat(Y, ca.mtimes(Y[:, TEN * (self.n - 1) : TEN * self.n], of_payload))
+
+    def loaded(self, p: ca.SX) -> ca.SX:
+        """Parameters of the chain with the payload in its last body, shape (13 n,)."""
+        last, end = TEN * (self.n - 1), TEN * self.n
+        body = p[last:end] + self._at_the_last_joint(p[PER_JOINT * self.n :])
+        return ca.vertcat(p[:last], body, p[end : PER_JOINT * self.n])
 
     def demands(self, q: ca.SX) -> Sequence[Demand]:
         """Demands that the angles are not singular, and that the arm is not."""
@@ -116,6 +141,11 @@ class SpatialArmModel:
             Demand(gram_determinant(scaled) - SINGULARITY, reach),
         ]
 
+    def _at_the_last_joint(self, payload: ca.SX) -> ca.SX:
+        """The ten parameters of a body in the frame of the tip, in the frame of the last joint."""
+        tip = self.arm.chain.tip
+        return Inertia.of(payload).placed(ca.sparsify(ca.DM(tip.R)), ca.sparsify(ca.DM(tip.p))).ten
+
     def _tip(self, q: ca.SX) -> tuple[ca.SX, ca.SX]:
         """The rotation of the tip from its reference orientation, shape (3, 3), and its position, m, shape (3,)."""
         R, position = self.arm.tip_frame(q)
@@ -123,20 +153,8 @@ class SpatialArmModel:
 
 
 def spatial_parameters(chain: Chain) -> Sequence[ArmParameter]:
-    """What the elements of p are, shape (13 n,), in the order of `Chain.p`."""
-    texts = {
-        "m": "mass",
-        "mc": "first moment along axis {} of its frame",
-        "I": "moment of inertia {} about the origin of its frame",
-    }
-    found = []
-    for joint in chain.joints:
-        for symbol in SYMBOLS:
-            letters = symbol.rstrip("123")
-            unit = {"m": "kg", "mc": "kg.m", "I": "kg.m2"}[letters]
-            text = texts[letters].format(symbol.removeprefix(letters))
-            signed = symbol not in ("m", "I11", "I22", "I33")
-            found.append(ArmParameter(unit, f"body {joint.body.name}: {text}", signed))
+    """What the elements of p are, shape (13 n + 10,): those of `Chain.p`, and after them the payload's."""
+    found = [one for joint in chain.joints for one in _of_body(f"body {joint.body.name}", "its frame")]
     kinds = (
         ("N.m.s/rad", "N.s/m", "viscous friction of joint"),
         ("N.m", "N", "Coulomb friction of joint"),
@@ -144,4 +162,21 @@ def spatial_parameters(chain: Chain) -> Sequence[ArmParameter]:
     )
     for turning, sliding, text in kinds:
         found += [ArmParameter(turning if joint.turns else sliding, f"{text} {joint.name}") for joint in chain.joints]
+    return [*found, *_of_body("payload", "the tip")]
+
+
+def _of_body(whose: str, frame: str) -> Sequence[ArmParameter]:
+    """What the ten parameters of a body in a frame are."""
+    texts = {
+        "m": "mass",
+        "mc": f"first moment along axis {{}} of {frame}",
+        "I": f"moment of inertia {{}} about the origin of {frame}",
+    }
+    found = []
+    for symbol in SYMBOLS:
+        letters = symbol.rstrip("123")
+        unit = {"m": "kg", "mc": "kg.m", "I": "kg.m2"}[letters]
+        text = texts[letters].format(symbol.removeprefix(letters))
+        signed = symbol not in ("m", "I11", "I22", "I33")
+        found.append(ArmParameter(unit, f"{whose}: {text}", signed))
     return found

@@ -37,11 +37,14 @@ def test_equations_have_the_shapes_of_the_protocol(robot: PlanarRobot) -> None:
     model = SampledModel("Shapes", "A model for its parameters")
     arm: ArmModel = robot.declare_known(model)
     n, m, r = arm.n, arm.task.size, len(arm.parameters)
-    q, dq, v, a, p = (ca.SX.sym("value", size) for size in (n, n, n, n, r))
+    q, dq, v, a, p, wrench = (ca.SX.sym("value", size) for size in (n, n, n, n, r, m))
     found = {
         "forward_kinematics": (arm.forward_kinematics(q), (m, 1)),
         "jacobian": (arm.jacobian(q), (m, n)),
         "jacobian_rate": (arm.jacobian_rate(q, dq), (m, n)),
+        "wrench_force": (arm.wrench_force(q, wrench), (m, 1)),
+        "wrench_torque": (arm.wrench_torque(q, wrench), (n, 1)),
+        "wrench_gain": (arm.wrench_gain(q), (1, 1)),
         "inertia": (arm.inertia(q, p), (n, n)),
         "bias": (arm.bias(q, dq, p), (n, 1)),
         "inverse_dynamics": (arm.inverse_dynamics(q, dq, v, a, p), (n, 1)),

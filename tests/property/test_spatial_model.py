@@ -1,5 +1,6 @@
 """Spatial arms as control laws ask for them: coordinates (p, phi), analytic Jacobian, parameters and demands."""
 
+from dataclasses import replace
 from functools import cache
 
 import casadi as ca
@@ -11,7 +12,7 @@ from adaptimp_fmu.units import base_exponents
 from fmus.control.impedance import ArmEstimate, Measured, torque_mobility, torque_operational, torque_resolved
 from fmus.control.tirt import Impedance
 from fmus.mechanics.arm import ArmModel
-from fmus.mechanics.rigid_body import RobotError
+from fmus.mechanics.rigid_body import Body, RobotError, merged
 from fmus.mechanics.spatial_arm import SpatialArm
 from fmus.mechanics.spatial_model import SpatialArmModel
 from tests.property.robots import GRAVITY, NAMES, chain
@@ -26,6 +27,16 @@ SIX = [name for name in NAMES if name not in ("planar 3R", "slide")]
 @cache
 def arm(name: str) -> ArmModel:
     return SpatialArmModel(SpatialArm(chain(name)), ca.SX(ca.DM(GRAVITY)), ca.SX(0.2), ca.SX(ca.DM(REFERENCE)))
+
+
+PAYLOAD = Body("payload", 1.3, (0.05, -0.02, 0.1), (0.004, 0.0005, 0.006, -0.0003, 0.0002, 0.003))
+"""A body in the frame of the tip."""
+
+
+@cache
+def numbers(name: str) -> np.ndarray:
+    """Parameters of an arm with the payload, shape (13 n + 10,)."""
+    return np.concatenate([chain(name).p, PAYLOAD.parameters])
 
 
 @cache
@@ -69,7 +80,7 @@ def test_torque_is_linear_in_the_named_parameters(name: str) -> None:
     model = arm(name)
     q, dq, v, a = arguments = symbols(model.n)
     p = ca.SX.sym("p", len(model.parameters))
-    number = np.tile(chain(name).p[:, None], STATES)
+    number = np.tile(numbers(name)[:, None], STATES)
     Y = values(arguments, model.regressor(*arguments), *states(model.n))
     torque = values([*arguments, p], model.inverse_dynamics(q, dq, v, a, p), *states(model.n), number)
     assert Y.shape[2] == len(model.parameters) == len(number)
@@ -85,9 +96,44 @@ def test_parameters_have_units_and_texts_of_their_own(name: str) -> None:
     parameters = arm(name).parameters
     for parameter in parameters:
         base_exponents(parameter.unit)
-    assert all(parameter.signed for parameter, value in zip(parameters, chain(name).p, strict=True) if value < 0)
-    assert sum(parameter.signed for parameter in parameters) == 6 * arm(name).n
-    assert len({parameter.text for parameter in parameters}) == len(parameters) == 13 * arm(name).n
+    assert all(parameter.signed for parameter, value in zip(parameters, numbers(name), strict=True) if value < 0)
+    assert sum(parameter.signed for parameter in parameters) == 6 * arm(name).n + 6
+    assert len({parameter.text for parameter in parameters}) == len(parameters) == 13 * arm(name).n + 10
+
+
+@pytest.mark.parametrize("name", SIX)
+def test_a_payload_is_a_part_of_the_last_body(name: str) -> None:
+    """The torque is that of a chain whose last body was merged with the payload, number by number."""
+    model, bare = arm(name), chain(name)
+    last = bare.joints[-1]
+    body = merged(last.body.name, [last.body, PAYLOAD.placed(bare.tip)])
+    whole = replace(bare, joints=(*bare.joints[:-1], replace(last, body=body)))
+    q, dq, v, a = arguments = symbols(model.n)
+    p = ca.SX.sym("p", len(model.parameters))
+    number = np.tile(numbers(name)[:, None], STATES)
+    found = values([*arguments, p], model.inverse_dynamics(q, dq, v, a, p), *states(model.n), number)
+    expected = SpatialArm(whole).inverse_dynamics(*arguments, whole.p, GRAVITY, 0.2)
+    torque = values(arguments, expected, *states(model.n))
+    np.testing.assert_allclose(found, torque, rtol=0, atol=500 * EPS * np.abs(torque).max())
+
+
+@pytest.mark.parametrize("name", SIX)
+def test_a_wrench_does_the_work_of_its_force(name: str) -> None:
+    """J_a' F are the torques of the wrench, and |F| <= gain |wrench| is reached by a moment."""
+    model = arm(name)
+    q, dq, *_ = symbols(model.n)
+    wrench = ca.SX.sym("wrench", 6)
+    F, torque, gain = model.wrench_force(q, wrench), model.wrench_torque(q, wrench), model.wrench_gain(q)
+    at, rate, *_ = states(model.n)
+    given = np.random.default_rng(19).normal(0, 10, (6, STATES))
+    power = ca.vertcat(ca.dot(ca.mtimes(model.jacobian(q), dq), F), ca.dot(dq, torque))
+    works = values([q, dq, wrench], power, at, rate, given)[..., 0]
+    cosine = np.cos(values([q], model.forward_kinematics(q)[4], at))[:, 0, 0]
+    size = np.abs(works).max()
+    assert np.all(np.abs(works[:, 0] - works[:, 1]) <= 500 * EPS * size / cosine**2)
+    matrices = values([q, wrench], ca.jacobian(F, wrench), at, given)
+    gains = values([q], gain, at)[:, 0, 0]
+    np.testing.assert_allclose(np.linalg.norm(matrices, 2, axis=(1, 2)), gains, rtol=1e-13)
 
 
 def test_sliding_joints_have_the_units_of_a_slide() -> None:
@@ -112,11 +158,11 @@ def test_demands_name_each_singularity_before_it_is_divided_by() -> None:
         "The tip pitches too far from its reference orientation: cos(pitch) must exceed 0.01",
         "The arm is singular: det(J J'), with positions in reaches of the arm, must exceed 1e-12",
     ]
-    numbers = SpatialArm(chain("PUMA"))
-    R = np.array(numbers.tip_frame(regular)[0])
+    equations = SpatialArm(chain("PUMA"))
+    R = np.array(equations.tip_frame(regular)[0])
     for pitch, regular_there in ((90.0, False), (89.4, True), (89.5, False)):
         reference = Rotation.from_euler("y", pitch, degrees=True).as_matrix().T @ R
-        turned = SpatialArmModel(numbers, ca.SX(3, 1), ca.SX(1), ca.SX(ca.DM(reference)))
+        turned = SpatialArmModel(equations, ca.SX(3, 1), ca.SX(1), ca.SX(ca.DM(reference)))
         value = ca.Function("f", [q], [turned.demands(q)[0].value])(regular)
         assert bool(value > 0) is regular_there
 
@@ -137,13 +183,13 @@ def test_three_forms_of_the_impedance_law_agree_for_six_coordinates() -> None:
     """Eqs. (4) to (7) for the PUMA, with one impedance for positions and one for angles."""
     model = arm("PUMA")
     q, dq, *_ = symbols(6)
-    F, p, x_v, dx_v, ddx_v = (ca.SX.sym(name, k) for name, k in (("F", 6), ("p", 78), ("x", 6), ("d", 6), ("dd", 6)))
+    F, p, x_v, dx_v, ddx_v = (ca.SX.sym(name, k) for name, k in (("F", 6), ("p", 88), ("x", 6), ("d", 6), ("dd", 6)))
     diagonals = [[m] * 3 + [i] * 3 for m, i in ((10.0, 0.3), (200.0, 4.0), (1000.0, 20.0))]
     impedance = Impedance(*(ca.SX(ca.DM(diagonal)) for diagonal in diagonals))
     measured, estimate = Measured(q, dq, F), ArmEstimate(model, p)
     torques = [form(measured, estimate, (x_v, dx_v, ddx_v), impedance) for form in FORMS]
     rng = np.random.default_rng(18)
-    columns = [*states(6)[:2], rng.normal(0, 20, (6, STATES)), np.tile(chain("PUMA").p[:, None], STATES)]
+    columns = [*states(6)[:2], rng.normal(0, 20, (6, STATES)), np.tile(numbers("PUMA")[:, None], STATES)]
     columns += [rng.normal(0, 0.3, (6, STATES)) for _ in range(3)]
     J = values([q], model.jacobian(q), columns[0])
     H = values([q, p], model.inertia(q, p), columns[0], columns[3])

@@ -44,6 +44,20 @@ class TwinModel:
         """Time derivative of the Jacobian."""
         return _ordered(ca.diagcat(*(arm.jacobian_rate(*parts) for arm, *parts in self._parts(q, dq))))
 
+    def wrench_force(self, q: ca.SX, wrench: ca.SX) -> ca.SX:
+        """The wrench itself."""
+        del q
+        return wrench
+
+    def wrench_torque(self, q: ca.SX, wrench: ca.SX) -> ca.SX:
+        """Torques J' F."""
+        return ca.mtimes(self.jacobian(q).T, wrench)
+
+    def wrench_gain(self, q: ca.SX) -> ca.SX:
+        """Factor of errors."""
+        del q
+        return ca.SX(1)
+
     def inertia(self, q: ca.SX, p: ca.SX) -> ca.SX:
         """Inertia matrix H."""
         return ca.diagcat(*(arm.inertia(*parts) for arm, *parts in self._parts(q, p)))
