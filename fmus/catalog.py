@@ -30,6 +30,13 @@ def _of_pose(module: str, name: str) -> "Model":
     return _declared(module, name=name, task=task)
 
 
+def _of_puma(module: str, name: str) -> "Model":
+    """The model for the PUMA 560, an arm of six joints in space."""
+    robot = imported("fmus.robots.puma560").PUMA
+    known = {"task": robot.task} if module == "force_sensor" else {"robot": robot}
+    return _declared(module, name=name, **known)
+
+
 _CRAIG, _SLOTINE_LI, _SPONG_ORTEGA = (
     "CraigAdaptiveImpedanceFull",
     "SlotineLiAdaptiveImpedanceFull",
@@ -74,6 +81,18 @@ VARIANTS: "dict[str, Callable[[], Model]]" = {
     _SLOTINE_LI_POSE: partial(_of_arm, "slotine_li_adaptive_impedance", _SLOTINE_LI_POSE, pose=True),
     _SPONG_ORTEGA_POSE: partial(_of_arm, "spong_ortega_adaptive_impedance", _SPONG_ORTEGA_POSE, pose=True),
     "Plant3RPose": partial(_of_arm, "plant", "Plant3RPose", pose=True),
+    "VirtualTrajectoryPuma560": partial(_of_puma, "spatial_trajectory", "VirtualTrajectoryPuma560"),
+    "ForceSensorPuma560": partial(_of_puma, "force_sensor", "ForceSensorPuma560"),
+    "HoganImpedancePuma560": partial(_of_puma, "hogan_impedance", "HoganImpedancePuma560"),
+    "CraigAdaptiveImpedancePuma560": partial(_of_puma, "craig_adaptive_impedance", "CraigAdaptiveImpedancePuma560"),
+    "SlotineLiAdaptiveImpedancePuma560": partial(
+        _of_puma, "slotine_li_adaptive_impedance", "SlotineLiAdaptiveImpedancePuma560"
+    ),
+    "SpongOrtegaAdaptiveImpedancePuma560": partial(
+        _of_puma, "spong_ortega_adaptive_impedance", "SpongOrtegaAdaptiveImpedancePuma560"
+    ),
+    "ActuatorPuma560": partial(_declared, "actuator", 6, "ActuatorPuma560"),
+    "PlantPuma560": partial(_of_puma, "plant", "PlantPuma560"),
 }
 """Models with other equations than those of the same name in `MODELS`."""
 

@@ -33,7 +33,7 @@ def arm(n: int, *, corner: bool = False) -> Icon:
     ends: Sequence[Point] = {
         2: ((0.24, 0.26), (0.36, 0.66), (0.72, 0.56)),
         3: ((0.24, 0.26), (0.27, 0.6), (0.52, 0.76), (0.72, 0.5)),
-    }[n]
+    }[min(n, 3)]
     joints = [Stroke([end], _JOINT) for end in ends[:-1]]
     wall = Stroke([(0.78, 0.18), (0.78, 0.82)], _THIN)
     hatching = [Stroke([(0.78, y), (0.86, y - 0.08)], _THIN) for y in (0.3, 0.44, 0.58, 0.72, 0.82)]

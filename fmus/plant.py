@@ -92,7 +92,7 @@ def plant(robot: Robot | None = None, name: str = "Plant", walls: int = 1, *, wr
     )
     arm, p = robot.declare_true(model)
     beyond = _declare_payload(model, robot, arm, p) if wrist else None
-    touched = {number: _wall(model, number, task.positions) for number in range(1, walls + 1)}
+    touched = {number: _wall(model, number, robot) for number in range(1, walls + 1)}
 
     q, dq = model.state("q", q_start), model.state("dq", dq_start)
     x = arm.forward_kinematics(q)
@@ -101,7 +101,7 @@ def plant(robot: Robot | None = None, name: str = "Plant", walls: int = 1, *, wr
     point, velocity = x[: task.positions], dx[: task.positions]
     forces = {number: _force(model, wall, point, velocity, number) for number, wall in touched.items()}
     F_ext = ca.vertcat(reduce(add, forces.values()), ca.SX.zeros(task.angles, 1))
-    ddq = solve_spd(arm.inertia(q, p), tau - arm.bias(q, dq, p) - ca.mtimes(J.T, F_ext))
+    ddq = solve_spd(arm.inertia(q, p), tau - arm.bias(q, dq, p) - arm.wrench_torque(q, F_ext))
     model.derivative(q, dq)
     model.derivative(dq, ddq)
 
@@ -183,10 +183,10 @@ def _show_depth(model: ContinuousModel, gap: ca.SX, number: int) -> None:
     )
 
 
-def _wall(model: ContinuousModel, number: int, size: int) -> Wall:
+def _wall(model: ContinuousModel, number: int, robot: Robot) -> Wall:
     """Declare the parameters of a wall; those of a second wall end with a 2."""
     end, wall = suffix(number), ordinal(number)
-    half_space = declare_half_space(model, number, size)
+    half_space = declare_half_space(model, number, robot.task.positions, robot.place_of_wall(number))
     K_f = model.parameter(f"K_f{end}", 1e5, unit="N/m", limits=NOT_NEGATIVE, description=f"Stiffness of the {wall}")
     D_f = model.parameter(
         f"D_f{end}",

@@ -54,6 +54,32 @@ class ArmStart(MotionStart):
     link_lengths: tuple[float, ...]
 
 
+@dataclass(frozen=True, kw_only=True)
+class SpatialPath:
+    """The virtual trajectory of a tip in space: an ellipse in a plane, cut at a wall; see `fmus.virtual_trajectory`.
+
+    Attributes
+    ----------
+    center
+        m, shape (3,), in the axes of the base.
+    plane
+        Roll, pitch and yaw, rad, shape (3,), that turn the axes of the base to those of the ellipse.
+    semi_axis
+        m, shape (2,).
+    reference
+        Roll, pitch and yaw, rad, shape (3,), of the orientation R_0 of the tip at which its angles phi are 0.
+    wall_normal, wall_offset
+        Unit vector into the wall, shape (3,), and distance of its surface from the origin along the normal, m.
+    """
+
+    center: tuple[float, ...]
+    plane: tuple[float, ...]
+    semi_axis: tuple[float, ...]
+    reference: tuple[float, ...]
+    wall_normal: tuple[float, ...]
+    wall_offset: float
+
+
 ARMS = {
     # V. Elbow bent by q2 > 0 (assumed): q2 = arccos(1.5^2/2 - 1), q1 = -q2/2.
     2: ArmStart(

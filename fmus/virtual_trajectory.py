@@ -8,7 +8,7 @@ held at wall_offset + depth with zero rate and acceleration; the tangential one 
 With two walls x_v is the nearest point that lies no deeper than `depth` in either: on the ellipse, on one of the two
 straight lines, or at rest where the lines meet.
 
-Angles of the tip, if the task has any, are held at `orientation`. In space the ellipse lies in the plane x3 = height.
+Angles of the tip, if the task has any, are held at `orientation`.
 """
 
 import math
@@ -79,18 +79,16 @@ def virtual_trajectory(name: str = "VirtualTrajectory", walls: int = 1, task: Ta
         "depth", 0.01, unit="m", display_unit=LENGTH, description="Depth of the straight segment inside the wall"
     )
 
-    height, orientation = _declare_constants(model, task)
-
+    orientation = _declare_orientation(model, task)
     rate = 2 * math.pi / period
     angle = rate * model.time
     radius = ca.vertcat(ca.cos(angle), ca.sin(angle))
     x = semi_axis * radius
     dx = rate * semi_axis * ca.vertcat(-radius[1], radius[0])
     ddx = -(rate**2) * x
-    x, dx, ddx = ca.vertcat(x, height), ca.vertcat(dx, 0 * height), ca.vertcat(ddx, 0 * height)
     lines = [HalfSpace(wall.normal, wall.offset + depth) for wall in borders]
     excess = [line.gap(x) for line in lines]
-    clipped = _clip_at_one(lines[0], excess[0]) if walls == 1 else _clip_at_both(model, lines, excess)
+    clipped = clip_at_one(lines[0], excess[0]) if walls == 1 else _clip_at_both(model, lines, excess)
     rates, accelerations = ([line.along_normal(vector) for line in lines] for vector in (dx, ddx))
 
     still = 0 * orientation
@@ -109,28 +107,24 @@ def virtual_trajectory(name: str = "VirtualTrajectory", walls: int = 1, task: Ta
     return model
 
 
-def _declare_constants(model: SampledModel, task: Task) -> tuple[ca.SX, ca.SX]:
-    """Declare what is constant beside the ellipse: the height in space, and the angles; empty if there are none."""
-    height, orientation = ca.SX(0, 1), ca.SX(0, 1)
-    if task.positions > len(start.SEMI_AXIS):
-        height = model.parameter("height", 0.0, unit="m", description="Virtual position of the tip along x3")
-    if task.angles:
-        turned = start.ORIENTATION if task.angles == 1 else [0.0] * task.angles
-        orientation = model.parameter(
-            "orientation",
-            turned,
-            unit="rad",
-            display_unit=ANGLE,
-            description=of_task("", task, "Virtual angle of the tip")[task.positions :],
-        )
-    return height, orientation
+def _declare_orientation(model: SampledModel, task: Task) -> ca.SX:
+    """Declare the constant angles, rad; empty if there are none."""
+    if not task.angles:
+        return ca.SX(0, 1)
+    return model.parameter(
+        "orientation",
+        start.ORIENTATION,
+        unit="rad",
+        display_unit=ANGLE,
+        description=of_task("", task, "Virtual angle of the tip")[task.positions :],
+    )
 
 
 Clip = Callable[[ca.SX, list[ca.SX]], ca.SX]
 """A function of a vector and of its components along the normals, which takes those away that lead too deep."""
 
 
-def _clip_at_one(line: HalfSpace, excess: ca.SX) -> Clip:
+def clip_at_one(line: HalfSpace, excess: ca.SX) -> Clip:
     """Clip at the line inside one wall, which the ellipse exceeds by `excess`, m."""
     straight = excess > 0
     return lambda vector, along: vector - ca.if_else(straight, along[0], 0) * line.normal

@@ -4,7 +4,7 @@ A controller's outputs are those of a tick: e = x - x_t, the torque, p_hat and x
 the states advance to the next tick.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import casadi as ca
 
@@ -146,6 +146,7 @@ def declare_controller(name: str, description: str, robot: Robot | None = None, 
     virtual = _declare_virtual(model, robot)
     impedance = _impedance(model, robot.task, full=full)
     arm = robot.declare_known(model)
+    measured = replace(measured, F_hat=arm.wrench_force(measured.q, measured.F_hat))
     p_start = model.parameter(
         "p_start",
         robot.p_start,

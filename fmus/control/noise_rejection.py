@@ -130,7 +130,8 @@ def declare_noise_rejection(adaptation: Adaptation, mobility: ca.SX) -> NoiseRej
     e, de = controller.e, controller.dx - controller.dx_t
     e_star = adaptation.filtered_error()
     in_contact = ca.norm_2(metric.force(controller.measured.F_hat)) > threshold
-    delta = ca.if_else(in_contact, noise_bound, 0)
+    # The sensor's error is one of a wrench; the force of the coordinates may have a larger one.
+    delta = ca.if_else(in_contact, controller.arm.wrench_gain(controller.measured.q) * noise_bound, 0)
     alpha = _alpha(adaptation, e, de)
     scaled, mobility = metric.motion(e_star), metric.mobility(mobility)
     beta, mu = ca.norm_2(scaled), ca.norm_2(ca.mtimes(mobility, scaled))

@@ -7,6 +7,7 @@ The half-space is the set of points with n.x >= wall_offset. The unit normal n p
 is positive inside the wall and negative in front of it.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import casadi as ca
@@ -55,7 +56,9 @@ class HalfSpace:
         return ca.vertcat(-self.normal[1], self.normal[0])
 
 
-def declare_half_space(model: Model, number: int = 1, size: int = 2) -> HalfSpace:
+def declare_half_space(
+    model: Model, number: int = 1, size: int = 2, place: tuple[Sequence[float], float] | None = None
+) -> HalfSpace:
     """Declare where a wall is, and demand that its normal has length 1.
 
     Parameters
@@ -64,17 +67,20 @@ def declare_half_space(model: Model, number: int = 1, size: int = 2) -> HalfSpac
         1 for the parameters ``wall_normal`` and ``wall_offset``, 2 for ``wall_normal2`` and ``wall_offset2`` of a
         second wall.
     size
-        Number of coordinates of a point: 2 in the plane, 3 in space, where the wall is parallel to x3 by default.
+        Number of coordinates of a point: 2 in the plane, 3 in space.
+    place
+        Start values of normal and offset; by default the paper's, in space parallel to x3.
     """
     end, wall = suffix(number), ordinal(number)
+    direction, distance = place or ([*start.WALL_NORMALS[number], *[0.0] * (size - 2)], start.WALL_OFFSETS[number])
     normal = model.parameter(
         f"wall_normal{end}",
-        [*start.WALL_NORMALS[number], *[0.0] * (size - 2)],
+        direction,
         description=along(f"Component of the unit normal into the {wall}", size),
     )
     offset = model.parameter(
         f"wall_offset{end}",
-        start.WALL_OFFSETS[number],
+        distance,
         unit="m",
         description=f"Distance of the {wall}'s surface from the origin along the normal",
     )

@@ -53,6 +53,13 @@ class SpatialArm:
         return self._function("tip_frame", [q], [R, position], ["q"], ["R", "position"])
 
     @cached_property
+    def origins(self) -> ca.Function:
+        """Origins ``places(q)`` of the frames of the joints, m, shape (3, n)."""
+        (q,) = self._symbols("q")
+        places = [position for _, position in self._frames(q)[:-1]]
+        return self._function("origins", [q], [ca.densify(ca.horzcat(*places))], ["q"], ["places"])
+
+    @cached_property
     def jacobian(self) -> ca.Function:
         """Geometric Jacobian ``J(q)`` of the tip, m/rad above rad/rad, shape (6, n)."""
         (q,) = self._symbols("q")

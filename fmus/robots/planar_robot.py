@@ -87,6 +87,10 @@ class PlanarRobot:
         """Names of the modules whose docstrings hold its equations."""
         return ["fmus.mechanics.planar_arm"]
 
+    def place_of_wall(self, number: int) -> tuple[Sequence[float], float]:
+        """Start values of a wall: its unit normal, and the distance of its surface, m."""
+        return start.WALL_NORMALS[number], start.WALL_OFFSETS[number]
+
     def icon(self, *, corner: bool = False) -> Icon:
         """Icon of its plant."""
         return icons.arm(self.n, corner=corner)

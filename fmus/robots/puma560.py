@@ -15,6 +15,8 @@ import numpy as np
 
 from fmus.mechanics.chain import Chain, Joint, JointLimits
 from fmus.mechanics.rigid_body import Body, Placement
+from fmus.robots.spatial_robot import SpatialRobot
+from fmus.start import SpatialPath
 
 
 @dataclass(frozen=True)
@@ -61,3 +63,26 @@ def _joint(number: int, link: _Link) -> Joint:
         limits=JointLimits(),
         rotor_inertia=link.motor * link.gear**2,
     )
+
+
+TOOL = Placement(translation=(0.0, 0.0, 0.15))
+"""Assumed: a tool whose tip is 0.15 m in front of the wrist's centre, along axis 3 of link 6."""
+# Assumed, since the paper simulates no arm in space: the paper's run on a table. The tool points down, and the ellipse
+# stands upright beside the base. Joints keep 16 deg of their ranges all along it, and the arm stays far from singular
+# configurations.
+PATH = SpatialPath(
+    center=(0.5, 0.15, 0.1),
+    plane=(np.pi, -np.pi / 2, 0.0),
+    semi_axis=(0.15, 0.2),
+    reference=(np.pi, 0.0, np.pi),
+    wall_normal=(0.0, 0.0, -1.0),
+    wall_offset=0.04,
+)
+PUMA = SpatialRobot(
+    chain=puma560(TOOL),
+    near=(0.0, -1.415, 3.093, 0.0, 1.463, 0.0),
+    path=PATH,
+    payload=Body("payload", 1.0, (0.02, 0.0, -0.05), (2e-3, 0.0, 2e-3, 0.0, 0.0, 1e-3)),
+    sources=(__name__,),
+)
+"""The arm with a tool on a table, and a payload of 1 kg that controllers do not know."""

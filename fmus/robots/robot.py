@@ -54,6 +54,10 @@ class Robot(Protocol):
         """Names of the modules whose docstrings hold its equations."""
         ...
 
+    def place_of_wall(self, number: int) -> tuple[Sequence[float], float]:
+        """Start values of a wall: its unit normal, shape (positions,), and the distance of its surface, m."""
+        ...
+
     def icon(self, *, corner: bool = False) -> Icon:
         """Icon of its plant, which may touch two walls."""
         ...

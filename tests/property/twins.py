@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import casadi as ca
 
 from adaptimp_fmu import NOT_NEGATIVE, POSITIVE, Drawing, Icon, Model
-from fmus import icons
+from fmus import icons, start
 from fmus.mechanics.arm import ArmParameter, Demand
 from fmus.mechanics.planar_model import PlanarArmModel
 from fmus.mechanics.task import Task
@@ -103,6 +103,10 @@ class TwinRobot:
         joints = {name: 2 * getattr(one, name) for name in ("q", "dq", "ddq")}
         task = {name: 2 * getattr(one, name)[:2] + 2 * getattr(one, name)[2:] for name in ("x_v", "dx_v", "ddx_v")}
         return MotionStart(**joints, **task)
+
+    def place_of_wall(self, number: int) -> tuple[Sequence[float], float]:
+        """Start values of a wall: its unit normal, and the distance of its surface, m."""
+        return [*start.WALL_NORMALS[number], 0.0, 0.0], start.WALL_OFFSETS[number]
 
     def icon(self, *, corner: bool = False) -> Icon:
         """Icon of one arm."""
