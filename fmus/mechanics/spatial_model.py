@@ -144,7 +144,7 @@ class SpatialArmModel:
     def _at_the_last_joint(self, payload: ca.SX) -> ca.SX:
         """The ten parameters of a body in the frame of the tip, in the frame of the last joint."""
         tip = self.arm.chain.tip
-        return Inertia.of(payload).placed(ca.sparsify(ca.DM(tip.R)), ca.sparsify(ca.DM(tip.p))).ten
+        return Inertia.of(payload).placed(ca.SX(ca.sparsify(ca.DM(tip.R))), ca.SX(ca.sparsify(ca.DM(tip.p)))).ten
 
     def _tip(self, q: ca.SX) -> tuple[ca.SX, ca.SX]:
         """The rotation of the tip from its reference orientation, shape (3, 3), and its position, m, shape (3,)."""

@@ -23,7 +23,7 @@ from fmus.mechanics.arm import ArmModel, ArmParameter
 from fmus.mechanics.chain import Chain
 from fmus.mechanics.orientation import rotation
 from fmus.mechanics.recursions import TEN
-from fmus.mechanics.rigid_body import LOWER, ROUNDING, Body, RobotError
+from fmus.mechanics.rigid_body import LOWER, ROUNDING, Body, Placement, RobotError
 from fmus.mechanics.spatial_arm import PER_JOINT, SPACE, SpatialArm
 from fmus.mechanics.spatial_model import TASK, SpatialArmModel, spatial_parameters
 from fmus.mechanics.task import Task
@@ -94,16 +94,16 @@ class SpatialRobot:
     def start(self) -> start.MotionStart:
         """Motion at the start: the tip at the beginning of the ellipse, moving with it."""
         path, rate = self.path, 2 * math.pi / start.PERIOD
-        axes = np.array(rotation(ca.DM(path.plane)))
+        axes = rotation_matrix(path.plane)
         x_v = np.array([*(np.array(path.center) + path.semi_axis[0] * axes[:, 0]), 0.0, 0.0, 0.0])
         dx_v = np.array([*(rate * path.semi_axis[1] * axes[:, 1]), 0.0, 0.0, 0.0])
         ddx_v = np.array([*(-(rate**2) * path.semi_axis[0] * axes[:, 0]), 0.0, 0.0, 0.0])
-        model = self._numbers()
-        q = self._posture(model, x_v)
-        dq = np.linalg.lstsq(np.array(ca.evalf(model.jacobian(ca.DM(q)))), dx_v, rcond=None)[0]
-        p = ca.DM(np.concatenate([self.chain.p, self.payload.parameters]))
-        H, bias = (np.array(ca.evalf(value)) for value in (model.inertia(q, p), model.bias(q, ca.DM(dq), p)))
-        ddq = np.linalg.solve(H, -bias).ravel()
+        q = self._posture(x_v)
+        dq = np.linalg.lstsq(np.array(self._place(q)[1]), dx_v, rcond=None)[0]
+        p = [*self.chain.p, *self.payload.parameters]
+        held = self._model.loaded(ca.SX(ca.DM(p)))
+        H, bias = self.arm.inertia(q, held), self.arm.bias(q, dq, held, GRAVITY, start.COULOMB_VELOCITY)
+        ddq = np.linalg.solve(np.array(ca.evalf(H)), -np.array(ca.evalf(bias))).ravel()
         return start.MotionStart(
             **{
                 name: tuple(map(float, np.round(value, DIGITS) + 0.0))
@@ -143,7 +143,7 @@ class SpatialRobot:
         """Start values of a wall: that of the path; a second one is beside it, along the ellipse's second axis."""
         if number == 1:
             return self.path.wall_normal, self.path.wall_offset
-        axis = np.array(rotation(ca.DM(self.path.plane)))[:, 1]
+        axis = rotation_matrix(self.path.plane)[:, 1]
         place = float(np.dot(axis, self.path.center)) + self.path.semi_axis[1] / 2
         return tuple(map(float, np.round(axis, DIGITS) + 0.0)), round(place, DIGITS)
 
@@ -204,21 +204,26 @@ class SpatialRobot:
         _require_moments(model, six)
         return ca.vertcat(m, m * c, *about_origin)
 
-    def _numbers(self) -> SpatialArmModel:
+    @cached_property
+    def _model(self) -> SpatialArmModel:
         """The arm with its start values in the place of symbols."""
-        reference = ca.SX(rotation(ca.DM(self.path.reference)))
+        reference = ca.SX(ca.DM(rotation_matrix(self.path.reference)))
         return SpatialArmModel(self.arm, ca.SX(ca.DM(GRAVITY)), ca.SX(start.COULOMB_VELOCITY), reference)
 
-    def _posture(self, model: SpatialArmModel, x: np.ndarray) -> np.ndarray:
+    @cached_property
+    def _place(self) -> ca.Function:
+        """A function of q, shape (n,): x, shape (6, 1), and its Jacobian, shape (6, n)."""
+        q = ca.SX.sym("q", self.n)
+        return ca.Function("place", [q], [self._model.forward_kinematics(q), self._model.jacobian(q)])
+
+    def _posture(self, x: np.ndarray) -> np.ndarray:
         """Joint coordinates near `near` that put the tip at x, by Newton's method of least change."""
         if len(self.near) != self.n:
             msg = f"Robot {self.chain.name}: {len(self.near)} joint coordinates are given for {self.n} joints."
             raise RobotError(msg)
-        symbol = ca.SX.sym("q", self.n)
-        step = ca.Function("step", [symbol], [model.forward_kinematics(symbol), model.jacobian(symbol)])
         q, error = np.array(self.near, float), np.full(TASK.size, np.inf)
         for _ in range(NEWTON_STEPS):
-            place, J = (np.array(value) for value in step(q))
+            place, J = (np.array(value) for value in self._place(q))
             error = x - place.ravel()
             if not np.all(np.isfinite(error)) or np.abs(error).max() < 1e-14:
                 break
@@ -231,6 +236,11 @@ class SpatialRobot:
             )
             raise RobotError(msg)
         return q
+
+
+def rotation_matrix(rpy: Sequence[float]) -> np.ndarray:
+    """The matrix R3(yaw) R2(pitch) R1(roll), shape (3, 3), of angles rad, shape (3,)."""
+    return Placement.from_rpy((0.0, 0.0, 0.0), rpy).R
 
 
 def declare_reference(model: Model, path: start.SpatialPath) -> ca.SX:
@@ -247,7 +257,7 @@ def declare_reference(model: Model, path: start.SpatialPath) -> ca.SX:
 def _require_moments(model: Model, six: ca.SX) -> None:
     """Demand moments of inertia that a body can have: the matrix (tr I / 2) - I is positive semidefinite."""
     I = {place: six[k] for k, place in enumerate(LOWER)}
-    sentence = "payload_inertia is that of no body: principal moments are not negative, and two of them make at least the third"
+    sentence = "payload_inertia must be that of a body: no principal moment is negative or exceeds the other two's sum"
     trace = (I[0, 0] + I[1, 1] + I[2, 2]) / 2
     S = ca.vertcat(
         ca.horzcat(trace - I[0, 0], -I[0, 1], -I[0, 2]),
