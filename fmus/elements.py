@@ -21,15 +21,28 @@ def along(text: str, size: int = 2) -> list[str]:
 
 
 def of_task(text: str, task: Task, turning: str = "") -> list[str]:
-    """Descriptions of a vector of a task: ``Force of the tip along x1 (right)``, and for angles ``about x3``.
+    """Descriptions of a vector of a task: ``Force of the tip along x1 (right)``, and of angles ``about x3`` or ``in roll``.
 
     Parameters
     ----------
     turning
         What an angle's element is, such as ``Moment of the tip``; `text` by default.
     """
-    axes = (PLANE_NORMAL,) if task.positions < SPACE else TURNS
-    return [*along(text, task.positions), *(f"{turning or text} about {axes[i]}" for i in range(task.angles))]
+    turns = (f"about {PLANE_NORMAL}",) if task.positions < SPACE else tuple(f"in {turn}" for turn in TURNS)
+    return [*along(text, task.positions), *(f"{turning or text} {turns[i]}" for i in range(task.angles))]
+
+
+def of_wrench(text: str, task: Task, turning: str) -> list[str]:
+    """Descriptions of forces and of moments, which in space are about the axes of the base and not those of the angles.
+
+    Parameters
+    ----------
+    turning
+        What a moment is, such as ``Moment of the tip``.
+    """
+    if task.positions < SPACE:
+        return of_task(text, task, turning)
+    return [*along(text, SPACE), *(f"{turning} about {_axis(i)}" for i in range(task.angles))]
 
 
 def of_axes(text: str, task: Task, *, full: bool = False) -> list[str]:
@@ -39,6 +52,11 @@ def of_axes(text: str, task: Task, *, full: bool = False) -> list[str]:
         return diagonal
     places = [(i, j) for i in range(task.size) for j in range(task.size)]
     return [diagonal[i] if i == j else f"{text} between x{i + 1} and x{j + 1}" for i, j in places]
+
+
+def of_tip(text: str) -> list[str]:
+    """Descriptions of a vector in the frame of the tip in space: ``Centre of mass along axis 1 of the tip``."""
+    return [f"{text} along axis {i + 1} of the tip" for i in range(SPACE)]
 
 
 def of_joints(text: str, n: int) -> list[str]:
