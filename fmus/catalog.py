@@ -33,8 +33,7 @@ def _of_pose(module: str, name: str) -> "Model":
 def _of_puma(module: str, name: str) -> "Model":
     """The model for the PUMA 560, an arm of six joints in space."""
     robot = imported("fmus.robots.puma560").PUMA
-    known = {"task": robot.task} if module == "force_sensor" else {"robot": robot}
-    return _declared(module, name=name, **known)
+    return _declared(module, name=name, robot=robot)
 
 
 _CRAIG, _SLOTINE_LI, _SPONG_ORTEGA = (
@@ -82,7 +81,7 @@ VARIANTS: "dict[str, Callable[[], Model]]" = {
     _SPONG_ORTEGA_POSE: partial(_of_arm, "spong_ortega_adaptive_impedance", _SPONG_ORTEGA_POSE, pose=True),
     "Plant3RPose": partial(_of_arm, "plant", "Plant3RPose", pose=True),
     "VirtualTrajectoryPuma560": partial(_of_puma, "spatial_trajectory", "VirtualTrajectoryPuma560"),
-    "ForceSensorPuma560": partial(_of_puma, "force_sensor", "ForceSensorPuma560"),
+    "ForceSensorPuma560": partial(_of_puma, "wrench_sensor", "ForceSensorPuma560"),
     "HoganImpedancePuma560": partial(_of_puma, "hogan_impedance", "HoganImpedancePuma560"),
     "CraigAdaptiveImpedancePuma560": partial(_of_puma, "craig_adaptive_impedance", "CraigAdaptiveImpedancePuma560"),
     "SlotineLiAdaptiveImpedancePuma560": partial(

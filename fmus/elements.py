@@ -21,7 +21,7 @@ def along(text: str, size: int = 2) -> list[str]:
 
 
 def of_task(text: str, task: Task, turning: str = "") -> list[str]:
-    """Descriptions of a vector of a task: ``Force of the tip along x1 (right)``, and of angles ``about x3`` or ``in roll``.
+    """Descriptions of a vector of a task, such as ``Angle of the tip in roll``: along x1, about x3 or in roll.
 
     Parameters
     ----------

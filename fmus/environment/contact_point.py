@@ -1,8 +1,8 @@
 """The point of an arm that touches a wall, with its velocity and the moment of its contact force.
 
-In the plane the point is the tip itself. In space it is fixed to the tip at `contact_point`, c in the frame of the tip,
-such as the end of a tool or an edge of what the arm holds. With the rotation matrix R and the position p of the tip, its
-velocity v and its angular velocity w,
+In the plane the point is the tip itself. In space it is fixed to the tip at `contact_point`, c in the frame of the
+tip, such as the end of a tool or an edge of what the arm holds. With the rotation matrix R and the position p of the
+tip, its velocity v and its angular velocity w,
 
     r = R c,   x_c = p + r,   dx_c = v + w x r
 

@@ -2,8 +2,8 @@
 
 The payload is a rigid body that is fixed to the tip, with the ten parameters m, m c and I in the frame of the tip. The
 sensor sits between arm and payload. With the acceleration a of the tip, its angular velocity w and its angular
-acceleration dw, and the acceleration g of a falling body, Newton's and Euler's laws give the wrench of the arm at the tip
-on all that is beyond the sensor:
+acceleration dw, and the acceleration g of a falling body, Newton's and Euler's laws give the wrench of the arm at the
+tip on all that is beyond the sensor:
 
     F_wrist = F_ext + (m (a - g) + dw x mc + w x (w x mc),   I dw + w x I w + mc x (a - g))
 
