@@ -20,7 +20,7 @@ import casadi as ca
 
 from adaptimp_fmu import NOT_NEGATIVE, POSITIVE, ContinuousModel, DefinitionError, Formula, Formulas
 from fmus.drawings.loop import PLANT
-from fmus.elements import ACCELERATION, ANGLE, LENGTH, RATE, SPACE, along, of_task
+from fmus.elements import ACCELERATION, ANGLE, LENGTH, RATE, SPACE, along, of_task, of_wrench
 from fmus.environment.contact import Wall
 from fmus.environment.half_space import declare_half_space, ordinal, suffix
 from fmus.mechanics.algebra import solve_spd
@@ -100,7 +100,7 @@ def plant(robot: Robot | None = None, name: str = "Plant", walls: int = 1, *, wr
     model.derivative(dq, ddq)
 
     _show_motion(model, robot, (q, dq, ddq), (x, dx))
-    texts = of_task("Force of the tip on the wall", task, "Moment of the tip on the wall")
+    texts = of_wrench("Force of the tip on the wall", "Moment of the tip on the wall", task)
     model.output("F_ext", F_ext, unit=task.each("N", "N.m"), description=texts)
     if beyond is not None:
         ddx = ca.mtimes(J, ddq) + ca.mtimes(arm.jacobian_rate(q, dq), dq)
@@ -168,7 +168,8 @@ def _show_motion(
         model.output(name, value, unit=units, display_unit=displayed, description=said)
     texts = of_task("Position of the tip", task, "Angle of the tip")
     model.output("x", tip[0], unit=task.each("m", "rad"), description=texts)
-    texts = of_task("Velocity of the tip", task, "Angular velocity of the tip")
+    turning = "Angular velocity of the tip" if task.angles == 1 else "Rate of the tip's angle"
+    texts = of_task("Velocity of the tip", task, turning)
     model.output("dx", tip[1], unit=task.each("m/s", "rad/s"), description=texts)
 
 
