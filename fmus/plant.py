@@ -20,7 +20,7 @@ import casadi as ca
 
 from adaptimp_fmu import ContinuousModel, DefinitionError, Formula, Formulas
 from fmus.drawings.loop import PLANT
-from fmus.elements import ACCELERATION, ANGLE, LENGTH, RATE, SPACE, along, of_joints, of_task, of_wrench
+from fmus.elements import ACCELERATION, ANGLE, LENGTH, RATE, SPACE, along, of_task, of_wrench
 from fmus.environment.contact import Wall, declare_wall
 from fmus.environment.contact_point import ContactPoint
 from fmus.environment.half_space import ordinal, suffix
@@ -73,15 +73,9 @@ def plant(robot: Robot | None = None, name: str = "Plant", walls: int = 1, *, wr
     place = {1: "against a compliant wall", 2: "in a corner of two compliant walls"}[walls]
     aims = "; position and angle of its tip are the task" if robot.task.angles else ""
     model = ContinuousModel(name, f"{robot.title} {place}{aims}")
-    n, task, begin = robot.n, robot.task, robot.start
+    task = robot.task
     _document(model, robot, walls, wrist=wrist)
-    tau = model.input("tau", [0.0] * n, unit="N.m", description=of_joints("Torque", n))
-    q_start = model.parameter(
-        "q_start", begin.q, unit="rad", display_unit=ANGLE, description=of_joints("Angle at the start", n)
-    )
-    dq_start = model.parameter(
-        "dq_start", begin.dq, unit="rad/s", display_unit=RATE, description=of_joints("Rate at the start", n)
-    )
+    tau, q_start, dq_start = _declare_joints(model, robot)
     arm, p = robot.declare_true(model)
     beyond = _declare_payload(model, robot, arm, p) if wrist and not isinstance(arm, SpatialArmModel) else None
     touched = {k: declare_wall(model, k, task.positions, robot.place_of_wall(k)) for k in range(1, walls + 1)}
@@ -91,7 +85,7 @@ def plant(robot: Robot | None = None, name: str = "Plant", walls: int = 1, *, wr
     J = arm.jacobian(q)
     dx = ca.mtimes(J, dq)
     if isinstance(arm, SpatialArmModel):
-        space = SpatialPlant.declare(model, arm, (q, dq), (q_start, begin.q))
+        space = SpatialPlant.declare(model, arm, robot, (q, dq), q_start)
         point, torque = space.point, tau + space.tau_stop
     else:
         space, torque = None, tau
@@ -102,8 +96,8 @@ def plant(robot: Robot | None = None, name: str = "Plant", walls: int = 1, *, wr
     model.derivative(q, dq)
     model.derivative(dq, ddq)
 
-    _show_motion(model, task, (q, dq, ddq), (x, dx))
-    texts = of_wrench("Force of the tip on the wall", task, "Moment of the tip on the wall")
+    _show_motion(model, robot, (q, dq, ddq), (x, dx))
+    texts = of_wrench("Force of the tip on the wall", "Moment of the tip on the wall", task)
     model.output("F_ext", F_ext, unit=task.each("N", "N.m"), description=texts)
     if space is not None:
         space.show(model, F_ext, p, ddq)
@@ -139,24 +133,47 @@ def _declare_payload(model: ContinuousModel, robot: Robot, arm: ArmModel, p: ca.
     return lambda F_ext, ddx: force_on_payload(payload, F_ext, ddx, gravity)
 
 
+def _declare_joints(model: ContinuousModel, robot: Robot) -> tuple[ca.SX, ca.SX, ca.SX]:
+    """Declare what the joints do: the torques tau, and q and dq at the start; shape (n,) each."""
+    joints, begin = robot.joints, robot.start
+    tau = model.input("tau", [0.0] * robot.n, unit=joints.each("N.m", "N"), description=joints.texts("Torque", "Force"))
+    q_start = model.parameter(
+        "q_start",
+        begin.q,
+        unit=joints.each("rad", "m"),
+        display_unit=joints.each(ANGLE, LENGTH),
+        description=joints.texts("Angle at the start", "Position at the start"),
+    )
+    dq_start = model.parameter(
+        "dq_start",
+        begin.dq,
+        unit=joints.each("rad/s", "m/s"),
+        display_unit=joints.each(RATE, ""),
+        description=joints.texts("Rate at the start"),
+    )
+    return tau, q_start, dq_start
+
+
 def _show_motion(
-    model: ContinuousModel, task: Task, joints: tuple[ca.SX, ca.SX, ca.SX], tip: tuple[ca.SX, ca.SX]
+    model: ContinuousModel, robot: Robot, motion: tuple[ca.SX, ca.SX, ca.SX], tip: tuple[ca.SX, ca.SX]
 ) -> None:
     """Declare the outputs that tell how the arm moves: q, dq, ddq of the joints, and x, dx of the tip."""
-    for name, value, unit, shown, what in (
-        ("q", joints[0], "rad", ANGLE, "Angle"),
-        ("dq", joints[1], "rad/s", RATE, "Rate"),
-        ("ddq", joints[2], "rad/s2", ACCELERATION, "Acceleration"),
+    joints, task = robot.joints, robot.task
+    for name, value, per, shown, what, of_slide in (
+        ("q", motion[0], "", (ANGLE, LENGTH), "Angle", "Position"),
+        ("dq", motion[1], "/s", (RATE, ""), "Rate", ""),
+        ("ddq", motion[2], "/s2", (ACCELERATION, ""), "Acceleration", ""),
     ):
-        said = of_joints(what, value.numel())
-        if name == "q":
+        said = list(joints.texts(what, of_slide))
+        if name == "q" and task.positions < SPACE:
             said = [said[0] + ", from x1", *(f"{text}, from the previous link" for text in said[1:])]
         if name == "ddq":
             said = [f"{text}; at a communication point its left limit" for text in said]
-        model.output(name, value, unit=unit, display_unit=shown, description=said)
+        units, displayed = joints.each(f"rad{per}", f"m{per}"), joints.each(*shown)
+        model.output(name, value, unit=units, display_unit=displayed, description=said)
     texts = of_task("Position of the tip", task, "Angle of the tip")
     model.output("x", tip[0], unit=task.each("m", "rad"), description=texts)
-    turning = "Rate of the angle of the tip" if task.positions == SPACE else "Angular velocity of the tip"
+    turning = "Angular velocity of the tip" if task.angles == 1 else "Rate of the tip's angle"
     texts = of_task("Velocity of the tip", task, turning)
     model.output("dx", tip[1], unit=task.each("m/s", "rad/s"), description=texts)
 

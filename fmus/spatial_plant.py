@@ -8,18 +8,20 @@
 Wrenches are a force and a moment about the tip, in the axes of the base, of the arm on what it touches or carries.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import casadi as ca
+import numpy as np
 
 from adaptimp_fmu import ContinuousModel
-from fmus.elements import of_joints, of_wrench
+from fmus.elements import of_wrench
 from fmus.environment.contact_point import ContactPoint, declare_contact_point
 from fmus.mechanics.joint_stops import declare_joint_stops
+from fmus.mechanics.joints import Joints
 from fmus.mechanics.spatial_arm import PER_JOINT
 from fmus.mechanics.spatial_model import SpatialArmModel
 from fmus.mechanics.spatial_payload import TipMotion, wrench_on_payload
+from fmus.robots.robot import Robot
 
 MODULES = (
     __name__,
@@ -38,8 +40,10 @@ class SpatialPlant:
     ----------
     arm
         Equations of the arm.
-    q, dq
-        Joint coordinates and rates, shape (n,).
+    joints
+        What the joints are.
+    motion
+        Joint coordinates and rates q and dq, shape (n,).
     point
         Point that touches the walls.
     tau_stop
@@ -47,14 +51,19 @@ class SpatialPlant:
     """
 
     arm: SpatialArmModel
-    q: ca.SX
-    dq: ca.SX
+    joints: Joints
+    motion: tuple[ca.SX, ca.SX]
     point: ContactPoint
     tau_stop: ca.SX
 
     @classmethod
     def declare(
-        cls, model: ContinuousModel, arm: SpatialArmModel, motion: tuple[ca.SX, ca.SX], begin: tuple[ca.SX, Sequence]
+        cls,
+        model: ContinuousModel,
+        arm: SpatialArmModel,
+        robot: Robot,
+        motion: tuple[ca.SX, ca.SX],
+        q_start: ca.SX,
     ) -> "SpatialPlant":
         """Declare the parameters, and an event for the stops of each joint.
 
@@ -62,15 +71,15 @@ class SpatialPlant:
         ----------
         motion
             Joint coordinates and rates q and dq, shape (n,).
-        begin
-            Joint coordinates at the start: the parameter `q_start` and its start values, shape (n,).
+        q_start
+            Joint coordinates at the start, shape (n,).
         """
         q, dq = motion
         point = declare_contact_point(model, arm, q, dq)
-        stops = declare_joint_stops(model, arm.arm, *begin)
+        stops = declare_joint_stops(model, robot.joints, _inertia_against(arm, robot), q_start)
         depth = stops.depth(q)
         pressed = ca.vertcat(*(model.event(f"stop{i + 1}", depth[i]) for i in range(arm.n)))
-        return cls(arm, q, dq, point, stops.torque(q, dq, pressed))
+        return cls(arm, robot.joints, (q, dq), point, stops.torque(q, dq, pressed))
 
     def show(self, model: ContinuousModel, F_ext: ca.SX, p: ca.SX, ddq: ca.SX) -> None:
         """Declare the outputs `F_wrist` and `tau_stop`.
@@ -84,10 +93,16 @@ class SpatialPlant:
         ddq
             Accelerations of the joints, shape (n,).
         """
-        motion = TipMotion.of(self.arm.arm, self.q, self.dq, ddq)
-        payload = wrench_on_payload(p[PER_JOINT * self.arm.n :], motion, self.arm.gravity)
-        texts = of_wrench("Force of the arm on all beyond the wrist", self.arm.task, "Moment on all beyond the wrist")
-        model.output("F_wrist", F_ext + payload, unit=self.arm.task.each("N", "N.m"), description=texts)
-        units = ["N.m" if joint.turns else "N" for joint in self.arm.arm.chain.joints]
-        texts = of_joints("Torque of the stops", self.arm.n)
-        model.output("tau_stop", self.tau_stop, unit=units, description=texts)
+        arm, joints = self.arm, self.joints
+        payload = wrench_on_payload(p[PER_JOINT * arm.n :], TipMotion.of(arm.arm, *self.motion, ddq), arm.gravity)
+        what = "of the arm on all beyond the wrist"
+        texts = of_wrench(f"Force {what}", f"Moment {what}", arm.task)
+        model.output("F_wrist", F_ext + payload, unit=arm.task.each("N", "N.m"), description=texts)
+        texts = joints.texts("Torque of the stops", "Force of the stops")
+        model.output("tau_stop", self.tau_stop, unit=joints.each("N.m", "N"), description=texts)
+
+
+def _inertia_against(arm: SpatialArmModel, robot: Robot) -> np.ndarray:
+    """Inertia against the motion of each joint while the others are free, kg m2 (kg), shape (n,), at the start."""
+    H = np.array(ca.evalf(arm.inertia(ca.SX(ca.DM(robot.start.q)), ca.SX(ca.DM(robot.p_start)))))
+    return 1 / np.diag(np.linalg.inv(H))

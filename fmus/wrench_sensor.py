@@ -41,7 +41,7 @@ from adaptimp_fmu import NOT_NEGATIVE, Formula, Formulas, SampledModel, Type
 from fmus import icons
 from fmus.drawings.characteristics import sensor
 from fmus.drawings.loop import SENSOR
-from fmus.elements import ANGLE, SPACE, of_task, of_tip, of_wrench
+from fmus.elements import ANGLE, SPACE, along, of_task, of_tip, of_wrench
 from fmus.mechanics.orientation import rotation
 from fmus.mechanics.spatial_model import TASK
 from fmus.metric import declare_metric
@@ -112,7 +112,7 @@ def wrench_sensor(robot: SpatialRobot, name: str = "ForceSensor") -> SampledMode
     model = SampledModel(name, "Wrist force and moment sensor with noise, filter, zero and weight compensation")
     publish(model, icons.sensor(), SENSOR, [sensor()], __name__, "fmus.force_sensor", "fmus")
     F_ext = model.input(
-        "F_ext", [0.0] * TASK.size, unit=UNITS, description=of_wrench("Force of the tip", TASK, "Moment of the tip")
+        "F_ext", [0.0] * TASK.size, unit=UNITS, description=of_wrench("Force of the tip", "Moment of the tip", TASK)
     )
     texts = of_task("Position of the tip", TASK, "Angle of the tip")
     x = model.input("x", robot.start.x_v, unit=TASK.each("m", "rad"), description=texts)
@@ -142,7 +142,7 @@ def wrench_sensor(robot: SpatialRobot, name: str = "ForceSensor") -> SampledMode
     present = ca.if_else(zero, filtered, last)
     model.update(last, present)
     F_hat = F_ext + frame.at_tip((filtered - present) - true)
-    texts = of_wrench("Measured force", TASK, "Measured moment")
+    texts = of_wrench("Measured force", "Measured moment", TASK)
     model.output("F_hat", F_hat, unit=UNITS, description=texts)
     group_signals(model)
     return model
@@ -150,7 +150,7 @@ def wrench_sensor(robot: SpatialRobot, name: str = "ForceSensor") -> SampledMode
 
 def _declare_frame(model: SampledModel, tip: ca.SX) -> SensorFrame:
     """Declare where the sensor stands in the frame of the tip, whose orientation in the base is given."""
-    place = model.parameter("sensor_position", [0.0] * SPACE, unit="m", description=of_tip("Place of the sensor"))
+    place = model.parameter("sensor_position", [0.0] * SPACE, unit="m", description=of_tip("Position of the sensor"))
     turns = model.parameter(
         "sensor_rpy",
         [0.0] * SPACE,
@@ -177,7 +177,7 @@ def _declare_tool(model: SampledModel, tip: ca.SX) -> ca.SX:
         "gravity",
         GRAVITY,
         unit="m/s2",
-        description=[f"Acceleration of a falling body along axis {i + 1}" for i in range(SPACE)],
+        description=along("Acceleration of a falling body", SPACE),
     )
     holding = -mass * gravity
     return ca.vertcat(holding, ca.cross(tip @ center, holding))

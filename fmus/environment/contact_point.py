@@ -75,7 +75,7 @@ def declare_contact_point(model: Model, arm: SpatialArmModel, q: ca.SX, dq: ca.S
         "contact_point",
         [0.0] * SPACE,
         unit="m",
-        description=of_tip("Place of the point that touches the wall"),
+        description=of_tip("Position of the point that touches the wall"),
     )
     R, position = arm.arm.tip_frame(q)
     twist = ca.mtimes(arm.arm.jacobian(q), dq)

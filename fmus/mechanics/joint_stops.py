@@ -19,11 +19,9 @@ import casadi as ca
 import numpy as np
 
 from adaptimp_fmu import NOT_NEGATIVE, POSITIVE, ContinuousModel, Formula, Formulas
-from fmus.elements import ANGLE, of_joints
-from fmus.mechanics.spatial_arm import SpatialArm
+from fmus.elements import ANGLE, LENGTH
+from fmus.mechanics.joints import NONE, Joints
 
-OFF = 1e9
-"""rad or m, a limit that is none."""
 TRAVEL = 0.02
 """rad or m: how far the largest torque of a joint presses it into its stop, where nothing else counts."""
 SLOWEST, FASTEST = 300.0, 3000.0
@@ -83,49 +81,40 @@ class JointStops:
         return -outwards * pressed * self.stiffness * self.depth(q) * (u + ca.sqrt(1 + u * u))
 
 
-def declare_joint_stops(model: ContinuousModel, arm: SpatialArm, q_start: ca.SX, near: Sequence[float]) -> JointStops:
-    """Declare the ranges of the joints, by default those of the chain, and their stops.
+def declare_joint_stops(model: ContinuousModel, joints: Joints, inertia: np.ndarray, q_start: ca.SX) -> JointStops:
+    """Declare the ranges of the joints, by default those of the robot, and their stops.
 
     Parameters
     ----------
+    inertia
+        Inertia against the motion of each joint, kg m2 (kg), shape (n,), which the default stiffness suits.
     q_start
-        Symbols of the joint coordinates at the start, shape (n,), which must be within the ranges.
-    near
-        Joint coordinates, shape (n,), whose inertia the default stiffness suits.
+        Joint coordinates at the start, shape (n,), which must be within the ranges.
     """
-    joints, n = arm.chain.joints, arm.chain.n
-    shown = [ANGLE if joint.turns else "" for joint in joints]
-
-    def each(turning: str, sliding: str) -> Sequence[str]:
-        return [turning if joint.turns else sliding for joint in joints]
-
-    lower = model.parameter(
-        "q_min",
-        [max(joint.limits.lower, -OFF) for joint in joints],
-        unit=each("rad", "m"),
-        display_unit=shown,
-        description=[f"{text}; -1e9 = none" for text in of_joints("Lower end of the range", n)],
-    )
-    upper = model.parameter(
-        "q_max",
-        [min(joint.limits.upper, OFF) for joint in joints],
-        unit=each("rad", "m"),
-        display_unit=shown,
-        description=[f"{text}; 1e9 = none" for text in of_joints("Upper end of the range", n)],
+    lowest, highest = joints.ranges
+    lower, upper = (
+        model.parameter(
+            name,
+            values,
+            unit=joints.each("rad", "m"),
+            display_unit=joints.each(ANGLE, LENGTH),
+            description=[f"{text}; {none} = none" for text in joints.texts(f"{end} end of the range")],
+        )
+        for name, values, end, none in (("q_min", lowest, "Lower", "-1e9"), ("q_max", highest, "Upper", "1e9"))
     )
     stiffness = model.parameter(
         "stop_stiffness",
-        _stiffness(arm, near),
-        unit=each("N.m/rad", "N/m"),
+        _stiffness(joints, inertia),
+        unit=joints.each("N.m/rad", "N/m"),
         limits=POSITIVE,
-        description=of_joints("Stiffness of the stops", n),
+        description=joints.texts("Stiffness of the stops"),
     )
     damping = model.parameter(
         "stop_damping",
-        [DAMPING] * n,
-        unit=each("s/rad", "s/m"),
+        [DAMPING] * joints.n,
+        unit=joints.each("s/rad", "s/m"),
         limits=NOT_NEGATIVE,
-        description=of_joints("Damping of the stops, relative gain of their torque per rate,", n),
+        description=joints.texts("Damping per rate of the stops"),
     )
     stops = JointStops(lower, upper, stiffness, damping)
     model.require(ca.mmin(upper - lower), "q_min must be below q_max for each joint")
@@ -136,11 +125,8 @@ def declare_joint_stops(model: ContinuousModel, arm: SpatialArm, q_start: ca.SX,
     return stops
 
 
-def _stiffness(arm: SpatialArm, q: Sequence[float]) -> Sequence[float]:
+def _stiffness(joints: Joints, inertia: np.ndarray) -> Sequence[float]:
     """Stiffnesses, N.m/rad (N/m), shape (n,), that hold the efforts of joints and suit the inertia against them."""
-    H = np.array(ca.DM(arm.inertia(q, arm.chain.p)))
-    against = 1 / np.diag(np.linalg.inv(H))
-    efforts = [joint.limits.effort for joint in arm.chain.joints]
-    wanted = [effort / TRAVEL if np.isfinite(effort) else 0.0 for effort in efforts]
-    values = np.clip(wanted, SLOWEST**2 * against, FASTEST**2 * against)
+    wanted = [effort / TRAVEL if effort < NONE else 0.0 for effort in joints.efforts]
+    values = np.clip(wanted, SLOWEST**2 * inertia, FASTEST**2 * inertia)
     return [float(f"{value:.1e}") for value in values]

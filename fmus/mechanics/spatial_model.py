@@ -156,12 +156,14 @@ def spatial_parameters(chain: Chain) -> Sequence[ArmParameter]:
     """What the elements of p are, shape (13 n + 10,): those of `Chain.p`, and after them the payload's."""
     found = [one for joint in chain.joints for one in _of_body(f"body {joint.body.name}", "its frame")]
     kinds = (
-        ("N.m.s/rad", "N.s/m", "viscous friction of joint"),
-        ("N.m", "N", "Coulomb friction of joint"),
-        ("kg.m2", "kg", "rotor inertia of joint"),
+        ("N.m.s/rad", "N.s/m", "viscous friction"),
+        ("N.m", "N", "Coulomb friction"),
+        ("kg.m2", "kg", "rotor inertia"),
     )
     for turning, sliding, text in kinds:
-        found += [ArmParameter(turning if joint.turns else sliding, f"{text} {joint.name}") for joint in chain.joints]
+        found += [
+            ArmParameter(turning if joint.turns else sliding, f"{text} of {joint.label}") for joint in chain.joints
+        ]
     return [*found, *_of_body("payload", "the tip")]
 
 
