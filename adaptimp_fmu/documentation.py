@@ -12,9 +12,10 @@ from dataclasses import replace
 
 from adaptimp_fmu.continuous_model import ContinuousModel
 from adaptimp_fmu.errors import DefinitionError
+from adaptimp_fmu.grids import legends
 from adaptimp_fmu.guide import Formulas
 from adaptimp_fmu.icon import Icon
-from adaptimp_fmu.interface_tables import display_units, ports, rows, topics
+from adaptimp_fmu.interface_tables import display_units, ports, tables, topics
 from adaptimp_fmu.model import Model
 from adaptimp_fmu.pages import page_environment
 from adaptimp_fmu.related_files import FOLDER, MANIFEST, RelatedFile
@@ -27,6 +28,7 @@ FORMULAS = "FORMULAS"
 INDEX = "index.html"
 REFERENCES = "fmi-ls-ref.html"  # the place that the layered standard recommends
 LICENSE = "licenses/license.txt"  # the place FMI 2.0.5, section 2.3, reserves for it
+_INTERFACE = {"Inputs": Role.INPUT, "Outputs": Role.OUTPUT}
 _LIMITS = ("MAX_TICKS", "MAX_SUBSTEPS", "FIRST_EVENTS", "EVENTS_PER_SUBSTEP")
 
 
@@ -86,9 +88,10 @@ def documentation(model: Model, related: Sequence[RelatedFile] = ()) -> dict[str
         inputs=ports(model, Role.INPUT),
         outputs=ports(model, Role.OUTPUT),
         topics=topics(model),
+        legends=legends(model),
         shown=display_units(model),
-        tables={"Inputs": rows(model.with_role(Role.INPUT)), "Outputs": rows(model.with_role(Role.OUTPUT))},
-        demands=[check.sentence for check in (*model.static_checks, *model.checks)],
+        tables={title: tables(model, model.with_role(role)) for title, role in _INTERFACE.items()},
+        demands=list(dict.fromkeys(check.sentence for check in (*model.static_checks, *model.checks))),
         limits=_limits(),
         license_file=LICENSE,
         runtime_license=RUNTIME_LICENSE,
