@@ -7,6 +7,7 @@ the equations stand on the page word for word.
 import importlib
 import inspect
 import re
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -29,6 +30,9 @@ INDEX = "index.html"
 REFERENCES = "fmi-ls-ref.html"  # the place that the layered standard recommends
 LICENSE = "licenses/license.txt"  # the place FMI 2.0.5, section 2.3, reserves for it
 _INTERFACE = {"Inputs": Role.INPUT, "Outputs": Role.OUTPUT}
+_INDEX = re.compile(r"\[\d+\]")
+_MANY, _MANY_ELEMENTS = 3, 9
+"""Up to how often a sentence stands on a page word for word, and for how many elements."""
 _LIMITS = ("MAX_TICKS", "MAX_SUBSTEPS", "FIRST_EVENTS", "EVENTS_PER_SUBSTEP")
 
 
@@ -91,7 +95,7 @@ def documentation(model: Model, related: Sequence[RelatedFile] = ()) -> dict[str
         legends=legends(model),
         shown=display_units(model),
         tables={title: tables(model, model.with_role(role)) for title, role in _INTERFACE.items()},
-        demands=list(dict.fromkeys(check.sentence for check in (*model.static_checks, *model.checks))),
+        demands=_demands(model),
         limits=_limits(),
         license_file=LICENSE,
         runtime_license=RUNTIME_LICENSE,
@@ -105,6 +109,19 @@ def documentation(model: Model, related: Sequence[RelatedFile] = ()) -> dict[str
     if model.ownership.license_text:
         pages[LICENSE] = model.ownership.license_text.encode()
     return pages
+
+
+def _demands(model: Model) -> list[str]:
+    """Sentences of the checks; what many elements share stands once, with the index i in the place of their numbers."""
+    sentences = [check.sentence for check in (*model.static_checks, *model.checks)]
+    indexed = {sentence: _INDEX.sub("[i]", sentence) for sentence in sentences}
+    alike, same = Counter(indexed[sentence] for sentence in dict.fromkeys(sentences)), Counter(sentences)
+    found: list[str] = []
+    for sentence in sentences:
+        one = f"{indexed[sentence]}, for each i" if alike[indexed[sentence]] > _MANY_ELEMENTS else sentence
+        if one not in found or (one == sentence and same[sentence] <= _MANY):
+            found.append(one)
+    return found
 
 
 def _limits() -> dict[str, str]:

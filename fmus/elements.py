@@ -1,7 +1,7 @@
-"""Texts that name the elements of an array in the FMUs' variables: the axis of the plane, or the joint.
+"""Texts that name the elements of an array in the FMUs' variables: the axis of the plane, or the link.
 
 In the plane the tip moves along x1, which points to the right, and x2, which points up. In space it moves along the
-axes of the base. Joints count from the base.
+axes of the base. Links count from the base. Texts that name a joint are those of `fmus.mechanics.joints.Joints`.
 """
 
 from fmus.mechanics.task import Task
@@ -52,11 +52,6 @@ def of_axes(text: str, task: Task, *, full: bool = False) -> list[str]:
         return diagonal
     places = [(i, j) for i in range(task.size) for j in range(task.size)]
     return [diagonal[i] if i == j else f"{text} between x{i + 1} and x{j + 1}" for i, j in places]
-
-
-def of_joints(text: str, n: int) -> list[str]:
-    """Descriptions of a vector with one element for each joint: ``Angle of joint 1``."""
-    return [f"{text} of joint {i + 1}" for i in range(n)]
 
 
 def of_links(text: str, n: int) -> list[str]:

@@ -20,7 +20,7 @@ import casadi as ca
 
 from adaptimp_fmu import NOT_NEGATIVE, POSITIVE, ContinuousModel, DefinitionError, Formula, Formulas
 from fmus.drawings.loop import PLANT
-from fmus.elements import ACCELERATION, ANGLE, LENGTH, RATE, SPACE, along, of_joints, of_task, of_wrench
+from fmus.elements import ACCELERATION, ANGLE, LENGTH, RATE, SPACE, along, of_task, of_wrench
 from fmus.environment.contact import Wall
 from fmus.environment.half_space import declare_half_space, ordinal, suffix
 from fmus.mechanics.algebra import solve_spd
@@ -82,14 +82,8 @@ def plant(robot: Robot | None = None, name: str = "Plant", walls: int = 1, *, wr
         *(["fmus.mechanics.payload"] if wrist else []),
         "fmus",
     )
-    n, task, begin = robot.n, robot.task, robot.start
-    tau = model.input("tau", [0.0] * n, unit="N.m", description=of_joints("Torque", n))
-    q_start = model.parameter(
-        "q_start", begin.q, unit="rad", display_unit=ANGLE, description=of_joints("Angle at the start", n)
-    )
-    dq_start = model.parameter(
-        "dq_start", begin.dq, unit="rad/s", display_unit=RATE, description=of_joints("Rate at the start", n)
-    )
+    task = robot.task
+    tau, q_start, dq_start = _declare_joints(model, robot)
     arm, p = robot.declare_true(model)
     beyond = _declare_payload(model, robot, arm, p) if wrist else None
     touched = {number: _wall(model, number, robot) for number in range(1, walls + 1)}
@@ -105,7 +99,7 @@ def plant(robot: Robot | None = None, name: str = "Plant", walls: int = 1, *, wr
     model.derivative(q, dq)
     model.derivative(dq, ddq)
 
-    _show_motion(model, task, (q, dq, ddq), (x, dx))
+    _show_motion(model, robot, (q, dq, ddq), (x, dx))
     texts = of_wrench("Force of the tip on the wall", "Moment of the tip on the wall", task)
     model.output("F_ext", F_ext, unit=task.each("N", "N.m"), description=texts)
     if beyond is not None:
@@ -134,21 +128,44 @@ def _declare_payload(model: ContinuousModel, robot: Robot, arm: ArmModel, p: ca.
     return lambda F_ext, ddx: force_on_payload(payload, F_ext, ddx, gravity)
 
 
+def _declare_joints(model: ContinuousModel, robot: Robot) -> tuple[ca.SX, ca.SX, ca.SX]:
+    """Declare what the joints do: the torques tau, and q and dq at the start; shape (n,) each."""
+    joints, begin = robot.joints, robot.start
+    tau = model.input("tau", [0.0] * robot.n, unit=joints.each("N.m", "N"), description=joints.texts("Torque", "Force"))
+    q_start = model.parameter(
+        "q_start",
+        begin.q,
+        unit=joints.each("rad", "m"),
+        display_unit=joints.each(ANGLE, LENGTH),
+        description=joints.texts("Angle at the start", "Position at the start"),
+    )
+    dq_start = model.parameter(
+        "dq_start",
+        begin.dq,
+        unit=joints.each("rad/s", "m/s"),
+        display_unit=joints.each(RATE, ""),
+        description=joints.texts("Rate at the start"),
+    )
+    return tau, q_start, dq_start
+
+
 def _show_motion(
-    model: ContinuousModel, task: Task, joints: tuple[ca.SX, ca.SX, ca.SX], tip: tuple[ca.SX, ca.SX]
+    model: ContinuousModel, robot: Robot, motion: tuple[ca.SX, ca.SX, ca.SX], tip: tuple[ca.SX, ca.SX]
 ) -> None:
     """Declare the outputs that tell how the arm moves: q, dq, ddq of the joints, and x, dx of the tip."""
-    for name, value, unit, shown, what in (
-        ("q", joints[0], "rad", ANGLE, "Angle"),
-        ("dq", joints[1], "rad/s", RATE, "Rate"),
-        ("ddq", joints[2], "rad/s2", ACCELERATION, "Acceleration"),
+    joints, task = robot.joints, robot.task
+    for name, value, per, shown, what, of_slide in (
+        ("q", motion[0], "", (ANGLE, LENGTH), "Angle", "Position"),
+        ("dq", motion[1], "/s", (RATE, ""), "Rate", ""),
+        ("ddq", motion[2], "/s2", (ACCELERATION, ""), "Acceleration", ""),
     ):
-        said = of_joints(what, value.numel())
+        said = list(joints.texts(what, of_slide))
         if name == "q" and task.positions < SPACE:
             said = [said[0] + ", from x1", *(f"{text}, from the previous link" for text in said[1:])]
         if name == "ddq":
             said = [f"{text}; at a communication point its left limit" for text in said]
-        model.output(name, value, unit=unit, display_unit=shown, description=said)
+        units, displayed = joints.each(f"rad{per}", f"m{per}"), joints.each(*shown)
+        model.output(name, value, unit=units, display_unit=displayed, description=said)
     texts = of_task("Position of the tip", task, "Angle of the tip")
     model.output("x", tip[0], unit=task.each("m", "rad"), description=texts)
     turning = "Angular velocity of the tip" if task.angles == 1 else "Rate of the tip's angle"

@@ -14,7 +14,7 @@ from fmus.control.gains import declare_gain, require_definite
 from fmus.control.impedance import ArmEstimate, Measured
 from fmus.control.tirt import Impedance
 from fmus.drawings.characteristics import impedance as drawn_impedance
-from fmus.elements import ACCELERATION, ANGLE, LENGTH, RATE, of_axes, of_joints, of_task, of_wrench
+from fmus.elements import ACCELERATION, ANGLE, LENGTH, RATE, of_axes, of_task, of_wrench
 from fmus.mechanics.algebra import factors_spd
 from fmus.mechanics.arm import ArmModel
 from fmus.mechanics.task import Task
@@ -109,7 +109,9 @@ class Controller:
     def finish(self, tau_cmd: ca.SX, p_hat: ca.SX) -> SampledModel:
         """Declare the common outputs and the terminals, let the TIRT advance, and return the model."""
         model, task = self.model, self.arm.task
-        model.output("tau_cmd", tau_cmd, unit="N.m", description=of_joints("Commanded torque", self.arm.n))
+        joints = self.robot.joints
+        commanded = joints.texts("Commanded torque", "Commanded force")
+        model.output("tau_cmd", tau_cmd, unit=joints.each("N.m", "N"), description=commanded)
         text = "Target-impedance reference trajectory, eq. (11),"
         model.output("x_t", self.x_t, unit=task.each("m", "rad"), description=of_task(text, task))
         model.output("dx_t", self.dx_t, unit=task.each("m/s", "rad/s"), description=of_task("Rate of x_t", task))
@@ -197,11 +199,20 @@ def drawings(robot: Robot) -> list[Drawing]:
 
 def _declare_measurements(model: SampledModel, robot: Robot) -> tuple[Measured, ca.SX]:
     """Declare the inputs that sensors give: q, dq, F_hat, and ddq beside them."""
-    n, begin, task = robot.n, robot.start, robot.task
-    q = model.input("q", begin.q, unit="rad", display_unit=ANGLE, description=of_joints("Angle", n))
-    dq = model.input("dq", begin.dq, unit="rad/s", display_unit=RATE, description=of_joints("Rate", n))
-    ddq = model.input(
-        "ddq", begin.ddq, unit="rad/s2", display_unit=ACCELERATION, description=of_joints("Acceleration", n)
+    joints, begin, task = robot.joints, robot.start, robot.task
+    q, dq, ddq = (
+        model.input(
+            name,
+            value,
+            unit=joints.each(f"rad{per}", f"m{per}"),
+            display_unit=joints.each(*shown),
+            description=joints.texts(text, of_slide),
+        )
+        for name, value, per, shown, text, of_slide in (
+            ("q", begin.q, "", (ANGLE, LENGTH), "Angle", "Position"),
+            ("dq", begin.dq, "/s", (RATE, ""), "Rate", ""),
+            ("ddq", begin.ddq, "/s2", (ACCELERATION, ""), "Acceleration", ""),
+        )
     )
     texts = of_wrench("Measured force of the tip on the wall", "Measured moment of the tip on the wall", task)
     F_hat = model.input("F_hat", [0.0] * task.size, unit=task.each("N", "N.m"), description=texts)

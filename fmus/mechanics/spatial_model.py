@@ -174,9 +174,8 @@ def spatial_parameters(chain: Chain) -> Sequence[ArmParameter]:
     )
     for turning, sliding, text in kinds:
         for joint in chain.joints:
-            whose = f"joint {joint.name}"
             unit = turning if joint.turns else sliding
-            found.append(ArmParameter(unit, f"{text} of {whose}", place=(whose, text)))
+            found.append(ArmParameter(unit, f"{text} of {joint.label}", place=(joint.label, text)))
     return [*found, *_of_body("payload", "the tip")]
 
 

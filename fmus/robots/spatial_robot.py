@@ -22,6 +22,7 @@ from fmus.drawings.spatial_arm import spatial_arm as drawn_arm
 from fmus.elements import ANGLE, RATE, along
 from fmus.mechanics.arm import ArmModel, ArmParameter
 from fmus.mechanics.chain import Chain
+from fmus.mechanics.joints import Joints
 from fmus.mechanics.orientation import rotation
 from fmus.mechanics.recursions import TEN
 from fmus.mechanics.rigid_body import LOWER, ROUNDING, Body, Placement, RobotError
@@ -81,6 +82,11 @@ class SpatialRobot:
     def n(self) -> int:
         """Number of joints."""
         return self.chain.n
+
+    @cached_property
+    def joints(self) -> Joints:
+        """Names, units and limits of the joints."""
+        return Joints.of(self.chain)
 
     @property
     def task(self) -> Task:
