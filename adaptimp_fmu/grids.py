@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from itertools import takewhile
 
 from adaptimp_fmu.description import number
+from adaptimp_fmu.errors import DefinitionError
 from adaptimp_fmu.guide import Grid
 from adaptimp_fmu.model import Model
 from adaptimp_fmu.variables import Role, Variable
@@ -74,7 +75,16 @@ def laid_out(model: Model, variables: Sequence[Variable]) -> list[Laid]:
 
 
 def _laid(name: str, grid: Grid, elements: Sequence[Variable]) -> Laid:
-    """The tables of an array."""
+    """The tables of an array.
+
+    Raises
+    ------
+    DefinitionError
+        If the grid has fewer places than the array has elements, which then would be missing on the page.
+    """
+    if len(grid.places) < len(elements):
+        msg = f"{name} has {len(elements)} elements, but its grid has places for {len(grid.places)}; add the others."
+        raise DefinitionError(msg)
     lines: dict[str, dict[str, Variable]] = {}
     for (row, column), variable in zip(grid.places, elements, strict=False):
         lines.setdefault(row, {})[column] = variable
