@@ -80,19 +80,19 @@ def _joint(number: int, link: _Link) -> Joint:
 TOOL = Placement(translation=(0.0, 0.0, 0.15))
 """Assumed: a tool whose tip is 0.15 m in front of the wrist's centre, along axis 3 of link 6."""
 # Assumed, since the paper simulates no arm in space: the paper's run on a table. The tool points down, and the ellipse
-# stands upright beside the base. Joints keep 16 deg of their ranges all along it, and the arm stays far from singular
+# stands upright beside the base. Joints keep 20 deg of their ranges all along it, and the arm stays far from singular
 # configurations.
 PATH = SpatialPath(
-    center=(0.5, 0.15, 0.1),
+    center=(0.5, 0.15, 0.025),
     plane=(np.pi, -np.pi / 2, 0.0),
-    semi_axis=(0.15, 0.2),
+    semi_axis=(0.075, 0.2),
     reference=(np.pi, 0.0, np.pi),
     wall_normal=(0.0, 0.0, -1.0),
     wall_offset=0.04,
 )
 PUMA = SpatialRobot(
     chain=puma560(TOOL),
-    near=(0.0, -1.415, 3.093, 0.0, 1.463, 0.0),
+    near=(0.0, -1.335, 3.355, 0.0, 1.122, 0.0),
     path=PATH,
     payload=Body("payload", 1.0, (0.02, 0.0, -0.05), (2e-3, 0.0, 2e-3, 0.0, 0.0, 1e-3)),
     sources=(__name__,),

@@ -64,8 +64,8 @@ def test_plant_and_controller_have_the_same_arm_but_for_the_payload() -> None:
     [
         (
             {"path": replace(PUMA.path, center=(2.0, 0.15, 0.1))},
-            "Robot PUMA 560: the tip does not reach the beginning of the ellipse, position [2.0, 0.15, 0.25] m, from"
-            " the joint coordinates [0.0, -1.415, 3.093, 0.0, 1.463, 0.0]; choose others, or another ellipse.",
+            "Robot PUMA 560: the tip does not reach the beginning of the ellipse, position [2.0, 0.15, 0.175] m, from"
+            " the joint coordinates [0.0, -1.335, 3.355, 0.0, 1.122, 0.0]; choose others, or another ellipse.",
         ),
         ({"near": (0.0, 1.0)}, "Robot PUMA 560: 2 joint coordinates are given for 6 joints."),
         (
