@@ -13,6 +13,7 @@ import numpy as np
 from adaptimp_fmu import SampledModel
 from fmus.craig_adaptive_impedance import craig_adaptive_impedance
 from fmus.hogan_impedance import hogan_impedance
+from fmus.robots.planar_robot import PlanarRobot
 from fmus.robots.robot import Robot
 from fmus.slotine_li_adaptive_impedance import slotine_li_adaptive_impedance
 from fmus.spong_ortega_adaptive_impedance import spong_ortega_adaptive_impedance
@@ -23,7 +24,7 @@ from tests.property.spatial_chains import SpatialChains
 from tests.property.spatial_robots import robot
 from tests.property.task_space import TaskSpace, apply
 
-PLANAR = "planar"
+PLANAR, PLANAR_REDUNDANT = "planar", "planar, redundant"
 PLANT = "Plant3RPose"
 HOGAN, CRAIG, SLOTINE_LI, SPONG_ORTEGA = (
     "HoganImpedance",
@@ -35,6 +36,9 @@ TOLERANCE = 1e-10  # of the largest terms; rounding: see `Meeting.roundings`
 TS = 1e-4  # s, start of the sampling period
 SIZES = {PLANAR: 1000}
 SIZE_IN_SPACE = 200
+DRAWN = {6: 12, 7: 30}
+"""By the number of joints: states that are drawn for each one that is far enough from singular."""
+TASK = 6  # coordinates of a task in space
 LENGTH = 0.15  # m: what is 1 m of a position is 1/0.15 rad of an angle
 Columns = dict[str, np.ndarray]
 LAWS: dict[str, Callable[[Robot], SampledModel]] = {
@@ -75,6 +79,11 @@ class Meeting:
     def size(self) -> int:
         """Number of samples."""
         return len(self.p)
+
+    @property
+    def nominal(self) -> np.ndarray:
+        """Start parameters of a controller that are neither the true ones nor the estimates."""
+        return 0.5 * (self.p + self.p_hat)
 
     def evaluate(self, law: str, given: Columns) -> Columns:
         """What a law shows; given and shown in the axes of the gains."""
@@ -117,6 +126,8 @@ def scales(arms: TaskSpace) -> np.ndarray:
 @cache
 def meeting(name: str) -> Meeting:
     """Half of the arms touch something; e and e' are of the size of 1 cm, 0.05 rad and 1 m/s."""
+    if name == PLANAR_REDUNDANT:
+        return _redundant_in_the_plane()
     return _in_the_plane() if name == PLANAR else _in_space(name)
 
 
@@ -128,8 +139,12 @@ def closed_loop(name: str, law: str) -> Loop:
     noise = rng.normal(0, 30, (size, m)) * np.where(scales(at.arms) == 1, 1, LENGTH)
     given = at.given | {"F_hat": at.wrench + noise, "L": rng.uniform(0.1, 0.3, (size, 1))}
     given["Gamma"] = rng.uniform(0.5, 5, at.p.shape)
-    if law == SLOTINE_LI:
+    if law == HOGAN:
+        given = {name: values for name, values in given.items() if name not in ("L", "Gamma", "Psi")}
+        given["p_start"] = at.p
+    elif law == SLOTINE_LI:
         given |= {"p_hat": at.p_hat, "K_d": rng.uniform(10, 300, (size, m)) * scales(at.arms) ** 2}
+        given["p_start"] = at.nominal
     else:
         given["noise_bound"] = rng.uniform(0, 200, (size, 1))
     if law == CRAIG:
@@ -183,7 +198,7 @@ def _law(name: str, law: str) -> Callable[..., Columns]:
     """The outputs of a law for columns by name."""
     if name == PLANAR:
         return lambda **columns: outputs(f"{law}3RPose", **columns)
-    return evaluator(LAWS[law](robot(name)))
+    return evaluator(LAWS[law](PlanarRobot(3) if name == PLANAR_REDUNDANT else robot(name)))
 
 
 def _controller(arms: TaskSpace, rng: np.random.Generator) -> Columns:
@@ -207,19 +222,14 @@ def _controller(arms: TaskSpace, rng: np.random.Generator) -> Columns:
 
 
 def _in_the_plane() -> Meeting:
-    """Arms like the default one."""
-    rng, size = np.random.default_rng(12), SIZES[PLANAR]
+    """Arms like the default one, against walls."""
+    rng = np.random.default_rng(12)
+    chains, common, p, p_hat = _planar_arms(rng, SIZES[PLANAR], angle=True)
+    size = len(p)
 
-    def uniform(low: float, high: float, k: int = 3) -> np.ndarray:
+    def uniform(low: float, high: float, k: int) -> np.ndarray:
         return rng.uniform(low, high, (size, k))
 
-    q = uniform(-np.pi, np.pi)
-    q[:, 1] = rng.uniform(0.8, 2.2, size) * rng.choice([-1, 1], size)
-    dq, l = uniform(-3, 3), np.hstack([uniform(0.8, 1.2, 2), uniform(0.4, 0.7, 1)])
-    p, p_hat = (np.hstack([uniform(1, 3), uniform(0, 2, 6)]) for _ in range(2))
-    gravity, coulomb_velocity = uniform(0, 10, 1), uniform(0.05, 0.5, 1)
-    chains = Chains(q, dq, l, gravity[:, 0], coulomb_velocity[:, 0])
-    common = {"q": q, "dq": dq, "l": l, "gravity": gravity, "coulomb_velocity": coulomb_velocity}
     turn, depth = uniform(-np.pi, np.pi, 1), uniform(-0.005, 0.005, 1)
     normal = np.hstack([np.cos(turn), np.sin(turn)])
     plant = {
@@ -245,13 +255,47 @@ def _in_the_plane() -> Meeting:
     )
 
 
+def _redundant_in_the_plane() -> Meeting:
+    """The same arms with a task of the position alone, some of which carry a load at the tip."""
+    rng = np.random.default_rng(13)
+    chains, common, p, p_hat = _planar_arms(rng, SIZES[PLANAR], angle=False)
+    size = len(p)
+    load = rng.normal(0, 100, (size, 2)) * (rng.random((size, 1)) < 0.5)
+    given = common | {"posture": chains.q + rng.normal(0, 0.5, (size, 3))} | _controller(chains, rng)
+    return Meeting(PLANAR_REDUNDANT, chains, given, p, p_hat, load, _moved(chains, p, load))
+
+
+def _planar_arms(rng: np.random.Generator, size: int, *, angle: bool) -> tuple[Chains, Columns, np.ndarray, np.ndarray]:
+    """Arms of three joints, what their FMUs are given of them, and two sets of parameters."""
+
+    def uniform(low: float, high: float, k: int = 3) -> np.ndarray:
+        return rng.uniform(low, high, (size, k))
+
+    q = uniform(-np.pi, np.pi)
+    q[:, 1] = rng.uniform(0.8, 2.2, size) * rng.choice([-1, 1], size)
+    dq, l = uniform(-3, 3), np.hstack([uniform(0.8, 1.2, 2), uniform(0.4, 0.7, 1)])
+    p, p_hat = (np.hstack([uniform(1, 3), uniform(0, 2, 6)]) for _ in range(2))
+    gravity, coulomb_velocity = uniform(0, 10, 1), uniform(0.05, 0.5, 1)
+    chains = Chains(q, dq, l, gravity[:, 0], coulomb_velocity[:, 0], angle)
+    common = {"q": q, "dq": dq, "l": l, "gravity": gravity, "coulomb_velocity": coulomb_velocity}
+    return chains, common, p, p_hat
+
+
+def _moved(arms: TaskSpace, p: np.ndarray, wrench: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
+    """The equation of motion: accelerations of the joints for torques."""
+    H, bias = arms.H(p), arms.torque(p, arms.rates, np.zeros_like(arms.rates))
+    held = np.einsum("kij,ki->kj", arms.J, apply(arms.wrench_map, wrench))
+    return lambda tau: np.linalg.solve(H, (tau - bias - held)[..., None])[..., 0]
+
+
 def _in_space(name: str) -> Meeting:
     """An arm in any position, with any payload, frame of its angles and frame of its gains.
 
     Those states are taken at which the angles and the arm are so far from singular that the rounding of what is
     computed here stays below `TOLERANCE`. The pitch is up to 72 deg.
     """
-    rng, arm, drawn = np.random.default_rng(12), robot(name), 12 * SIZE_IN_SPACE
+    rng, arm = np.random.default_rng(12), robot(name)
+    drawn = DRAWN[arm.n] * SIZE_IN_SPACE
 
     def uniform(low: float, high: float, k: int) -> np.ndarray:
         return rng.uniform(low, high, (drawn, k))
@@ -265,18 +309,11 @@ def _in_space(name: str) -> Meeting:
     arms = SpatialChains(name, *(values[kept] for values in (*columns, *frames)))
     p, p_hat = p[kept], p_hat[kept]
     wrench = rng.normal(0, 100, (len(kept), 6)) * scales(arms) * (rng.random((len(kept), 1)) < 0.5)
-    H, still = arms.H(p), arms.torque(p, arms.dq, np.zeros_like(arms.q))
-    torque = np.einsum("kij,ki->kj", arms.J, apply(arms.wrench_map, wrench))
     given = {name: getattr(arms, name) for name in ("q", "dq", "gravity", "reference_rpy", "task_rpy")}
-    return Meeting(
-        name,
-        arms,
-        given | {"coulomb_velocity": arms.coulomb_velocity[:, None]} | _controller(arms, rng),
-        p,
-        p_hat,
-        wrench,
-        move=lambda tau: np.linalg.solve(H, (tau - still - torque)[..., None])[..., 0],
-    )
+    given |= {"coulomb_velocity": arms.coulomb_velocity[:, None]} | _controller(arms, rng)
+    if arm.n > TASK:
+        given["posture"] = arms.q + rng.normal(0, 0.5, arms.q.shape)
+    return Meeting(name, arms, given, p, p_hat, wrench, _moved(arms, p, wrench))
 
 
 def _parameters(name: str, rng: np.random.Generator, size: int) -> np.ndarray:
