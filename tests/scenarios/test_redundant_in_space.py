@@ -64,16 +64,21 @@ SPRING = {"stiffness": 2000.0, "damping": 100.0}
 
 
 def test_the_tip_does_its_task_whatever_the_null_space_does() -> None:
+    """Until a joint hits its stop, which an undamped null space brings about."""
     damped, free = result(HOGAN), result(HOGAN, FREE)
-    for made in (damped, free):
+    lower, upper = map(np.array, PANDA.joints.ranges)
+    beyond = [np.any((made["plant.q"] < lower) | (made["plant.q"] > upper), axis=1) for made in (damped, free)]
+    assert not beyond[0].any()
+    crash = int(np.argmax(beyond[1]))
+    assert 1.0 < free.time[crash] < 1.6
+    for made, rows in ((damped, slice(None)), (free, slice(crash))):
         assert 0.6 < made.time[np.flatnonzero(made["plant.F_ext"][:, 2])[0]] < 0.8  # s: the tool meets the table
         # The weight of the unknown payload, 7.8 N, pulls against K = 4000 N/m; its moment, below 0.8 N.m at the
         # payload's 0.05 m and some acceleration, against 90 N.m/rad.
-        e = largest(made, "controller.e")
+        e = np.abs(made["controller.e"][rows]).max(axis=0)
         assert e[:3].max() < 7.8 / 4000
         assert e[3:].max() < 0.8 / 90
-    # Both null spaces start at rest beside the motion of the tip. One of them runs away.
-    assert largest(free, "plant.dq").max() > 10
+    assert largest(free, "plant.dq").max() > 5
     assert largest(damped, "plant.dq").max() < 1.2  # rad/s: those of the start, 0.98
     # The payload bends the posture, too.
     assert np.abs(damped["plant.q"][-1] - damped["plant.q"][0]).max() < 0.1
