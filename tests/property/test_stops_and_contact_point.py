@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 from adaptimp_fmu import ContinuousModel
 from fmus.environment.contact import Wall
 from fmus.environment.contact_point import declare_contact_point
+from fmus.environment.joint_stops import JointStops, declare_joint_stops
 from fmus.mechanics.chain import JointLimits
-from fmus.mechanics.joint_stops import JointStops, declare_joint_stops
 from fmus.mechanics.joints import Joints
 from fmus.mechanics.spatial_arm import SpatialArm
 from fmus.mechanics.spatial_model import SpatialArmModel

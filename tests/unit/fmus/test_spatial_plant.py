@@ -1,12 +1,13 @@
 """Evidence for PlantPuma560: wrench at the wrist by Newton's and Euler's laws, moment of a contact, start values."""
 
 from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 import pytest
 
 from fmus.catalog import model
-from fmus.mechanics.joint_stops import FASTEST, SLOWEST, TRAVEL
+from fmus.environment.joint_stops import FASTEST, SLOWEST, TRAVEL
 from fmus.mechanics.joints import NONE
 from fmus.plant import plant as declare_plant
 from fmus.robots.puma560 import PUMA
@@ -104,7 +105,7 @@ def test_a_contact_at_the_tip_has_no_moment(plant: Driver) -> None:
 
 
 def test_the_ranges_are_those_of_the_robot_and_stops_hold_its_torques() -> None:
-    starts = {v.name: v.start for v in model("PlantPuma560").variables}
+    starts = {v.name: v.start or 0.0 for v in model("PlantPuma560").variables}
     assert [starts[f"q_min[{i + 1}]"] for i in range(N)] == LOWEST
     assert [starts[f"q_max[{i + 1}]"] for i in range(N)] == HIGHEST
     H_start = np.array(PUMA.arm.inertia(PUMA.start.q, PUMA.chain.p))
@@ -117,7 +118,8 @@ def test_the_ranges_are_those_of_the_robot_and_stops_hold_its_torques() -> None:
 
 
 def test_two_walls_feel_the_same_point() -> None:
-    corner = declare_plant(PUMA, "Corner", walls=2)
+    robot: Any = PUMA  # its properties are cached, which the type checker takes for another protocol
+    corner = declare_plant(robot, "Corner", walls=2)
     names = [variable.name for variable in corner.variables]
     assert [name for name in names if name.startswith("contact_point")] == [f"contact_point[{i}]" for i in (1, 2, 3)]
     assert {"F_wall[3]", "F_wall2[3]", "gap2", "F_wrist[6]"} <= set(names)
