@@ -14,7 +14,7 @@ from fmus.control.gains import declare_gain, require_definite
 from fmus.control.impedance import ArmEstimate, Measured
 from fmus.control.tirt import Impedance
 from fmus.drawings.characteristics import impedance as drawn_impedance
-from fmus.elements import ACCELERATION, ANGLE, LENGTH, RATE, of_axes, of_task
+from fmus.elements import ACCELERATION, ANGLE, LENGTH, RATE, of_axes, of_task, of_wrench
 from fmus.mechanics.algebra import factors_spd
 from fmus.mechanics.arm import ArmModel
 from fmus.mechanics.task import Task
@@ -214,7 +214,7 @@ def _declare_measurements(model: SampledModel, robot: Robot) -> tuple[Measured, 
             ("ddq", begin.ddq, "/s2", (ACCELERATION, ""), "Acceleration", ""),
         )
     )
-    texts = of_task("Measured force of the tip on the wall", task, "Measured moment of the tip on the wall")
+    texts = of_wrench("Measured force of the tip on the wall", "Measured moment of the tip on the wall", task)
     F_hat = model.input("F_hat", [0.0] * task.size, unit=task.each("N", "N.m"), description=texts)
     return Measured(q, dq, F_hat), ddq
 
