@@ -46,7 +46,12 @@ def of_wrench(force: str, moment: str, task: Task) -> list[str]:
 
 
 def of_axes(text: str, task: Task, *, full: bool = False) -> list[str]:
-    """Descriptions of a gain along the axes: of its diagonal, or if `full` of all elements of a matrix, row by row."""
+    """Descriptions of a gain along the axes: of its diagonal, or if `full` of all elements of a matrix, row by row.
+
+    In space the axes are those of the task, which may be turned from those of the base.
+    """
+    if task.in_space:
+        return [f"{text} {way} axis {i + 1} of the task" for way in ("along", "about") for i in range(SPACE)]
     diagonal = of_task(text, task)
     if not full:
         return diagonal
