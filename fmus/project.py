@@ -40,11 +40,16 @@ TERMINALS = {
 """Signals of each terminal. An FMU has those terminals of which it has a signal."""
 TOPICS = {
     "Start": ("q_start", "dq_start", "p_start"),
-    "Arm": ("m", "l", "payload", "viscous", "coulomb", "coulomb_velocity", "gravity"),
-    "Wall": ("wall_normal", "wall_offset", "K_f", "D_f", "mu", "friction_velocity"),
+    "Arm": ("m", "l", "payload", "viscous", "coulomb", "p", "coulomb_velocity", "gravity", "reference_rpy"),
+    "Payload": ("payload_mass", "payload_center", "payload_inertia"),
+    "Range of the joints": (
+        *("q_min", "q_max", "stop_stiffness", "stop_damping"),
+        *("limit_margin", "limit_stiffness", "limit_damping", "limit_torque"),
+    ),
+    "Wall": ("wall_normal", "wall_offset", "K_f", "D_f", "mu", "friction_velocity", "contact_point"),
     "Second wall": ("wall_normal2", "wall_offset2", "K_f2", "D_f2", "mu2", "friction_velocity2"),
-    "Ellipse": ("semi_axis", "period", "depth", "height", "orientation"),
-    "Target impedance": ("M", "B", "K", "null_damping"),
+    "Ellipse": ("semi_axis", "center", "plane_rpy", "period", "depth", "height", "orientation", "tilt"),
+    "Target impedance": ("M", "B", "K", "task_rpy", "null_damping", "null_stiffness", "posture"),
     "Adaptation": (
         *("Gamma", "Psi", "K_d", "p_min", "p_max", "projection", "dead_zone", "freeze_when_saturated"),
         *("update_divisor", "acc_filter_time"),
@@ -53,6 +58,8 @@ TOPICS = {
     "Rejection of noise": ("contact_threshold", "gamma_margin", "gamma_eps"),
     "Bias, range and resolution": ("bias", "range", "resolution", "moment_range", "moment_resolution"),
     "Norms of positions and angles": ("L",),
+    "Frame of the sensor": ("sensor_position", "sensor_rpy"),
+    "Filter, zero and weight compensation": ("filter_time", "zero", "tool_mass", "tool_center"),
     "Failure": ("failure", "failure_start", "failure_duration", "failure_force"),
     "Limits of the torque": ("tau_max", "tau_rate_max", "time_constant"),
     "Sampling and integration": ("sample_time", "dt_max"),

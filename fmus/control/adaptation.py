@@ -20,7 +20,7 @@ from adaptimp_fmu import NOT_NEGATIVE, POSITIVE, Formula, Formulas, Limits, Type
 from fmus.control.controller import Controller
 from fmus.control.gain_units import gain_units
 from fmus.control.gains import declare_gain, require_definite, require_semidefinite
-from fmus.elements import of_axes, of_joints
+from fmus.elements import of_axes
 from fmus.mechanics.algebra import is_diagonal, times
 from fmus.mechanics.task import Metric
 from fmus.metric import declare_metric
@@ -98,12 +98,12 @@ def declare_adaptation(controller: Controller, gain: float, per: str) -> Adaptat
     per
         Unit of a gain apart from those of its two parameters, such as ``1/N.m``.
     """
-    model, robot, n = controller.model, controller.robot, controller.arm.n
+    model, robot = controller.model, controller.robot
     saturated = model.input(
         "saturated",
-        [False] * n,
+        [False] * robot.n,
         type=Type.BOOLEAN,
-        description=of_joints("Whether the actuator is saturated (optional)", n),
+        description=robot.joints.texts("Whether the actuator is saturated (optional)"),
     )
     Gamma = _declare_Gamma(controller, gain, per)
     Psi = declare_gain(
@@ -167,6 +167,8 @@ def declare_adaptation(controller: Controller, gain: float, per: str) -> Adaptat
             f"p_start[{i + 1}] must lie within p_min[{i + 1}] and p_max[{i + 1}] when projection is on",
         )
     paused = ca.logic_and(freeze, ca.sum1(saturated) > 0)
+    if controller.repulsion is not None:  # a push at the end of a range is no load
+        paused = ca.logic_or(paused, ca.sum1(ca.fabs(controller.repulsion)) > 0)
     metric = declare_metric(model, robot.task)
     return Adaptation(controller, Gamma, Psi, p_min, p_max, projection, dead_zone, paused, divisor, metric)
 

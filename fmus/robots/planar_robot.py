@@ -9,8 +9,9 @@ import casadi as ca
 from adaptimp_fmu import NOT_NEGATIVE, POSITIVE, DefinitionError, Drawing, Icon, Model
 from fmus import icons, start
 from fmus.drawings.arm import arm as drawn_arm
-from fmus.elements import RATE, of_joints, of_links
+from fmus.elements import RATE, of_links
 from fmus.mechanics.arm import ArmModel, ArmParameter
+from fmus.mechanics.joints import Joints
 from fmus.mechanics.planar_arm import PlanarArm
 from fmus.mechanics.planar_model import PlanarArmModel, PlanarPlantModel, planar_parameters
 from fmus.mechanics.task import Task
@@ -51,6 +52,11 @@ class PlanarRobot:
     def arm(self) -> PlanarArm:
         """Equations of the arm."""
         return PlanarArm(self.n, self.pose)
+
+    @property
+    def joints(self) -> Joints:
+        """Joints that turn, by their numbers."""
+        return Joints.numbered(self.n)
 
     @property
     def task(self) -> Task:
@@ -117,14 +123,14 @@ class PlanarRobot:
             [0.0] * n,
             unit="N.m.s/rad",
             limits=NOT_NEGATIVE,
-            description=of_joints("Coefficient of viscous friction", n),
+            description=self.joints.texts("Coefficient of viscous friction"),
         )
         coulomb = model.parameter(
             "coulomb",
             [0.0] * n,
             unit="N.m",
             limits=NOT_NEGATIVE,
-            description=of_joints("Coulomb friction torque", n),
+            description=self.joints.texts("Coulomb friction torque"),
         )
         coulomb_velocity = _coulomb_velocity(model)
         arm = PlanarPlantModel(self.arm, l, _gravity(model), coulomb_velocity)
