@@ -33,7 +33,7 @@ def _of_pose(module: str, name: str) -> "Model":
 
 UNITS_OF_ARM = {
     "VirtualTrajectory": "spatial_trajectory",
-    "ForceSensor": "force_sensor",
+    "ForceSensor": "wrench_sensor",
     "HoganImpedance": "hogan_impedance",
     "CraigAdaptiveImpedance": "craig_adaptive_impedance",
     "SlotineLiAdaptiveImpedance": "slotine_li_adaptive_impedance",
@@ -60,7 +60,7 @@ def unit_of_arm(unit: str, robot: "SpatialRobot", suffix: str) -> "Model":
         If the model cannot be for this arm, as a law that inverts J for an arm of seven joints.
     """
     module = UNITS_OF_ARM[unit]
-    known = {"force_sensor": {"task": robot.task}, "actuator": {"joints": robot.joints}}.get(module, {"robot": robot})
+    known = {"joints": robot.joints} if module == "actuator" else {"robot": robot}
     return _declared(module, name=f"{unit}{suffix}", **known)
 
 

@@ -46,12 +46,22 @@ def of_wrench(force: str, moment: str, task: Task) -> list[str]:
 
 
 def of_axes(text: str, task: Task, *, full: bool = False) -> list[str]:
-    """Descriptions of a gain along the axes: of its diagonal, or if `full` of all elements of a matrix, row by row."""
+    """Descriptions of a gain along the axes: of its diagonal, or if `full` of all elements of a matrix, row by row.
+
+    In space the axes are those of the task, which may be turned from those of the base.
+    """
+    if task.in_space:
+        return [f"{text} {way} axis {i + 1} of the task" for way in ("along", "about") for i in range(SPACE)]
     diagonal = of_task(text, task)
     if not full:
         return diagonal
     places = [(i, j) for i in range(task.size) for j in range(task.size)]
     return [diagonal[i] if i == j else f"{text} between x{i + 1} and x{j + 1}" for i, j in places]
+
+
+def of_tip(text: str) -> list[str]:
+    """Descriptions of a vector in the frame of the tip in space: ``Centre of mass along axis 1 of the tip``."""
+    return [f"{text} along axis {i} of the tip" for i in (1, 2, 3)]
 
 
 def of_links(text: str, n: int) -> list[str]:

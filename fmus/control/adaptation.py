@@ -167,6 +167,8 @@ def declare_adaptation(controller: Controller, gain: float, per: str) -> Adaptat
             f"p_start[{i + 1}] must lie within p_min[{i + 1}] and p_max[{i + 1}] when projection is on",
         )
     paused = ca.logic_and(freeze, ca.sum1(saturated) > 0)
+    if controller.repulsion is not None:  # a push at the end of a range is no load
+        paused = ca.logic_or(paused, ca.sum1(ca.fabs(controller.repulsion)) > 0)
     metric = declare_metric(model, robot.task)
     return Adaptation(controller, Gamma, Psi, p_min, p_max, projection, dead_zone, paused, divisor, metric)
 

@@ -26,7 +26,7 @@ from orchestration.paper.built_fmus import fmus
 from orchestration.paper.calibrations import CALIBRATIONS, CHOSEN_CALIBRATION, FIRST, Calibration
 from orchestration.paper.laboratory import Job, Laboratory, Runner
 from orchestration.paper.measure import Summary, at_ticks, largest_norm
-from orchestration.paper.scenarios import ALL_SCENARIOS, SCENARIOS
+from orchestration.paper.scenarios import PLANAR_SCENARIOS, SCENARIOS
 from orchestration.paper.studies.calibration.keeping import Proof, prove
 from orchestration.paper.studies.calibration.page import page
 from orchestration.paper.studies.calibration.record import Nudges, Period, Record
@@ -46,7 +46,7 @@ Tell = Callable[[str], None]
 
 def laboratory() -> Laboratory:
     """A laboratory that has the FMUs of all scenarios."""
-    return Laboratory(fmus(sorted({i for scenario in ALL_SCENARIOS.values() for i in scenario.models.values()})))
+    return Laboratory(fmus(sorted({i for scenario in PLANAR_SCENARIOS.values() for i in scenario.models.values()})))
 
 
 def noise_bound(lab: Runner, calibration: Calibration = CHOSEN_CALIBRATION) -> float:

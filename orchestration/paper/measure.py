@@ -6,6 +6,8 @@ import numpy as np
 
 from orchestration.errors import OrchestrationError
 from orchestration.paper.numbers import TIP_START, TRUE_M2
+from orchestration.paper.spatial_numbers import POSITIONS
+from orchestration.paper.task_shape import PLANAR_SHAPE, TaskShape, count, forces, lengths, norms, scales, shape_of
 from orchestration.results.result import Result
 
 SETTLED, RECOVERED = 0.1, 0.05  # errors of m2_hat, kg, below which it counts as adapted, and as recovered
@@ -24,7 +26,7 @@ class Contact:
     first, last
         First and last communication point with a force, s.
     enter, leave
-        Tip position there, m, shape (2,).
+        Tip position there, m, shape (2,) or (3,).
     share
         Part of the communication points from first to last at which the force is not zero.
     phases
@@ -50,7 +52,7 @@ def contact(result: Result) -> Contact:
     NoContactError
         If the tip never touched the wall.
     """
-    force = norms(result["plant.F_ext"])
+    force = forces(result["plant.F_ext"])
     touching = force > 0
     if not touching.any():
         msg = (
@@ -59,7 +61,7 @@ def contact(result: Result) -> Contact:
         )
         raise NoContactError(msg)
     first, last = np.flatnonzero(touching)[[0, -1]]
-    x = result["plant.x"]
+    x = result["plant.x"][:, :POSITIONS]
     return Contact(
         first=float(result.time[first]),
         last=float(result.time[last]),
@@ -71,25 +73,32 @@ def contact(result: Result) -> Contact:
     )
 
 
-def at_ticks(result: Result, name: str) -> np.ndarray:
-    """The columns ``name[1]``, ``name[2]`` at the controller's ticks, shape (n_ticks, 2)."""
-    return np.column_stack([result.at_ticks(f"{name}[{i}]") for i in (1, 2)])
+def at_ticks(result: Result, name: str, size: int | None = None) -> np.ndarray:
+    """The columns ``name[1]``, ``name[2]``, ... at the controller's ticks, shape (n_ticks, size).
 
-
-def norms(vectors: np.ndarray) -> np.ndarray:
-    """Euclidean norms of the rows of an array of shape (n, 2), with the bits of ``np.linalg.norm``, and faster."""
-    x, y = vectors[:, 0], vectors[:, 1]
-    return np.sqrt(x * x + y * y)
+    Parameters
+    ----------
+    size
+        Number of columns; all that the run has if None.
+    """
+    return np.column_stack([result.at_ticks(f"{name}[{i}]") for i in range(1, (size or count(result, name)) + 1)])
 
 
 def distance_from_start(result: Result) -> float:
-    """Distance of the tip from where it began, at the end of a run, m."""
-    return float(np.linalg.norm(result["plant.x"][-1] - np.array(TIP_START)))
+    """Distance of the tip from where it began, at the end of a run, m; in space the orientation counts, too."""
+    x = result["plant.x"]
+    begin = np.array(TIP_START) if x.shape[1] == len(TIP_START) else x[0]
+    return float(np.linalg.norm((x[-1] - begin) * scales(x.shape[1])))
 
 
 def largest_norm(vectors: np.ndarray) -> float:
-    """Largest Euclidean norm among vectors of shape (n, 2)."""
+    """Largest Euclidean norm among vectors of shape (n, m)."""
     return float(norms(vectors).max())
+
+
+def largest_length(vectors: np.ndarray) -> float:
+    """Largest size |S e| among errors of the task coordinates, m, shape (n, m)."""
+    return float(lengths(vectors).max())
 
 
 def steady_force(result: Result) -> float:
@@ -103,7 +112,7 @@ def steady_force(result: Result) -> float:
         If the tip never touched the wall.
     """
     contact(result)
-    force = norms(result["plant.F_ext"])
+    force = forces(result["plant.F_ext"])
     begins = np.flatnonzero(np.diff((force > 0).astype(int), prepend=0) > 0)
     steady = force[begins[min(1, len(begins) - 1)] :]
     return float(steady[steady > 0].mean())
@@ -111,9 +120,9 @@ def steady_force(result: Result) -> float:
 
 def free_error(result: Result) -> float:
     """Largest |e| before the first contact, m, or of the whole run if the tip never touches the wall."""
-    touching = np.flatnonzero(norms(result["plant.F_ext"]) > 0)
+    touching = np.flatnonzero(forces(result["plant.F_ext"]) > 0)
     first = result.time[touching[0]] if len(touching) else np.inf
-    e = norms(at_ticks(result, "controller.e"))
+    e = lengths(at_ticks(result, "controller.e"))
     return float(e[result.tick_times("controller.e[1]") < first].max())
 
 
@@ -122,12 +131,22 @@ RECORDED = tuple(
 )
 """Columns that `summarize` needs, besides the estimate."""
 
-ESTIMATE = "controller.p_hat[2]"
+ESTIMATE = PLANAR_SHAPE.estimate
+
+
+def recorded(shape: TaskShape) -> tuple[str, ...]:
+    """Columns that `summarize` needs of a run of a task, with the estimate."""
+    sizes = {"controller.e": shape.size, "controller.tau_cmd": shape.joints}
+    names = (*sizes, "plant.F_ext", "plant.x")
+    return (*(f"{n}[{i}]" for n in names for i in range(1, sizes.get(n, shape.size) + 1)), shape.estimate)
+
 
 
 @dataclass(frozen=True)
 class Summary:
     """A run with adaptation in numbers; errors of m2_hat in kg, times in s, lengths in m.
+
+    In space m2 is the payload's mass, and the size of an error is |S e|.
 
     Attributes
     ----------
@@ -142,7 +161,7 @@ class Summary:
     m2_recovery
         Time after the last contact from which the error of m2_hat stays within `RECOVERED`.
     torque
-        Largest absolute command of each joint, N.m, shape (2,).
+        Largest absolute command of each joint, N.m, shape (n,).
     e_start, e_free
         Largest |e| before the first contact: of all, and from half of that time on.
     e_contact, e_contact_rms, e_max
@@ -174,14 +193,15 @@ def summarize(result: Result, ideal_force: np.ndarray | None = None) -> Summary:
     Parameters
     ----------
     ideal_force
-        F_ext of the ideal run at the same communication points, N, shape (n_rows, 2).
+        F_ext of the ideal run at the same communication points, N, shape (n_rows, m).
     """
     touch = contact(result)
     ticks = result.tick_times("controller.e[1]")
     during = (ticks >= touch.first) & (ticks <= touch.last)
     before, after = ticks < touch.first, ticks > touch.last
-    e = norms(at_ticks(result, "controller.e"))
-    estimate = result.at_ticks(ESTIMATE)
+    e = lengths(at_ticks(result, "controller.e"))
+    shape = shape_of(result)
+    estimate = result.at_ticks(shape.estimate)
     error = np.abs(estimate - TRUE_M2)
     settled = np.flatnonzero(before & (error > SETTLED))
     recovered = np.flatnonzero(after & (error > RECOVERED))
@@ -192,7 +212,7 @@ def summarize(result: Result, ideal_force: np.ndarray | None = None) -> Summary:
         m2_in_contact=float(error[during].max()),
         m2_fluctuation=float(np.ptp(estimate[during])),
         m2_recovery=float(ticks[recovered[-1]] - touch.last) if recovered.size else 0.0,
-        torque=np.array([np.abs(result.at_ticks(f"controller.tau_cmd[{i}]")).max() for i in (1, 2)]),
+        torque=np.array([np.abs(command).max() for command in at_ticks(result, "controller.tau_cmd").T]),
         e_start=float(e[before].max()),
         e_free=float(e[before & (ticks > touch.first / 2)].max()),
         e_contact=float(e[during].max()),
@@ -206,5 +226,5 @@ def summarize(result: Result, ideal_force: np.ndarray | None = None) -> Summary:
 def _force_error(force: np.ndarray, ideal: np.ndarray | None) -> float:
     if ideal is None:
         return float("nan")
-    touching = (norms(force) > 0) | (norms(ideal) > 0)
-    return float(np.sqrt((norms(force - ideal)[touching] ** 2).mean()))
+    touching = (forces(force) > 0) | (forces(ideal) > 0)
+    return float(np.sqrt((forces(force - ideal)[touching] ** 2).mean()))

@@ -2,17 +2,46 @@
 
 The formulas name variables of the interface that all arms and controllers share. So the measures work for every
 scenario, and for every system whose components ``plant``, ``controller``, ``actuator``, ``sensor`` and
-``trajectory`` have these variables. In contact means that the wall exerts a force.
+``trajectory`` have these variables. In contact means that the wall exerts a force. Arms in space have measures of their
+own, since a norm of all coordinates would add metres and radians.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 
 from orchestration.paper.measure import SETTLED
+from orchestration.paper.spatial_numbers import FIRST_OF_PAYLOAD
 
 _TOUCHING = "norm(plant.F_ext) > 0"
 _BEFORE = f"before({_TOUCHING})"
 _E = "norm(controller.e)"
 _M2_ERROR = "abs(controller.p_hat[2] - plant.m[2])"
+_PAYLOAD = f"controller.p_hat[{FIRST_OF_PAYLOAD}]"
+_IN_SPACE = {
+    "position": ("controller.e", (1, 2, 3), "error of the tip's position in space"),
+    "angle": ("controller.e", (4, 5, 6), "error of the tip's orientation in space, by roll, pitch and yaw"),
+}
+_WHERE = {"free": (f"not {_TOUCHING}", "out of contact"), "contact": (_TOUCHING, "in contact")}
+_SIZES = {"max": "largest", "rms": "root mean square of the"}
+
+
+def _norm(name: str, elements: tuple[int, ...]) -> str:
+    return f"norm({', '.join(f'{name}[{i}]' for i in elements)})"
+
+
+def _in_space() -> Iterator[tuple[str, tuple[str, str]]]:
+    """Yield measures of arms in space, whose norms join no metre with a radian."""
+    for what, (array, elements, text) in _IN_SPACE.items():
+        for size, begin in _SIZES.items():
+            for where, (condition, place) in _WHERE.items():
+                formula = f"{size}({_norm(array, elements)}, where={condition})"
+                yield f"{size}_{what}_{where}", (formula, f"{begin} {text}, {place}")
+    yield "peak_push", (f"max({_norm('plant.F_ext', (1, 2, 3))})", "largest force of the wall on an arm in space")
+    yield "payload_hat", (f"final({_PAYLOAD})", "estimate of the payload's mass of the PUMA 560 at the end")
+    yield (
+        "payload_error",
+        (f"final(abs({_PAYLOAD} - plant.payload_mass))", "error of this estimate at the end"),
+    )
+
 
 READY: Mapping[str, tuple[str, str]] = {
     "peak_force": ("max(norm(plant.F_ext))", "largest force of the wall"),
@@ -45,6 +74,7 @@ READY: Mapping[str, tuple[str, str]] = {
     "rms_torque_1": ("rms(actuator.tau[1])", "root mean square of the torque of the first joint"),
     "rms_torque_2": ("rms(actuator.tau[2])", "root mean square of the torque of the second joint"),
     "share_saturated": ("share(norm(actuator.saturated) > 0)", "share of the ticks at which a torque is limited"),
+    **dict(_in_space()),
 }
 """Formula of each measure, as `orchestration.results.measures.parser.parse_formula` reads it, and what it says."""
 

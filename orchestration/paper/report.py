@@ -17,7 +17,7 @@ from orchestration.paper.evidence import Evidence
 from orchestration.paper.figures.draw import draw
 from orchestration.paper.laboratory import Job
 from orchestration.paper.page.report import NAME, paper_page, write_page
-from orchestration.paper.scenarios import ALL_SCENARIOS, SCENARIOS, Scenario
+from orchestration.paper.scenarios import PLANAR_SCENARIOS, SCENARIOS, Scenario
 from orchestration.paper.strength import read_strength
 from orchestration.paper.studies.native_runs import NativeLaboratory
 from orchestration.report.page import Page
@@ -65,7 +65,7 @@ def reproduce(folder: Path, tell: Tell, image: str = "png", *, fresh: bool = Fal
     fresh
         Whether to measure the claims even if they are in the cache.
     """
-    scenarios = ALL_SCENARIOS
+    scenarios = PLANAR_SCENARIOS
     identifiers = {i for scenario in scenarios.values() for i in scenario.models.values()}
     tell(f"Building {len(identifiers)} FMUs, or taking them from the cache")
     laboratory = NativeLaboratory(fmus(sorted(identifiers)))

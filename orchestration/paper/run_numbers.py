@@ -8,9 +8,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from orchestration.paper.ready_measures import READY
+from orchestration.paper.task_shape import SPATIAL, shape_of
 from orchestration.results.measures.parser import parse_formula
 from orchestration.results.result import Result
 
+SIZES = ("max", "rms")
 CHOSEN = (
     "peak_force",
     "first_contact",
@@ -22,7 +24,16 @@ CHOSEN = (
     "m2_hat",
     "share_saturated",
 )
-"""Names of the measures."""
+"""Names of the measures of an arm in the plane."""
+IN_SPACE = (
+    "peak_push",
+    "first_contact",
+    "last_contact",
+    *(f"{size}_{what}_{where}" for where in ("free", "contact") for what in ("position", "angle") for size in SIZES),
+    "payload_hat",
+    "share_saturated",
+)
+"""Names of the measures of an arm in space."""
 
 
 @dataclass(frozen=True)
@@ -42,15 +53,15 @@ class RunNumber:
 
 
 def columns_needed() -> tuple[str, ...]:
-    """Return the names of the columns and arrays that the numbers are computed from."""
-    formulas = [parse_formula(READY[name][0]) for name in CHOSEN]
+    """Return the names of the columns and arrays that the numbers of any run are computed from."""
+    formulas = [parse_formula(READY[name][0]) for name in (*CHOSEN, *IN_SPACE)]
     return tuple(dict.fromkeys(column for formula in formulas for column in formula.columns))
 
 
 def run_numbers(result: Result) -> dict[str, RunNumber]:
-    """Compute the numbers of a run whose columns were recorded, by the names of `CHOSEN`."""
+    """Compute the numbers of a run whose columns were recorded, by the names of `CHOSEN` or `IN_SPACE`."""
     found: dict[str, RunNumber] = {}
-    for name in CHOSEN:
+    for name in IN_SPACE if shape_of(result).size == SPATIAL else CHOSEN:
         formula = parse_formula(READY[name][0])
         if len(result.time) and all(column in result for column in formula.columns):
             value = formula.evaluate(result)
@@ -64,25 +75,31 @@ def sentences(numbers: Mapping[str, RunNumber]) -> list[str]:
 
 
 def _force(numbers: Mapping[str, RunNumber]) -> str:
-    if "peak_force" not in numbers:
+    peak = numbers.get("peak_force") or numbers.get("peak_push")
+    if peak is None or "first_contact" not in numbers:
         return ""
     if numbers["first_contact"].value is None:
         return "contact: none"
     times = " to ".join(_said(numbers[name]) for name in ("first_contact", "last_contact"))
-    return f"contact: from {times}, peak force {_said(numbers['peak_force'])}"
+    return f"contact: from {times}, peak force {_said(peak)}"
 
 
 def _errors(numbers: Mapping[str, RunNumber]) -> list[str]:
     places = {"free": "in free motion", "contact": "in contact"}
+    kinds = {"e": "tracking error", "position": "tracking error of the position", "angle": "tracking error of the orientation"}
     return [
-        f"tracking error {where}: at most {_said(largest)}, rms {_said(numbers[f'rms_e_{place}'])}"
+        f"{words} {where}: at most {_said(largest)}, rms {_said(numbers[f'rms_{kind}_{place}'])}"
         for place, where in places.items()
-        if (largest := numbers.get(f"max_e_{place}")) is not None and largest.value is not None
+        for kind, words in kinds.items()
+        if (largest := numbers.get(f"max_{kind}_{place}")) is not None and largest.value is not None
     ]
 
 
 def _estimate(numbers: Mapping[str, RunNumber]) -> str:
-    return f"estimate of m2 at the end: {_said(numbers['m2_hat'])}" if "m2_hat" in numbers else ""
+    for name, what in (("m2_hat", "m2"), ("payload_hat", "the payload's mass")):
+        if name in numbers:
+            return f"estimate of {what} at the end: {_said(numbers[name])}"
+    return ""
 
 
 def _saturated(numbers: Mapping[str, RunNumber]) -> str:

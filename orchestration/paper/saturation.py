@@ -147,7 +147,7 @@ def growth(run: Along) -> dict[str, float]:
 
 def along(result: Result, gains: Gains) -> Along:
     """Evaluate (27) and (28) at the ticks of a run of algorithm 1."""
-    q, masses = at_ticks(result, "plant.q"), at_ticks(result, "controller.p_hat")
+    q, masses = at_ticks(result, "plant.q"), at_ticks(result, "controller.p_hat", 2)
     tau, command = at_ticks(result, "actuator.tau"), at_ticks(result, "controller.tau_cmd")
     alpha, beta, gamma, mu = (result.at_ticks(f"controller.{name}") for name in ("alpha", "beta", "gamma", "mu"))
     e, e_star = at_ticks(result, "controller.e"), at_ticks(result, "controller.e_star")

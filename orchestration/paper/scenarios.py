@@ -7,12 +7,10 @@ more than one place stand in `orchestration.paper.numbers`.
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
-from pathlib import Path
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from orchestration.fmi.description import SAMPLE_TIME
 from orchestration.paper import settings
 from orchestration.paper.calibrations import CHOSEN_CALIBRATION, FIRST, Calibration
 from orchestration.paper.numbers import (
@@ -35,72 +33,10 @@ from orchestration.paper.numbers import (
     WALL_STIFFNESS,
     WRONG_M2,
 )
-from orchestration.system.system import System
+from orchestration.paper.scenario import Scenario, Value
+from orchestration.paper.spatial_scenarios import SPATIAL
 
 _FAILS = {"dropout": "drops out", "stuck": "sticks", "spike": "has a spike"}  # what the sensor does, by failure
-
-
-@dataclass(frozen=True)
-class Value:
-    """A start value and where it comes from.
-
-    Attributes
-    ----------
-    number
-        In the unit of the variable.
-    origin
-        ``"V"`` for a number stated in section V, else ``"assumed: "`` and the reason.
-    """
-
-    number: float
-    origin: str
-
-    @property
-    def assumed(self) -> bool:
-        """Whether the paper leaves the number open."""
-        return self.origin.startswith("assumed")
-
-
-@dataclass(frozen=True)
-class Scenario:
-    """A run that the paper shows or claims something about.
-
-    Attributes
-    ----------
-    models
-        Component name to model identifier, in the order of stepping.
-    values
-        Start values by ``component.variable``.
-    step
-        Communication step and sampling period, s.
-    sampling
-        ``"assumed: "`` and the reason for the sampling period.
-    sources
-        Outputs by the input that they feed, in the place of outputs of the input's name: ``component.variable``.
-    """
-
-    name: str
-    caption: str
-    models: Mapping[str, str]
-    values: Mapping[str, Value]
-    step: float
-    sampling: str
-    stop_time: float = PERIOD  # s, V: one turn of the ellipse
-    sources: Mapping[str, str] = field(default_factory=dict)
-
-    def system(self, fmus: Mapping[str, Path]) -> System:
-        """The system that is run, with the reasons for its assumed values, from FMU files by model identifier."""
-        files = {component: fmus[identifier] for component, identifier in self.models.items()}
-        system = System.connected_by_name(self.name, files, step=self.step, stop_time=self.stop_time)
-        for taken, source in self.sources.items():
-            free = set(system.elements(taken))
-            kept = [c for c in system.connections if f"{c.target}.{c.input}" not in free]
-            system = replace(system, connections=tuple(kept)).connect(f"{source} -> {taken}")
-        numbers = {path: value.number for path, value in self.values.items()}
-        assumptions = {path: value.origin for path, value in self.values.items() if value.assumed}
-        sampled = [component.name for component in system.components if component.sample_time is not None]
-        assumptions |= {f"{name}.{SAMPLE_TIME}": self.sampling for name in sampled}
-        return replace(system.set(numbers).with_sample_time(self.step), assumptions=assumptions)
 
 
 _CHOSEN = "assumed: chosen by the procedure of docs/calibration.md, the same for Figs. 5 to 7"
@@ -331,7 +267,7 @@ WITH_FAILURE = _by_name(*_CHOSEN_RUNS.failing())
 WITH_PAYLOAD = _by_name(*_CHOSEN_RUNS.with_payload())
 """Runs of both algorithms with a payload beyond the wrist sensor: ``fig5-wrist-payload``, ``fig7-wrist-payload``."""
 
-ALL_SCENARIOS: Mapping[str, Scenario] = {
+PLANAR_SCENARIOS: Mapping[str, Scenario] = {
     **SCENARIOS,
     **VARIANTS,
     **AT_FIRST,
@@ -339,4 +275,7 @@ ALL_SCENARIOS: Mapping[str, Scenario] = {
     **WITH_FAILURE,
     **WITH_PAYLOAD,
 }
+"""The runs of the paper's arm."""
+
+ALL_SCENARIOS: Mapping[str, Scenario] = {**PLANAR_SCENARIOS, **SPATIAL}
 """Every scenario that has a name."""

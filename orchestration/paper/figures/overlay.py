@@ -4,7 +4,7 @@ Columns of sampled components are drawn as they are held: from the instant of a 
 plant are its states at the communication points.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -17,8 +17,10 @@ from orchestration.paper.figures.phases import draw_phases, height_of_strips, ph
 from orchestration.paper.figures.plane import ROOM
 from orchestration.paper.figures.style import BINS, ROW, envelope, legend_above, new_figure, thinned
 from orchestration.paper.figures.theme import DASHES, Theme
-from orchestration.paper.measure import ESTIMATE, norms
+from orchestration.paper.figures.view import View, wall_of
 from orchestration.paper.numbers import WALL_NORMAL
+from orchestration.paper.spatial_numbers import LENGTH, POSITIONS
+from orchestration.paper.task_shape import PLANAR, SPATIAL, forces, lengths, scales, shape_of
 from orchestration.results.columns import TicksMissingError
 from orchestration.results.result import Result
 
@@ -29,6 +31,7 @@ TORQUES = ("actuator.tau", "controller.tau_cmd")
 NEEDED = (TIP, ERROR, FORCE)
 SMALLEST_SPAN = 1e-9  # kg: an estimate that moves less is constant, and the torques are drawn
 COLUMNS_OF_LEGEND = 4
+AROUND = 0.12  # of the size of the path of a tip in space, left free around it
 TALL = 195  # points: height of a panel
 LINE, WIDER = 1.3, 0.9  # points: width of the last run, and by how much each run before it is wider
 
@@ -63,10 +66,16 @@ class Overlay:
 
 def missing_columns(result: Result) -> list[str]:
     """Names of columns that the four panels need and the run lacks; empty for a run of the paper's loop."""
-    lacking = [name for name in NEEDED if name not in result or result[name].shape[1:] != (2,)]
-    if not any(name in result for name in (*TORQUES, ESTIMATE)):
+    sizes = [(PLANAR,), (SPATIAL,)]
+    lacking = [name for name in NEEDED if name not in result or result[name].shape[1:] not in sizes]
+    if not any(name in result for name in (*TORQUES, shape_of(result).estimate)):
         lacking.append(TORQUES[0])
     return lacking
+
+
+def in_space(runs: Iterable[Result]) -> bool:
+    """Whether all runs have a task of position and orientation in space."""
+    return all(shape_of(result).size == SPATIAL for result in runs)
 
 
 def overlay_figure(runs: Mapping[str, Result], theme: Theme, title: str) -> Figure:
@@ -82,10 +91,12 @@ def overlay_figure(runs: Mapping[str, Result], theme: Theme, title: str) -> Figu
     figure, axes = new_figure(2, 2, title, row=ROW + 0.25 * bool(rows), head=(0.25 + 0.2 * rows) * bool(rows))
     if rows:
         figure.subplots_adjust(hspace=0.6)
-    _paths(axes[0, 0], drawn)
+    if in_space(runs.values()):
+        _paths_in_space(axes[0, 0], drawn)
+    else:
+        _paths(axes[0, 0], drawn)
     draw_torques(axes[0, 1], drawn, "(b) ")
-    _vectors(axes[1, 0], drawn, ERROR, 1e3, "e")
-    _finish(axes[1, 0], drawn, "(c) Tracking error $e = x - x_t$", "error (mm)")
+    draw_errors(axes[1, 0], drawn, "(c) ")
     draw_forces(axes[1, 1], drawn, "(d) Contact force")
     if rows:
         handles = [Line2D([], [], color=colour, lw=2) for colour in theme.curves[: len(runs)]]
@@ -112,25 +123,73 @@ def _paths(axis: Axes, drawn: Overlay) -> None:
     whole = np.concatenate(points)
     whole = whole[np.isfinite(whole).all(axis=1)]
     low, high = (whole.min(axis=0) - ROOM, whole.max(axis=0) + ROOM) if len(whole) else ((-1, -1), (1, 1))
+    _plane(axis, low, high, (0, 1))
+
+
+def _plane(axis: Axes, low: Sequence[float], high: Sequence[float], shown: tuple[int, int]) -> None:
+    """Limits and names of a panel of a plane, which is drawn to scale."""
     axis.set_xlim(low[0], high[0])
     axis.set_ylim(low[1], high[1])
     axis.set_aspect("equal", adjustable="box", anchor="W")
     axis.set_title("(a) Path of the tip")
-    axis.set_xlabel("$x_1$ (m)", labelpad=1)
-    axis.set_ylabel("$x_2$ (m)", labelpad=1)
+    axis.set_xlabel(f"$x_{shown[0] + 1}$ (m)", labelpad=1)
+    axis.set_ylabel(f"$x_{shown[1] + 1}$ (m)", labelpad=1)
     legend_above(axis)
+
+
+def _paths_in_space(axis: Axes, drawn: Overlay) -> None:
+    """The path of the tip, seen along the axis of the base along which it moves least."""
+    runs = list(drawn.runs.values())
+    views = [View.of(result[TIP], wall_of(result)) for result in runs]
+    shown = views[0].axes
+    for place, (result, view) in enumerate(zip(runs, views, strict=True)):
+        if COMMANDED in result:
+            path = view.seen(_ticks(result, COMMANDED)[1])
+            axis.plot(*thinned(path), "--", color=drawn.theme.ink, lw=1.0, label="virtual $x_v$")
+        tip = view.seen(result[TIP])
+        axis.plot(*thinned(tip), label="tip $x$" if drawn.alone else "", **drawn.looks(place, 0))
+        axis.plot(*tip[0], "s", color=drawn.theme.curves[2], ms=5, zorder=6, label="start")
+    whole = np.concatenate([view.seen(result[TIP]) for result, view in zip(runs, views, strict=True)])
+    whole = whole[np.isfinite(whole).all(axis=1)]
+    room = AROUND * float(np.ptp(whole, axis=0).max(initial=1e-3)) if len(whole) else 1.0
+    low, high = (whole.min(axis=0) - room, whole.max(axis=0) + room) if len(whole) else ((-1, -1), (1, 1))
+    for corners in filter(None, [view.wall(low, high) for view in views]):
+        axis.fill(*np.array(corners).T, color=drawn.theme.wall, lw=0, zorder=0, label="wall")
+    _plane(axis, low, high, shown)
+
+
+def draw_errors(axis: Axes, drawn: Overlay, letter: str) -> None:
+    """Draw the tracking error: its components, or in space with several runs its size, in which an angle counts L."""
+    if not in_space(drawn.runs.values()):
+        _vectors(axis, drawn, ERROR, 1e3, "e")
+        _finish(axis, drawn, f"{letter}Tracking error $e = x - x_t$", "error (mm)")
+        return
+    for place, result in enumerate(drawn.runs.values()):
+        times, error = _ticks(result, ERROR)
+        if not drawn.alone:
+            _steps(axis, result, times, 1e3 * lengths(error), **drawn.looks(place, 0))
+            continue
+        for component, values in enumerate((1e3 * error * scales(SPATIAL)).T):
+            factor = "" if component < POSITIONS else "L"
+            label = f"${factor} e_{component + 1}$"
+            _steps(axis, result, times, values, label=label, **drawn.looks(place, component))
+    what = "e = x - x_t$" if drawn.alone else "\\|S e\\|$"
+    _finish(axis, drawn, f"{letter}Tracking error ${what}, $L$ = {LENGTH:g} m", "error (mm)")
 
 
 def draw_torques(axis: Axes, drawn: Overlay, letter: str) -> None:
     """Draw the estimate of the mass if it moves, or else the torques; the letter begins the title."""
     runs = drawn.runs.values()
     torque = next((name for name in TORQUES if all(name in result for result in runs)), None)
-    if torque is None or any(ESTIMATE in result and np.ptp(result[ESTIMATE]) > SMALLEST_SPAN for result in runs):
+    estimates = {shape.estimate: shape for shape in map(shape_of, runs)}
+    name, shape = next(iter(estimates.items()))
+    if torque is None or any(name in result and np.ptp(result[name]) > SMALLEST_SPAN for result in runs):
         for place, result in enumerate(runs):
-            if ESTIMATE in result:
-                label = r"$\hat m_2$" if drawn.alone else ""
-                _steps(axis, result, *_ticks(result, ESTIMATE), label=label, **drawn.looks(place, 0))
-        _finish(axis, drawn, f"{letter}Estimated $m_2$", "mass (kg)")
+            if name in result:
+                label = f"${shape.symbol}$" if drawn.alone else ""
+                _steps(axis, result, *_ticks(result, name), label=label, **drawn.looks(place, 0))
+        what = "Estimated $m_2$" if shape.size == PLANAR else "Estimated mass of the payload"
+        _finish(axis, drawn, f"{letter}{what}", "mass (kg)")
         return
     _vectors(axis, drawn, torque, 1.0, r"\tau")
     which = "Control torques" if torque == TORQUES[0] else "Commanded torques"
@@ -155,9 +214,9 @@ def draw_forces(axis: Axes, drawn: Overlay, title: str) -> None:
     for place, result in enumerate(drawn.runs.values()):
         if drawn.alone and MEASURED in result:
             times, measured = _ticks(result, MEASURED)
-            _steps(axis, result, times, norms(measured), label="measured", color=drawn.theme.curves[4], ls="-", lw=0.7)
+            _steps(axis, result, times, forces(measured), label="measured", color=drawn.theme.curves[4], ls="-", lw=0.7)
         label = r"$\|F_{ext}\|$" if drawn.alone else ""
-        axis.plot(*envelope(result.time, norms(result[FORCE])), label=label, **drawn.looks(place, 0))
+        axis.plot(*envelope(result.time, forces(result[FORCE])), label=label, **drawn.looks(place, 0))
     _finish(axis, drawn, title, "force (N)")
 
 
@@ -191,7 +250,9 @@ def _finish(axis: Axes, drawn: Overlay, title: str, ylabel: str) -> None:
     end = max(float(result.time[-1]) for result in drawn.runs.values())
     if end > begin:  # a run that failed in its first step has one row
         axis.set_xlim(begin, end)
-    # One legend names the phases: that of the error has room for them, however many joints there are.
-    bands = [] if "error" in ylabel else [name for run in drawn.bands for name in run]
+    # One legend names the phases: that of the error has room for them, however many joints there are. The six components
+    # of an error in space leave none.
+    named = "force" if drawn.alone and in_space(drawn.runs.values()) else "error"
+    bands = [] if named in ylabel else [name for run in drawn.bands for name in run]
     curves = [label for label in axis.get_legend_handles_labels()[1] if label not in bands]
     legend_above(axis, curves, gap=gap)
