@@ -73,7 +73,7 @@ def plant(robot: Robot | None = None, name: str = "Plant", walls: int = 1, *, wr
     robot = robot or PlanarRobot()
     place = {1: "against a compliant wall", 2: "in a corner of two compliant walls"}[walls]
     aims = "; position and angle of its tip are the task" if robot.task.angles else ""
-    model = ContinuousModel(name, f"{robot.title} {place}{aims}")
+    model = ContinuousModel(name, f"{robot.title} {place}{aims}", dt_max=robot.dt_max)
     task = robot.task
     _document(model, robot, walls, wrist=wrist)
     tau, q_start, dq_start = _declare_joints(model, robot)

@@ -30,6 +30,7 @@ from fmus.mechanics.spatial_arm import PER_JOINT, SPACE, SpatialArm
 from fmus.mechanics.spatial_model import TASK, SpatialArmModel, spatial_parameters
 from fmus.mechanics.task import Task
 from fmus.robots.spatial_page import PRESS, Rest, first_runs, parameter_grid
+from fmus.robots.substep import longest_substep
 
 GRAVITY = (0.0, 0.0, -9.81)
 """Acceleration of a falling body in the axes of the base, m/s2: the arm stands upright."""
@@ -60,7 +61,8 @@ class SpatialRobot:
     Raises
     ------
     RobotError
-        If the arm has fewer than six joints, or does not reach the beginning of the ellipse from `near`.
+        If the arm has fewer than six joints, does not reach the beginning of the ellipse from `near`, or has joints
+        whose friction cannot be integrated.
     """
 
     chain: Chain
@@ -71,7 +73,7 @@ class SpatialRobot:
 
     def __post_init__(self) -> None:
         """Refuse arms that cannot follow their trajectory from its beginning on."""
-        _ = self.start
+        _ = self.start, self.dt_max
 
     @cached_property
     def arm(self) -> SpatialArm:
@@ -120,6 +122,11 @@ class SpatialRobot:
                 )
             }
         )  # fmt: skip
+
+    @cached_property
+    def dt_max(self) -> float:
+        """Longest sub-step of its plant at the start, s: one at which the friction of the joints is stable."""
+        return longest_substep(self.arm, np.array(self.start.q), self.chain.p)
 
     @property
     def p_start(self) -> Sequence[float]:
