@@ -90,8 +90,9 @@ class Question:
             If the measurement leaves a criterion out.
         """
         finding = self.measurement(evidence)
-        met = all([criterion.met(finding.values[criterion]) for criterion in self.criteria])
+        asked = [(one.scaled(evidence.case.scale), finding.values[one]) for one in self.criteria]
+        met = all([criterion.met(values) for criterion, values in asked])
         verdict = HOLDS if met else NOT_REPRODUCED
-        margins = tuple(criterion.margin(finding.values[criterion]) for criterion in self.criteria)
+        margins = tuple(criterion.margin(values) for criterion, values in asked)
         about = (self.id, self.claim, self.where, self.criterion)
         return Claim(*about, finding.measured, verdict, self.runs, margins=margins)
