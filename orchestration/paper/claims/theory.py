@@ -167,8 +167,7 @@ def bounded(ratio: np.ndarray) -> str:
 
 def _equations(evidence: Evidence) -> tuple[ModuleType, int]:
     """The equations of the arm at random states, and its number of joints."""
-    spatial = evidence is not None and evidence.case.shape.size == SPATIAL
-    return (spatial_theory, 6) if spatial else (theory, 2)
+    return (spatial_theory, 6) if evidence.case.shape.size == SPATIAL else (theory, 2)
 
 
 def _forms_agree(evidence: Evidence) -> Finding:

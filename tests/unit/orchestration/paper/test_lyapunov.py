@@ -6,8 +6,9 @@ import pytest
 
 from fmus.mechanics.planar_arm import PlanarArm
 from orchestration.paper import lyapunov
+from orchestration.paper.cases import PLANAR_CASE
 from orchestration.paper.lyapunov import SlidingGains
-from orchestration.paper.measure import Contact
+from orchestration.paper.measure import Contact, at_ticks
 from orchestration.paper.numbers import ARM, TRUE_MASSES
 from orchestration.results.result import Result
 
