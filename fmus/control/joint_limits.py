@@ -29,8 +29,8 @@ FORMULAS = Formulas(
         Formula(
             r"\tau_i \leftarrow \tau_i \mp \min\left( \tau_{\text{limit}}, \; \max\left( 0, \; k\,d"
             r" + b \min(1, d / \delta)\,v \right) \right)",
-            "At the depth d in the margin of the width limit_margin, joint i is pushed back; k is the limit_stiffness,"
-            " b the limit_damping, v the rate towards the end. Off at the start.",
+            "At the depth d in the margin, which is limit_margin wide, written as delta, joint i is pushed back. k is the"
+            " limit_stiffness, b the limit_damping, v the rate towards the end. Off at the start.",
         )
     ],
 )
@@ -108,11 +108,7 @@ def declare_repulsion(model: SampledModel, joints: Joints) -> Repulsion:
             ("limit_torque", joints.efforts, ("N.m", "N"), "Largest torque", "1e9 = no limit"),
         )
     )
-    for i, label in enumerate(joints.labels):
-        model.require(
-            0.5 - (lower[i] > upper[i]),
-            f"q_min[{i + 1}] must not exceed q_max[{i + 1}], the range of {label}; exchange or correct them",
-        )
+    model.require(0.5 - ca.sum1(lower > upper), "q_min must not exceed q_max for any joint; exchange or correct them")
     return Repulsion(lower, upper, margin, stiffness, damping, largest)
 
 

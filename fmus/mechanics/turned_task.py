@@ -18,8 +18,20 @@ from dataclasses import dataclass
 
 import casadi as ca
 
+from adaptimp_fmu import Formula, Formulas
 from fmus.mechanics.arm import ArmModel, ArmParameter, Demand
 from fmus.mechanics.task import Task
+
+FORMULAS = Formulas(
+    "Axes of the task",
+    [
+        Formula(
+            r"x_c = T^{T} x, \quad J_c = T^{T} J, \quad F_c = T^{T} F, \quad T = \begin{pmatrix} R_c & 0 \\ 0 & R_c"
+            r" \end{pmatrix}",
+            "Gains are diagonal in these coordinates. R_c has the angles task_rpy. Outputs are in axes of the base.",
+        )
+    ],
+)
 
 
 @dataclass(frozen=True)
