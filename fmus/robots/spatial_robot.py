@@ -29,7 +29,7 @@ from fmus.mechanics.rigid_body import LOWER, ROUNDING, Body, Placement, RobotErr
 from fmus.mechanics.spatial_arm import PER_JOINT, SPACE, SpatialArm
 from fmus.mechanics.spatial_model import TASK, SpatialArmModel, spatial_parameters
 from fmus.mechanics.task import Task
-from fmus.robots.spatial_page import PRESS, Rest, first_runs, parameter_grid
+from fmus.robots.spatial_page import PRESS, Rest, first_runs, frames, parameter_grid
 from fmus.robots.substep import longest_substep
 
 GRAVITY = (0.0, 0.0, -9.81)
@@ -200,7 +200,7 @@ class SpatialRobot:
             description=[f"{parameter.text[0].upper()}{parameter.text[1:]}" for parameter in known],
         )
         payload = self._declare_payload(model)
-        model.guide = replace(model.guide, examples=first_runs(model.name, self._rest()))
+        model.guide = replace(model.guide, examples=first_runs(model.name, self._rest()), numbers=[frames(self.chain)])
         return self.declare_known(model), ca.vertcat(p, payload)
 
     def _declare_payload(self, model: Model) -> ca.SX:
