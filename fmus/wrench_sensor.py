@@ -12,6 +12,11 @@ With Q = R S, what it feels of a wrench (f, m), in its own axes and about its ow
 At each tick the following happens to T F_ext, in this order:
 
 1. Bias and noise are added. The noise has the bound `noise_bound` in the norm of (f, m / L), in the axes of the sensor.
+   The six errors of (f, m / L) are drawn in three pairs. A pair has the density of two independent normal components of
+   standard deviation `noise_std`, cut where its norm exceeds b = noise_bound / sqrt(3). With u0, u1 uniform in (0, 1):
+   r = noise_std sqrt(-2 ln(1 - u0 (1 - exp(-(b / noise_std)^2 / 2)))), error = r (cos 2 pi u1, sin 2 pi u1).
+   The draws follow from `seed` and tick, and each is held for `noise_period`. With `contact_gated` there is no noise
+   while F_ext is exactly 0, which the plant's F_wrist never is.
 2. Range and resolution limit and round each component: what the hardware can read.
 3. The weight of the tool, `tool_mass` at `tool_center` in the frame of the tip, is taken off, for the orientation that
    the angles tell. A tool at rest is not felt then. While the arm accelerates, the tool's inertia is felt.
@@ -33,19 +38,19 @@ The noise bound of a controller (delta) is noise_bound times this factor. The fi
 its lag is an error of its own. A zero that was taken in noise has an error of at most the same bound.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import casadi as ca
 
 from adaptimp_fmu import NOT_NEGATIVE, Formula, Formulas, SampledModel, Type
 from fmus import icons
-from fmus.drawings.characteristics import sensor
-from fmus.drawings.loop import SENSOR
+from fmus.drawings.loop import SENSOR, signals
+from fmus.drawings.spatial_sensor import wrist_sensor
 from fmus.elements import ANGLE, SPACE, along, of_task, of_tip, of_wrench
 from fmus.mechanics.orientation import rotation
 from fmus.mechanics.spatial_model import TASK
 from fmus.metric import declare_metric
-from fmus.project import group_signals, publish
+from fmus.project import TIP, group_signals, publish
 from fmus.robots.spatial_robot import GRAVITY, SpatialRobot, declare_reference
 from fmus.sensor_reading import declare_noise, declare_reading
 
@@ -63,6 +68,13 @@ FORMULAS = Formulas(
             r"u = \mathrm{read}(T\,F_{\text{ext}} + b + \varepsilon) - T\,W(R), \quad \|\varepsilon\| \le \delta",
             "Bias b and noise are read within range and resolution; then the weight W of the tool is taken off.",
             "21",
+        ),
+        Formula(
+            r"(\varepsilon_1, \; \varepsilon_2) = r\,(\cos 2\pi u_1, \; \sin 2\pi u_1), \quad"
+            r" r = \sigma \sqrt{-2 \ln\left( 1 - u_0 (1 - e^{-\delta^2 / 6\sigma^2}) \right)}",
+            "Errors of force, and of moment over L, are drawn in three pairs: each has the density of a normal"
+            " distribution with noise_std, cut at delta over the root of 3. The numbers u0 and u1 are uniform, and"
+            " follow from seed and tick.",
         ),
         Formula(
             r"y_k = y_{k-1} + (1 - e^{-T_s / T_f})(u_k - y_{k-1}), \quad \hat{F} = T^{-1} (y_k - z)",
@@ -110,7 +122,8 @@ def wrench_sensor(robot: SpatialRobot, name: str = "ForceSensor") -> SampledMode
     ['zero']
     """
     model = SampledModel(name, "Wrist force and moment sensor with noise, filter, zero and weight compensation")
-    publish(model, icons.sensor(), SENSOR, [sensor()], __name__, "fmus.force_sensor", "fmus")
+    publish(model, icons.sensor(), SENSOR, [wrist_sensor()], __name__, "fmus")
+    model.guide = replace(model.guide, signals=signals(space=True))
     F_ext = model.input(
         "F_ext", [0.0] * TASK.size, unit=UNITS, description=of_wrench("Force of the tip", "Moment of the tip", TASK)
     )
@@ -144,7 +157,7 @@ def wrench_sensor(robot: SpatialRobot, name: str = "ForceSensor") -> SampledMode
     F_hat = F_ext + frame.at_tip((filtered - present) - true)
     texts = of_wrench("Measured force", "Measured moment", TASK)
     model.output("F_hat", F_hat, unit=UNITS, description=texts)
-    group_signals(model)
+    group_signals(model, TIP)
     return model
 
 

@@ -26,9 +26,14 @@ _BOXES = {
 _WIDTH, _HEIGHT = 130.0, 56.0
 
 
-def signals() -> dict[str, Signal]:
-    """Partners of all signals of the loop by name."""
-    return {name: Signal(source, targets) for source, names, targets in LINKS for name in names}
+IN_SPACE: tuple[tuple[str, Sequence[str], Sequence[str]], ...] = ((PLANT, ("x",), (SENSOR,)),)
+"""Further signals of the loop of an arm in space."""
+
+
+def signals(*, space: bool = False) -> dict[str, Signal]:
+    """Partners of all signals of the loop by name, in space with further ones."""
+    links = LINKS + IN_SPACE if space else LINKS
+    return {name: Signal(source, targets) for source, names, targets in links for name in names}
 
 
 def loop(marked: str) -> Drawing:

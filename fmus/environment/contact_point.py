@@ -6,8 +6,15 @@ tip, its velocity v and its angular velocity w,
 
     r = R c,   x_c = p + r,   dx_c = v + w x r
 
-A force f of the point on the wall is the wrench F_ext = (f, r x f) at the tip, in the axes of the base. Both have the
-same power, f' dx_c = f' v + (r x f)' w. With c = 0 the tip touches the wall, and there is no moment.
+The wall is the half-space n.x >= wall_offset with the unit normal n pointing into it. While the point is in the wall,
+at the depth gap = n.x_c - wall_offset, and slides along it with the velocity v_s = dx_c - (n.dx_c) n,
+
+    F_n = K_f gap (1 + D_f d(gap)/dt),  never below zero
+    f = F_n (n + mu tanh(|v_s| / friction_velocity) v_s / |v_s|)
+
+is its force on the wall: the normal force by Hunt and Crossley (1975), and friction within the cone of the angle
+atan(mu), in the direction of sliding. At the tip this is the wrench F_ext = (f, r x f), in the axes of the base. Both
+have the same power, f' dx_c = f' v + (r x f)' w. With c = 0 the tip touches the wall, and there is no moment.
 """
 
 from dataclasses import dataclass
@@ -19,11 +26,22 @@ from fmus.elements import SPACE, of_tip
 from fmus.mechanics.spatial_model import SpatialArmModel
 
 FORMULAS = Formulas(
-    "Point of contact",
+    "Contact",
     [
         Formula(
             r"r = R\,c, \quad x_c = p + r, \quad \dot{x}_c = v + \omega \times r",
-            "The point that touches the wall is fixed to the tip at c, the contact_point.",
+            "The point that touches the wall is fixed to the tip at c, the contact_point; v and omega are the velocity"
+            " and the angular velocity of the tip.",
+        ),
+        Formula(
+            r"d = n^{T} x_c - d_0, \quad F_n = \max\left( 0, \; K_f\,d\,(1 + D_f\,\dot{d}) \right) \quad"
+            r" \text{while in contact}",
+            "The depth d of the point is positive inside the wall; d0 is wall_offset. The wall pushes and never pulls.",
+        ),
+        Formula(
+            r"f = F_n \left( n + \mu\,\tanh\frac{|v_s|}{v_\mu}\,\frac{v_s}{|v_s|} \right), \quad"
+            r" v_s = \dot{x}_c - (n^{T} \dot{x}_c)\,n",
+            "Friction acts along the surface, in the direction of sliding; the width is friction_velocity.",
         ),
         Formula(
             r"F_{\text{ext}} = (f, \; r \times f)",
