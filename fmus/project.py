@@ -19,11 +19,12 @@ from adaptimp_fmu import (
     ParameterSet,
     ReferenceRun,
     Role,
+    Signal,
     present,
     runtime_license,
 )
 from fmus import start
-from fmus.drawings.loop import loop, signals
+from fmus.drawings.loop import PLANT, SENSOR, loop, signals
 
 AUTHOR = "The adaptimp authors"
 VERSION = "1"
@@ -90,6 +91,19 @@ def publish(model: Model, icon: Icon, component: str, drawings: Sequence[Drawing
     if (folder / f"{model.name}_ref.opt").exists():
         model.reference_runs = [ReferenceRun.read(folder, model.name, f"{model.name} alone, driven so that it acts")]
     model.parameter_sets = parameter_sets(folder / f"{model.name}_sets.csv")
+
+
+def publish_in_space(model: Model, component: str) -> None:
+    """Let a published page say what is so in space alone: the sensor needs to know x, how the plant's tip is turned.
+
+    Parameters
+    ----------
+    component
+        Name of the component, which is the plant or the sensor.
+    """
+    guide = model.guide
+    place, known = [loop(component, also_measured=("x",))], {**guide.signals, "x": Signal(PLANT, [SENSOR])}
+    model.guide = replace(guide, place=place, signals=known)
 
 
 def group_signals(model: Model, further: Mapping[str, Sequence[str]] | None = None) -> None:

@@ -38,19 +38,19 @@ The noise bound of a controller (delta) is noise_bound times this factor. The fi
 its lag is an error of its own. A zero that was taken in noise has an error of at most the same bound.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import casadi as ca
 
 from adaptimp_fmu import NOT_NEGATIVE, Formula, Formulas, SampledModel, Type
 from fmus import icons
-from fmus.drawings.loop import SENSOR, signals
+from fmus.drawings.loop import SENSOR
 from fmus.drawings.spatial_sensor import wrist_sensor
 from fmus.elements import ANGLE, SPACE, along, of_task, of_tip, of_wrench
 from fmus.mechanics.orientation import rotation
 from fmus.mechanics.spatial_model import TASK
 from fmus.metric import declare_metric
-from fmus.project import TIP, group_signals, publish
+from fmus.project import TIP, group_signals, publish, publish_in_space
 from fmus.robots.spatial_robot import GRAVITY, SpatialRobot, declare_reference
 from fmus.sensor_reading import declare_noise, declare_reading
 
@@ -70,11 +70,12 @@ FORMULAS = Formulas(
             "21",
         ),
         Formula(
-            r"(\varepsilon_1, \; \varepsilon_2) = r\,(\cos 2\pi u_1, \; \sin 2\pi u_1), \quad"
-            r" r = \sigma \sqrt{-2 \ln\left( 1 - u_0 (1 - e^{-\delta^2 / 6\sigma^2}) \right)}",
-            "Errors of force, and of moment over L, are drawn in three pairs: each has the density of a normal"
-            " distribution with noise_std, cut at delta over the root of 3. The numbers u0 and u1 are uniform, and"
-            " follow from seed and tick.",
+            r"(\varepsilon_f, \; \varepsilon_m / L) = (r_1 e_1, \; r_2 e_2, \; r_3 e_3), \quad"
+            r" r_k = \sigma \sqrt{-2 \ln\left( 1 - u_k (1 - e^{-\delta_k^2 / 2\sigma^2}) \right)}, \quad"
+            r" \delta_k = \delta / \sqrt{3}",
+            "The errors of forces, and those of moments divided by L, are drawn in three pairs: each has a random"
+            " direction e in its plane and the density of a normal distribution with noise_std, cut at its share of"
+            " delta, the noise_bound. The numbers follow from seed and tick.",
         ),
         Formula(
             r"y_k = y_{k-1} + (1 - e^{-T_s / T_f})(u_k - y_{k-1}), \quad \hat{F} = T^{-1} (y_k - z)",
@@ -123,7 +124,7 @@ def wrench_sensor(robot: SpatialRobot, name: str = "ForceSensor") -> SampledMode
     """
     model = SampledModel(name, "Wrist force and moment sensor with noise, filter, zero and weight compensation")
     publish(model, icons.sensor(), SENSOR, [wrist_sensor()], __name__, "fmus")
-    model.guide = replace(model.guide, signals=signals(space=True))
+    publish_in_space(model, SENSOR)
     F_ext = model.input(
         "F_ext", [0.0] * TASK.size, unit=UNITS, description=of_wrench("Force of the tip", "Moment of the tip", TASK)
     )

@@ -26,7 +26,7 @@ from fmus.elements import SPACE, of_tip
 from fmus.mechanics.spatial_model import SpatialArmModel
 
 FORMULAS = Formulas(
-    "Contact",
+    "Contact in space",
     [
         Formula(
             r"r = R\,c, \quad x_c = p + r, \quad \dot{x}_c = v + \omega \times r",
@@ -36,12 +36,14 @@ FORMULAS = Formulas(
         Formula(
             r"d = n^{T} x_c - d_0, \quad F_n = \max\left( 0, \; K_f\,d\,(1 + D_f\,\dot{d}) \right) \quad"
             r" \text{while in contact}",
-            "The depth d of the point is positive inside the wall; d0 is wall_offset. The wall pushes and never pulls.",
+            "The depth d of the point of contact is positive inside the wall; d0 is wall_offset. The wall pushes and"
+            " never pulls.",
         ),
         Formula(
-            r"f = F_n \left( n + \mu\,\tanh\frac{|v_s|}{v_\mu}\,\frac{v_s}{|v_s|} \right), \quad"
-            r" v_s = \dot{x}_c - (n^{T} \dot{x}_c)\,n",
-            "Friction acts along the surface, in the direction of sliding; the width is friction_velocity.",
+            r"f = F_n \left( n + \mu\,\tanh\frac{\|v_t\|}{v_\mu}\,\frac{v_t}{\|v_t\|} \right), \quad"
+            r" v_t = \dot{x}_c - n\,n^{T} \dot{x}_c",
+            "Friction acts along the surface in the direction of sliding, within the cone of mu; its width is"
+            " friction_velocity.",
         ),
         Formula(
             r"F_{\text{ext}} = (f, \; r \times f)",
