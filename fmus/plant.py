@@ -21,6 +21,7 @@ import casadi as ca
 from adaptimp_fmu import ContinuousModel, DefinitionError, Formula, Formulas
 from fmus.drawings.loop import PLANT
 from fmus.elements import ACCELERATION, ANGLE, LENGTH, RATE, SPACE, along, of_task, of_wrench
+from fmus.environment import contact
 from fmus.environment.contact import Wall, declare_wall
 from fmus.environment.contact_point import ContactPoint
 from fmus.environment.half_space import ordinal, suffix
@@ -30,7 +31,7 @@ from fmus.mechanics.payload import declare_payload, force_on_payload
 from fmus.mechanics.planar_model import PlanarArmModel
 from fmus.mechanics.spatial_model import SpatialArmModel
 from fmus.mechanics.task import Task
-from fmus.project import group_signals, publish
+from fmus.project import group_signals, publish, publish_in_space
 from fmus.robots.planar_robot import PlanarRobot
 from fmus.robots.robot import Robot
 from fmus.spatial_plant import MODULES, SpatialPlant
@@ -119,6 +120,8 @@ def _document(model: ContinuousModel, robot: Robot, walls: int, *, wrist: bool) 
         environment.append("fmus.mechanics.payload")
     icon, drawing = robot.icon(corner=walls > 1), robot.drawing(walls)
     publish(model, icon, PLANT, [drawing], __name__, *robot.modules, *environment, "fmus")
+    if robot.task.positions == SPACE:
+        publish_in_space(model, PLANT, contact.FORMULAS)
 
 
 def _declare_payload(model: ContinuousModel, robot: Robot, arm: ArmModel, p: ca.SX) -> Callable[[ca.SX, ca.SX], ca.SX]:

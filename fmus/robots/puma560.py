@@ -98,5 +98,8 @@ PUMA = SpatialRobot(
     path=PATH,
     payload=Body("payload", 1.0, (0.02, 0.0, -0.05), (2e-3, 0.0, 2e-3, 0.0, 0.0, 1e-3)),
     sources=(__name__,),
+    origin="The numbers are those of B. Armstrong, O. Khatib and J. Burdick, The explicit dynamic model and inertial"
+    " parameters of the PUMA 560 arm, IEEE Conf. Robotics and Automation, 1986. They give link 1 no mass, since it"
+    " turns about an axis that does not move, and no friction. Tool, payload, ellipse and wall are assumed.",
 )
 """The arm with a tool on a table, and a payload of 1 kg that controllers do not know."""

@@ -57,6 +57,8 @@ class SpatialRobot:
         What the plant's tip holds at the start, in the frame of the tip; controllers assume nothing there.
     sources
         Names of further modules whose docstrings tell where the numbers come from.
+    origin
+        Where the numbers come from, in a sentence for the FMUs' pages.
 
     Raises
     ------
@@ -70,6 +72,7 @@ class SpatialRobot:
     path: start.SpatialPath
     payload: Body = NO_PAYLOAD
     sources: tuple[str, ...] = ()
+    origin: str = ""
 
     def __post_init__(self) -> None:
         """Refuse arms that cannot follow their trajectory from its beginning on."""
@@ -173,7 +176,7 @@ class SpatialRobot:
 
     def declare_known(self, model: Model) -> ArmModel:
         """Declare gravity, the velocity of friction, and the orientation from which angles count."""
-        model.guide = replace(model.guide, grids=[parameter_grid(self.parameters)])
+        model.guide = replace(model.guide, grids=[parameter_grid(self.parameters, self.origin)])
         gravity = model.parameter(
             "gravity", GRAVITY, unit="m/s2", description=along("Acceleration of a falling body", SPACE)
         )

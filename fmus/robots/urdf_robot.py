@@ -67,7 +67,8 @@ def robot_of_urdf(
     arm = TableArm(chain, held)
     fitting = chosen_posture(arm) if start is None else arm.fitting(_given(chain, start))
     near = tuple(float(value) for value in fitting.q)
-    return SpatialRobot(chain, near, fitting.path, held, (__name__, "fmus.robots.table_path"))
+    origin = f"The numbers are those of {Path(path).name}, from {chain.base_name} to {chain.tip_name}."
+    return SpatialRobot(chain, near, fitting.path, held, (__name__, "fmus.robots.table_path"), origin)
 
 
 def suffix_of(name: str) -> str:
