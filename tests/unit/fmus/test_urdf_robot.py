@@ -14,8 +14,8 @@ from fmus.robots import posture, table_path
 from fmus.robots.puma560 import PUMA
 from fmus.robots.spatial_robot import SpatialRobot
 from fmus.robots.substep import STABLE, STEPS, friction_rate
-from fmus.robots.table_path import MARGIN, SIZES as ELLIPSES
-from fmus.robots.table_path import Fitting, NoPathError, TableArm, motion
+from fmus.robots.table_path import MARGIN, Fitting, NoPathError, TableArm, motion
+from fmus.robots.table_path import SIZES as ELLIPSES
 from fmus.robots.urdf_robot import robot_of_urdf, suffix_of
 from tests.property.robots import ROBOTS
 from tests.scenarios.pages import ROOT
@@ -68,7 +68,7 @@ def test_the_tool_points_down_ahead_of_the_base_and_begins_on_top_of_the_ellipse
     one: SpatialRobot = request.getfixturevalue(name)
     R, position = (np.array(value) for value in one.arm.tip_frame(one.start.q))
     np.testing.assert_allclose(R[:, 2], [0, 0, -1], atol=2e-4)  # the reference orientation has four decimals
-    top = np.array(one.path.center) + [0, 0, one.path.semi_axis[0]]
+    top = np.add(one.path.center, (0, 0, one.path.semi_axis[0]))
     np.testing.assert_allclose(position.ravel(), top, rtol=0, atol=1e-9)
     assert position[0, 0] > 0.2
     assert abs(position[1, 0]) < 1e-3
@@ -158,13 +158,19 @@ def test_a_weak_arm_is_told_which_joint_is_too_weak(arm6: Path, robot: SpatialRo
     weak = edited(arm6, tmp_path, 'velocity="3" effort="80"', 'velocity="3" effort="2"')
     with pytest.raises(NoPathError, match=r"joint elbow needs [\d.]+ of its 2 N\.m at 0 deg of the ellipse"):
         robot_of_urdf(weak, "tool", start=robot.start.q)
+
+
+def test_an_arm_that_cannot_move_fast_enough_has_no_posture(arm6: Path) -> None:
+    text = arm6.read_text(encoding="utf-8")
+    slow = arm6.with_name("too_slow.urdf")
+    slow.write_text(re.sub(r'velocity="[34]"', 'velocity="0.001"', text), encoding="utf-8")
     with pytest.raises(NoPathError, match="in none of 1000 postures an ellipse on a table fits"):
-        robot_of_urdf(weak, "tool")
+        robot_of_urdf(slow, "tool")
 
 
 def test_arms_with_too_few_joints_or_without_drive_are_refused(arm6: Path, tmp_path: Path) -> None:
     with pytest.raises(RobotError, match=r"5 joints move between base and wrist \(waist, .*need 6; choose another tip"):
-        robot_of_urdf(arm6, "wrist")
+        robot_of_urdf(arm6, "wrist", locked={"flange_roll": 0.0})
     still = edited(arm6, tmp_path, 'effort="20"', 'effort="0"')
     with pytest.raises(RobotError, match=r'joint flange_roll has <limit effort="0">, so that it cannot move'):
         robot_of_urdf(still, "tool")
@@ -194,9 +200,9 @@ def test_names_of_models_are_identifiers() -> None:
         suffix_of("机器人")
 
 
-def test_gains_of_a_payload_go_with_the_square_of_the_sizes(robot: SpatialRobot) -> None:
+def test_gains_of_a_payload_go_with_the_square_of_the_sizes() -> None:
     starts = {one.name: one.start for one in model("SlotineLiAdaptiveImpedancePuma560").variables}
-    of_mass, of_moment, of_inertia = (starts[f"Gamma[{i}]"] for i in (79, 80, 83))
+    of_mass, of_moment, of_inertia = (float(starts[f"Gamma[{i}]"] or 0) for i in (79, 80, 83))
     assert of_mass > 0
     assert of_moment == pytest.approx(of_mass * SIZES["kg.m"] ** 2)
     assert of_inertia == pytest.approx(of_mass * SIZES["kg.m2"] ** 2)
