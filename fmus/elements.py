@@ -19,8 +19,8 @@ LENGTH = "mm"
 
 def along(text: str, size: int = 2) -> list[str]:
     """Descriptions of a vector of the plane or of space, by axis: ``Position of the tip along x1 (right)``."""
-    axes = AXES if size < SPACE else BASE_AXES
-    return [f"{text} along {axes[i]}" for i in range(size)]
+    axes = AXES[:size] if size < SPACE else [f"axis {i + 1} of the base" for i in range(size)]
+    return [f"{text} along {axis}" for axis in axes]
 
 
 def of_task(text: str, task: Task, turning: str = "") -> list[str]:

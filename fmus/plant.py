@@ -21,6 +21,7 @@ import casadi as ca
 from adaptimp_fmu import ContinuousModel, DefinitionError, Formula, Formulas
 from fmus.drawings.loop import PLANT
 from fmus.elements import ACCELERATION, ANGLE, LENGTH, RATE, SPACE, along, of_task, of_wrench
+from fmus.environment import contact
 from fmus.environment.contact import Wall, declare_wall
 from fmus.environment.contact_point import ContactPoint
 from fmus.environment.half_space import ordinal, suffix
@@ -30,7 +31,7 @@ from fmus.mechanics.payload import declare_payload, force_on_payload
 from fmus.mechanics.planar_model import PlanarArmModel
 from fmus.mechanics.spatial_model import SpatialArmModel
 from fmus.mechanics.task import Task
-from fmus.project import group_signals, publish
+from fmus.project import group_signals, publish, publish_in_space
 from fmus.robots.planar_robot import PlanarRobot
 from fmus.robots.robot import Robot
 from fmus.spatial_plant import MODULES, SpatialPlant
@@ -72,7 +73,7 @@ def plant(robot: Robot | None = None, name: str = "Plant", walls: int = 1, *, wr
     robot = robot or PlanarRobot()
     place = {1: "against a compliant wall", 2: "in a corner of two compliant walls"}[walls]
     aims = "; position and angle of its tip are the task" if robot.task.angles else ""
-    model = ContinuousModel(name, f"{robot.title} {place}{aims}")
+    model = ContinuousModel(name, f"{robot.title} {place}{aims}", dt_max=robot.dt_max)
     task = robot.task
     _document(model, robot, walls, wrist=wrist)
     tau, q_start, dq_start = _declare_joints(model, robot)
@@ -119,6 +120,8 @@ def _document(model: ContinuousModel, robot: Robot, walls: int, *, wrist: bool) 
         environment.append("fmus.mechanics.payload")
     icon, drawing = robot.icon(corner=walls > 1), robot.drawing(walls)
     publish(model, icon, PLANT, [drawing], __name__, *robot.modules, *environment, "fmus")
+    if robot.task.positions == SPACE:
+        publish_in_space(model, PLANT, contact.FORMULAS)
 
 
 def _declare_payload(model: ContinuousModel, robot: Robot, arm: ArmModel, p: ca.SX) -> Callable[[ca.SX, ca.SX], ca.SX]:

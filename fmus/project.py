@@ -13,17 +13,19 @@ from pathlib import Path
 from adaptimp_fmu import (
     Drawing,
     Experiment,
+    Formulas,
     Icon,
     Model,
     Ownership,
     ParameterSet,
     ReferenceRun,
     Role,
+    Signal,
     present,
     runtime_license,
 )
 from fmus import start
-from fmus.drawings.loop import loop, signals
+from fmus.drawings.loop import PLANT, SENSOR, loop, signals
 
 AUTHOR = "The adaptimp authors"
 VERSION = "1"
@@ -88,6 +90,25 @@ def publish(model: Model, icon: Icon, component: str, drawings: Sequence[Drawing
     if (folder / f"{model.name}_ref.opt").exists():
         model.reference_runs = [ReferenceRun.read(folder, model.name, f"{model.name} alone, driven so that it acts")]
     model.parameter_sets = parameter_sets(folder / f"{model.name}_sets.csv")
+
+
+def publish_in_space(model: Model, component: str, planar: Formulas) -> None:
+    """Let a published page say what is so in space alone: the sensor needs to know x, how the plant's tip is turned.
+
+    Parameters
+    ----------
+    component
+        Name of the component, which is the plant or the sensor.
+    planar
+        Formulas that hold in the plane alone, which the page leaves out.
+    """
+    guide = model.guide
+    model.guide = replace(
+        guide,
+        formulas=[group for group in guide.formulas if group is not planar],
+        place=[loop(component, also_measured=("x",))],
+        signals={**guide.signals, "x": Signal(PLANT, [SENSOR])},
+    )
 
 
 def group_signals(model: Model) -> None:

@@ -2,7 +2,7 @@
 
 - A point of its own touches the walls (`fmus.environment.contact_point`). Where the law of contact says tip, it is this
   point, and the depths `gap` and `penetration` are those of this point.
-- The joints have stops (`fmus.mechanics.joint_stops`). Their torques tau_stop are added to the torques tau.
+- The joints have stops (`fmus.environment.joint_stops`). Their torques tau_stop are added to the torques tau.
 - A sensor sits between the arm and its payload. The wrench there is F_wrist (`fmus.mechanics.spatial_payload`).
 
 Wrenches are a force and a moment about the tip, in the axes of the base, of the arm on what it touches or carries.
@@ -16,7 +16,7 @@ import numpy as np
 from adaptimp_fmu import ContinuousModel
 from fmus.elements import of_wrench
 from fmus.environment.contact_point import ContactPoint, declare_contact_point
-from fmus.mechanics.joint_stops import declare_joint_stops
+from fmus.environment.joint_stops import declare_joint_stops
 from fmus.mechanics.joints import Joints
 from fmus.mechanics.spatial_arm import PER_JOINT
 from fmus.mechanics.spatial_model import SpatialArmModel
@@ -26,7 +26,7 @@ from fmus.robots.robot import Robot
 MODULES = (
     __name__,
     "fmus.environment.contact_point",
-    "fmus.mechanics.joint_stops",
+    "fmus.environment.joint_stops",
     "fmus.mechanics.spatial_payload",
 )
 """Modules whose docstrings have the equations."""

@@ -70,7 +70,7 @@ def spatial_trajectory(robot: SpatialRobot, name: str) -> SampledModel:
     center, axes = _declare_plane(model, path)
     wall = declare_half_space(model, 1, SPACE, (path.wall_normal, path.wall_offset))
     depth = model.parameter(
-        "depth", 0.01, unit="m", display_unit=LENGTH, description="Depth of the straight segment inside the wall"
+        "depth", path.depth, unit="m", display_unit=LENGTH, description="Depth of the straight segment inside the wall"
     )
     orientation, tilt = _declare_angles(model)
 

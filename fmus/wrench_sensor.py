@@ -38,14 +38,14 @@ from dataclasses import dataclass
 import casadi as ca
 
 from adaptimp_fmu import NOT_NEGATIVE, Formula, Formulas, SampledModel, Type
-from fmus import icons
-from fmus.drawings.characteristics import sensor
+from fmus import force_sensor, icons
 from fmus.drawings.loop import SENSOR
+from fmus.drawings.spatial_sensor import wrist_sensor
 from fmus.elements import ANGLE, SPACE, along, of_task, of_tip, of_wrench
 from fmus.mechanics.orientation import rotation
 from fmus.mechanics.spatial_model import TASK
 from fmus.metric import declare_metric
-from fmus.project import group_signals, publish
+from fmus.project import group_signals, publish, publish_in_space
 from fmus.robots.spatial_robot import GRAVITY, SpatialRobot, declare_reference
 from fmus.sensor_reading import declare_noise, declare_reading
 
@@ -63,6 +63,14 @@ FORMULAS = Formulas(
             r"u = \mathrm{read}(T\,F_{\text{ext}} + b + \varepsilon) - T\,W(R), \quad \|\varepsilon\| \le \delta",
             "Bias b and noise are read within range and resolution; then the weight W of the tool is taken off.",
             "21",
+        ),
+        Formula(
+            r"(\varepsilon_f, \; \varepsilon_m / L) = (r_1 e_1, \; r_2 e_2, \; r_3 e_3), \quad"
+            r" r_k = \sigma \sqrt{-2 \ln\left( 1 - u_k (1 - e^{-\delta_k^2 / 2\sigma^2}) \right)}, \quad"
+            r" \delta_k = \delta / \sqrt{3}",
+            "The errors of forces, and those of moments divided by L, are drawn in three pairs: each has a random"
+            " direction e in its plane and the density of a normal distribution with noise_std, cut at its share of"
+            " delta, the noise_bound. The numbers follow from seed and tick.",
         ),
         Formula(
             r"y_k = y_{k-1} + (1 - e^{-T_s / T_f})(u_k - y_{k-1}), \quad \hat{F} = T^{-1} (y_k - z)",
@@ -110,7 +118,8 @@ def wrench_sensor(robot: SpatialRobot, name: str = "ForceSensor") -> SampledMode
     ['zero']
     """
     model = SampledModel(name, "Wrist force and moment sensor with noise, filter, zero and weight compensation")
-    publish(model, icons.sensor(), SENSOR, [sensor()], __name__, "fmus.force_sensor", "fmus")
+    publish(model, icons.sensor(), SENSOR, [wrist_sensor()], __name__, "fmus.force_sensor", "fmus")
+    publish_in_space(model, SENSOR, force_sensor.FORMULAS)
     F_ext = model.input(
         "F_ext", [0.0] * TASK.size, unit=UNITS, description=of_wrench("Force of the tip", "Moment of the tip", TASK)
     )

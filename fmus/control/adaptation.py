@@ -26,6 +26,10 @@ from fmus.mechanics.task import Metric
 from fmus.metric import declare_metric
 
 UNLIMITED = 1e9  # a bound of p that is none
+# Assumed, of a payload of 5 cm: its first moment per kg, m, and its moment of inertia per kg, m2. A gain goes with the
+# square of its element's size, so that errors of all ten elements count alike. With one gain for all of them, moments
+# are adapted so fast that algorithm 1 is unstable on a UR3 and on a UR10.
+SIZES = {"kg.m": 0.05, "kg.m2": 0.05**2}
 
 
 FORMULAS = Formulas(
@@ -182,7 +186,10 @@ def _declare_Gamma(controller: Controller, gain: float, per: str) -> ca.SX:
     Gamma = declare_gain(
         model,
         "Gamma",
-        [gain if uncertain else 0.0 for uncertain in robot.uncertain],
+        [
+            gain * SIZES.get(unit, 1.0) ** 2 if uncertain else 0.0
+            for unit, uncertain in zip(controller.units_of_p, robot.uncertain, strict=True)
+        ],
         full=controller.full,
         unit=[units[i][j] for i, j in places],
         limits=NOT_NEGATIVE,

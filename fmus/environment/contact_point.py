@@ -19,8 +19,20 @@ from fmus.elements import SPACE, of_tip
 from fmus.mechanics.spatial_model import SpatialArmModel
 
 FORMULAS = Formulas(
-    "Point of contact",
+    "Contact in space",
     [
+        Formula(
+            r"d = n^{T} x_c - d_0, \quad F_n = \max\left( 0, \; K_f\,d\,(1 + D_f\,\dot{d}) \right) \quad"
+            r" \text{while in contact}",
+            "The depth d of the point of contact is positive inside the wall; d0 is wall_offset. The wall pushes and"
+            " never pulls.",
+        ),
+        Formula(
+            r"f = F_n \left( n + \mu\,\tanh\frac{\|v_t\|}{v_\mu}\,\frac{v_t}{\|v_t\|} \right), \quad"
+            r" v_t = \dot{x}_c - n\,n^{T} \dot{x}_c",
+            "Friction acts along the surface in the direction of sliding, within the cone of mu; its width is"
+            " friction_velocity.",
+        ),
         Formula(
             r"r = R\,c, \quad x_c = p + r, \quad \dot{x}_c = v + \omega \times r",
             "The point that touches the wall is fixed to the tip at c, the contact_point.",

@@ -15,6 +15,7 @@ from fmus.mechanics.joints import Joints
 from fmus.mechanics.planar_arm import PlanarArm
 from fmus.mechanics.planar_model import PlanarArmModel, PlanarPlantModel, planar_parameters
 from fmus.mechanics.task import Task
+from fmus.robots.substep import LONGEST
 
 
 @dataclass(frozen=True)
@@ -72,6 +73,11 @@ class PlanarRobot:
     def start(self) -> start.ArmStart:
         """Masses, lengths and motion at the start."""
         return start.POSE_ARM if self.pose else start.ARMS[self.n]
+
+    @property
+    def dt_max(self) -> float:
+        """Longest sub-step of its plant at the start, s."""
+        return LONGEST
 
     @property
     def p_start(self) -> Sequence[float]:

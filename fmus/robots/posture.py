@@ -3,9 +3,9 @@
 Postures that fill the ranges of the joints evenly are tried in a fixed order, so that the same arm always begins in the
 same way. In each of them the tip is turned until its tool points down, if the arm can: the axis of the tool is that of
 the last joint. An arm that turns about the vertical at its base is turned until the tip is above axis 1 of the base, if
-it can. A posture is taken if the table is not below the base, if no joint from the third one on is below the table, and
-if an ellipse fits (`fmus.robots.table_path`). Among the first of these that are found, the one with the largest ellipse
-is chosen, and among several the one that is farthest from singular configurations.
+it can. Postures with the table above the base come first. A posture is taken if no joint from the third one on is below
+the table, and if an ellipse fits (`fmus.robots.table_path`). Among the first of these that are found, the one with the
+largest ellipse is chosen, and among several the one that is farthest from singular configurations.
 """
 
 import math
@@ -14,14 +14,15 @@ from collections.abc import Iterator
 import numpy as np
 
 from fmus.mechanics.spatial_arm import SPACE
-from fmus.robots.table_path import Fitting, NoPathError, TableArm, margins
+from fmus.robots.table_path import UPRIGHT, Fitting, NoPathError, TableArm, margins
 
 TRIED, COMPARED = 1000, 12
 """Number of postures, and how many of those with an ellipse are compared."""
 UNBOUNDED = math.pi  # rad; a joint without limits, or with a longer range, is tried to this angle on both sides
 INNER = 0.8  # of its range in which each joint is tried
 DOWN = np.array([0.0, 0.0, -1.0])
-UPRIGHT = 1e-3  # rad or m, by which the first axis may miss the vertical through the base's origin
+BELOW = 0.1  # promise of a posture with the table below the base, against one above
+VERTICAL = 1e-3  # rad or m, by which the first axis may miss the vertical through the base's origin
 DIGITS = 4  # decimals of the chosen joint coordinates
 
 
@@ -39,7 +40,7 @@ def chosen_posture(table_arm: TableArm) -> Fitting:
             fitting = table_arm.fitting(q)
         except NoPathError:
             continue
-        if _stands_on_table(table_arm, fitting):
+        if _is_above_table(table_arm, fitting):
             found.append(fitting)
         if len(found) == COMPARED:
             break
@@ -57,7 +58,8 @@ def _candidates(table_arm: TableArm) -> Iterator[np.ndarray]:
     for q in samples:
         R, position, J = (np.array(value) for value in table_arm.at(q))
         least = np.linalg.svd(table_arm.scaled(J), compute_uv=False)[-1]
-        promise.append(least * (1 + DOWN @ R @ tool_axis(table_arm)) * (position[2, 0] > 0))
+        above = position[2, 0] > 2 * UPRIGHT * table_arm.chain.reach
+        promise.append(least * (1 + DOWN @ R @ tool_axis(table_arm)) * (1.0 if above else BELOW))
     for k in np.argsort(-np.array(promise), kind="stable"):
         q = samples[k]
         R, position, _ = (np.array(value) for value in table_arm.at(q))
@@ -116,7 +118,7 @@ def _ahead(q: np.ndarray, table_arm: TableArm, azimuth: float) -> np.ndarray:
     """The posture with the tip ahead of the base, on axis 1, if the first joint can turn it there."""
     joint = table_arm.chain.joints[0]
     upright = float((joint.placement.R @ np.array(joint.axis))[2])
-    if not joint.turns or abs(abs(upright) - 1) > UPRIGHT or np.hypot(*joint.placement.p[:2]) > UPRIGHT:
+    if not joint.turns or abs(abs(upright) - 1) > VERTICAL or np.hypot(*joint.placement.p[:2]) > VERTICAL:
         return q
     first = (q[0] - math.copysign(azimuth, azimuth * upright) + math.pi) % (2 * math.pi) - math.pi
     lower, upper = margins(joint.limits.lower, joint.limits.upper)
@@ -132,8 +134,7 @@ def _wrapped(q: np.ndarray, table_arm: TableArm) -> np.ndarray:
     return np.array(wrapped)
 
 
-def _stands_on_table(table_arm: TableArm, fitting: Fitting) -> bool:
-    """Whether the table is not below the base, and no joint from the third one on is below the table at the start."""
-    height = -fitting.path.wall_offset
+def _is_above_table(table_arm: TableArm, fitting: Fitting) -> bool:
+    """Whether no joint from the third one on is below the table at the start."""
     heights = np.array(table_arm.arm.origins(fitting.q))[2, 2:]
-    return height >= 0 and bool(np.all(heights > height))
+    return bool(np.all(heights > -fitting.path.wall_offset))

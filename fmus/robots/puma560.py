@@ -80,8 +80,9 @@ def _joint(number: int, link: _Link) -> Joint:
 TOOL = Placement(translation=(0.0, 0.0, 0.15))
 """Assumed: a tool whose tip is 0.15 m in front of the wrist's centre, along axis 3 of link 6."""
 # Assumed, since the paper simulates no arm in space: the paper's run on a table. The tool points down, and the ellipse
-# stands upright beside the base. Joints keep 20 deg of their ranges all along it, and the arm stays far from singular
-# configurations.
+# stands upright beside the base. The table cuts off its lowest 10 mm, and the segment is 5 mm below the surface. Joints
+# keep 20 deg of their ranges all along it, the arm stays far from singular configurations, and no motor reaches its
+# largest torque.
 PATH = SpatialPath(
     center=(0.5, 0.15, 0.025),
     plane=(np.pi, -np.pi / 2, 0.0),
@@ -89,6 +90,7 @@ PATH = SpatialPath(
     reference=(np.pi, 0.0, np.pi),
     wall_normal=(0.0, 0.0, -1.0),
     wall_offset=0.04,
+    depth=0.005,
 )
 PUMA = SpatialRobot(
     chain=puma560(TOOL),
@@ -96,5 +98,8 @@ PUMA = SpatialRobot(
     path=PATH,
     payload=Body("payload", 1.0, (0.02, 0.0, -0.05), (2e-3, 0.0, 2e-3, 0.0, 0.0, 1e-3)),
     sources=(__name__,),
+    origin="The numbers are those of B. Armstrong, O. Khatib and J. Burdick, The explicit dynamic model and inertial"
+    " parameters of the PUMA 560 arm, IEEE Conf. Robotics and Automation, 1986. They give link 1 no mass, since it"
+    " turns about an axis that does not move, and no friction. Tool, payload, ellipse and wall are assumed.",
 )
 """The arm with a tool on a table, and a payload of 1 kg that controllers do not know."""

@@ -41,6 +41,11 @@ class Robot(Protocol):
         ...
 
     @property
+    def dt_max(self) -> float:
+        """Longest sub-step of its plant at the start, s."""
+        ...
+
+    @property
     def p_start(self) -> Sequence[float]:
         """Parameters p at the start, shape (r,)."""
         ...

@@ -47,9 +47,10 @@ class Rest:
     touching: float
 
 
-def parameter_grid(parameters: Sequence[ArmParameter]) -> Grid:
-    """Tables of the arrays that have an element for each parameter."""
-    return Grid(ARRAYS, [parameter.place for parameter in parameters], "parameters of the arm", LEGEND)
+def parameter_grid(parameters: Sequence[ArmParameter], origin: str) -> Grid:
+    """Tables of the arrays that have an element for each parameter; `origin` says where the numbers come from."""
+    places = [parameter.place for parameter in parameters]
+    return Grid(ARRAYS, places, "parameters of the arm", f"{LEGEND} {origin}".strip())
 
 
 def first_runs(name: str, rest: Rest) -> list[Example]:
@@ -215,7 +216,7 @@ for unit in units:
     text = (
         "All five FMUs of the loop beside each other in one folder, coupled by the names of their signals. Outputs of a"
         " unit pass to the units that run after it in the same step, so the order matters. The controller does not know"
-        " the payload of the plant, and errs by some tenths of a millimetre; an adaptive controller finds it."
+        " the payload of the plant, if there is one; put an adaptive controller in its place, which finds the payload."
     )
     return Example("The whole loop", text, code)
 

@@ -30,6 +30,7 @@ from fmus.mechanics.spatial_arm import PER_JOINT, SPACE, SpatialArm
 from fmus.mechanics.spatial_model import TASK, SpatialArmModel, spatial_parameters
 from fmus.mechanics.task import Task
 from fmus.robots.spatial_page import PRESS, Rest, first_runs, parameter_grid
+from fmus.robots.substep import longest_substep
 
 GRAVITY = (0.0, 0.0, -9.81)
 """Acceleration of a falling body in the axes of the base, m/s2: the arm stands upright."""
@@ -56,11 +57,14 @@ class SpatialRobot:
         What the plant's tip holds at the start, in the frame of the tip; controllers assume nothing there.
     sources
         Names of further modules whose docstrings tell where the numbers come from.
+    origin
+        Where the numbers come from, in a sentence for the FMUs' pages.
 
     Raises
     ------
     RobotError
-        If the arm has fewer than six joints, or does not reach the beginning of the ellipse from `near`.
+        If the arm has fewer than six joints, does not reach the beginning of the ellipse from `near`, or has joints
+        whose friction cannot be integrated.
     """
 
     chain: Chain
@@ -68,10 +72,11 @@ class SpatialRobot:
     path: start.SpatialPath
     payload: Body = NO_PAYLOAD
     sources: tuple[str, ...] = ()
+    origin: str = ""
 
     def __post_init__(self) -> None:
         """Refuse arms that cannot follow their trajectory from its beginning on."""
-        _ = self.start
+        _ = self.start, self.dt_max
 
     @cached_property
     def arm(self) -> SpatialArm:
@@ -121,6 +126,11 @@ class SpatialRobot:
             }
         )  # fmt: skip
 
+    @cached_property
+    def dt_max(self) -> float:
+        """Longest sub-step of its plant at the start, s: one at which the friction of the joints is stable."""
+        return longest_substep(self.arm, np.array(self.start.q), self.chain.p)
+
     @property
     def p_start(self) -> Sequence[float]:
         """Parameters p at the start, shape (13 n + 10,): the arm's, and no payload."""
@@ -166,7 +176,7 @@ class SpatialRobot:
 
     def declare_known(self, model: Model) -> ArmModel:
         """Declare gravity, the velocity of friction, and the orientation from which angles count."""
-        model.guide = replace(model.guide, grids=[parameter_grid(self.parameters)])
+        model.guide = replace(model.guide, grids=[parameter_grid(self.parameters, self.origin)])
         gravity = model.parameter(
             "gravity", GRAVITY, unit="m/s2", description=along("Acceleration of a falling body", SPACE)
         )

@@ -3,8 +3,8 @@
 The ellipse stands upright. Its top is where the tip is at the start, and its bottom is below the surface of a table, so
 that the tip comes down, slides across the table and leaves it, as the paper's arm does at its wall. The second axis is
 horizontal and points across the arm. The orientation of the tip stays that of the start. Lengths are parts of the
-arm's reach, those of the PUMA 560: semi-axes of 6 % (upright) and 16 %, bottom 0.8 % below the surface. If such an
-ellipse does not fit, smaller ones are tried, down to a fifth of the size.
+arm's reach: semi-axes of 6 % (upright) and 16 %, the bottom 0.8 % below the surface, and the segment that cuts it off
+0.4 %. If such an ellipse does not fit, smaller ones are tried, down to a fifth of the size.
 
 An ellipse fits if at each of its points
 
@@ -33,8 +33,8 @@ from fmus.start import SpatialPath
 
 GRAVITY = (0.0, 0.0, -9.81)
 """Acceleration of a falling body in the axes of the base, m/s2: the arm stands upright."""
-UPRIGHT, ACROSS, DEPTH = 0.06, 0.16, 0.008
-"""Semi-axes, and depth of the ellipse's bottom below the surface of the table, in reaches of the arm."""
+UPRIGHT, ACROSS, BOTTOM, DEPTH = 0.06, 0.16, 0.008, 0.004
+"""Semi-axes, and depths of the ellipse's bottom and of its segment below the table, in reaches of the arm."""
 SIZES = (1.0, 0.7, 0.45, 0.3, 0.2)
 POINTS = 60  # around the ellipse: 6 deg apart
 MARGIN = 0.05  # of a range, from each of its ends
@@ -138,7 +138,7 @@ class TableArm:
         R, top, _ = (np.array(value) for value in self.at(q))
         top, length = top.ravel(), size * self.chain.reach
         azimuth = math.atan2(top[1], top[0])
-        upright, across, depth = rounded([part * length for part in (UPRIGHT, ACROSS, DEPTH)])
+        upright, across, bottom, depth = rounded([part * length for part in (UPRIGHT, ACROSS, BOTTOM, DEPTH)])
         center = rounded([top[0], top[1], top[2] - upright])
         return SpatialPath(
             center=center,
@@ -146,7 +146,8 @@ class TableArm:
             semi_axis=(upright, across),
             reference=rounded(rpy(R)),
             wall_normal=(0.0, 0.0, -1.0),
-            wall_offset=rounded([upright - center[2] - depth])[0],
+            wall_offset=rounded([upright - center[2] - bottom])[0],
+            depth=depth,
         )
 
     def moved(self, q: np.ndarray, R: np.ndarray, position: np.ndarray) -> np.ndarray | None:

@@ -6,6 +6,7 @@ one that is chosen (`fmus.robots.posture`). The ellipse follows from it (`fmus.r
 
 import re
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -27,6 +28,7 @@ def robot_of_urdf(
     locked: Mapping[str, float] | None = None,
     start: Sequence[float] | None = None,
     payload: float = 0.0,
+    rotor: Mapping[str, float] | float = 0.0,
 ) -> SpatialRobot:
     """Read an arm from a URDF file and give its tip an ellipse on a table.
 
@@ -39,6 +41,9 @@ def robot_of_urdf(
         posture is chosen, always the same one for the same file.
     payload
         Mass at the tip, kg, which the plant has and the controllers do not know; a point.
+    rotor
+        Inertia of the rotors as seen at their joints, gear ratio squared times that of the motor, kg m2 (kg): of each
+        joint by its name, or one for all. URDF has none.
 
     Raises
     ------
@@ -56,13 +61,14 @@ def robot_of_urdf(
     >>> unit_of_arm("Plant", robot, "Arm").name  # doctest: +SKIP
     'PlantArm'
     """
-    chain = read_urdf(path, tip, base=base, locked=locked)
+    chain = _with_rotors(read_urdf(path, tip, base=base, locked=locked), rotor)
     _check(chain, Path(path).name)
     held = Body("payload", payload)
     arm = TableArm(chain, held)
     fitting = chosen_posture(arm) if start is None else arm.fitting(_given(chain, start))
     near = tuple(float(value) for value in fitting.q)
-    return SpatialRobot(chain, near, fitting.path, held, (__name__, "fmus.robots.table_path"))
+    origin = f"The numbers are those of {Path(path).name}, from {chain.base_name} to {chain.tip_name}."
+    return SpatialRobot(chain, near, fitting.path, held, (__name__, "fmus.robots.table_path"), origin)
 
 
 def suffix_of(name: str) -> str:
@@ -104,6 +110,18 @@ def _check(chain: Chain, file: str) -> None:
                     f"{what}, or leave the attribute out for none."
                 )
                 raise RobotError(msg)
+
+
+def _with_rotors(chain: Chain, rotor: Mapping[str, float] | float) -> Chain:
+    """The arm with the inertia of its rotors."""
+    names = [joint.name for joint in chain.joints]
+    given = rotor if isinstance(rotor, Mapping) else dict.fromkeys(names, rotor)
+    for name in given:
+        if name not in names:
+            msg = f"Robot {chain.name}: there is no joint {name} that moves; the arm has {', '.join(names)}."
+            raise RobotError(msg)
+    joints = (replace(joint, rotor_inertia=given.get(joint.name, 0.0)) for joint in chain.joints)
+    return replace(chain, joints=tuple(joints))
 
 
 def _given(chain: Chain, start: Sequence[float]) -> np.ndarray:

@@ -335,7 +335,10 @@ app.command(cls=Command, epilog=REPORT_EPILOG)(with_messages(report))
 app.command(cls=SweepCommand, epilog=SWEEP_EPILOG)(with_messages(sweep))
 
 
-@app.command(cls=Command, epilog=closing("adaptimp paper", "adaptimp paper -o figures --format svg"))
+@app.command(
+    cls=Command,
+    epilog=closing("adaptimp paper", "adaptimp paper -o figures --format svg", "adaptimp paper --robot puma"),
+)
 @with_messages
 def paper(
     out: Annotated[
@@ -344,12 +347,15 @@ def paper(
     image: Annotated[
         str, typer.Option("--format", metavar="FORMAT", help="Format of the figures: png or svg.")
     ] = "png",
+    robot: Annotated[
+        str, typer.Option("--robot", metavar="ARM", help="Arm: planar, the paper's, or puma, the PUMA 560.")
+    ] = "planar",
     fresh: Annotated[bool, typer.Option("--fresh", help="Measure the claims even if they are in the cache.")] = False,
 ) -> None:
     """Reproduce the paper's figures and claims from real FMUs."""
     from orchestration.cli.commands import reproduce_paper
 
-    reproduce_paper(out, image, fresh=fresh)
+    reproduce_paper(out, image, robot, fresh=fresh)
 
 
 def main() -> None:

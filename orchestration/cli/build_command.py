@@ -94,16 +94,28 @@ def build(
         float,
         typer.Option(metavar="KG", help="Mass at the tip that the controllers do not know, kg.", rich_help_panel=ROBOT),
     ] = 0.0,
+    rotor: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="JOINT=KG.M2",
+            help="Inertia of a motor's rotor as seen at its joint, which a URDF lacks; repeatable. A number without a"
+            " joint is for all of them.",
+            show_default="none",
+            rich_help_panel=ROBOT,
+        ),
+    ] = None,
 ) -> None:
     """Build the FMUs of the catalog, of your own models, or of a robot; binaries that exist come from the cache."""
     if robot is not None:
         from orchestration.cli.robot_build import RobotRequest, build_robot, require_no_models
 
         require_no_models(files or [])
-        request = RobotRequest(robot, tip, base, tuple(hold or ()), start, payload)
+        request = RobotRequest(robot, tip, base, tuple(hold or ()), start, payload, tuple(rotor or ()))
         build_robot(request, out or Path("build/robot"), platform or [], reals=reals)
         return
     from orchestration.cli.commands import build_fmus, require_no_robot
 
-    require_no_robot({"--tip": tip, "--base": base, "--hold": hold, "--start": start, "--payload": payload})
+    require_no_robot(
+        {"--tip": tip, "--base": base, "--hold": hold, "--start": start, "--payload": payload, "--rotor": rotor}
+    )
     build_fmus(files or [], out or Path("build/reals" if reals else "build/fmus"), platform or [], reals=reals)

@@ -1,6 +1,6 @@
 """Builds FMUs and reproduces the paper: ``adaptimp build`` and ``adaptimp paper``."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -18,8 +18,14 @@ from orchestration.master.progress import RUNNING
 if TYPE_CHECKING:
     from adaptimp_fmu import Model, Platform
     from orchestration.master.progress import ProgressLine
+    from orchestration.paper.claims.claim import Claim
+    from orchestration.paper.report import Report
+    from orchestration.paper.spatial_report import SpatialReport
 
 IMAGES = ("png", "svg")
+PLANAR, PUMA = "planar", "puma"
+ROBOTS = (PLANAR, PUMA)
+Tell = Callable[[str], None]
 
 
 def build_fmus(files: Sequence[Path], out: Path, platforms: Sequence[str], *, reals: bool = False) -> None:
@@ -93,17 +99,17 @@ def _stamp(path: Path) -> tuple[int, int] | None:
     return status.st_ino, status.st_mtime_ns
 
 
-def reproduce_paper(out: Path, image: str, *, fresh: bool) -> None:
-    """Reproduce the figures and claims of the paper, and print the table of claims."""
-    let_matplotlib_write()
-    for package in ("bokeh", "casadi", "scipy"):
-        imported(package, "paper")
-    from orchestration.paper.claims.claim import HOLDS
-    from orchestration.paper.report import reproduce
-
+def reproduce_paper(out: Path, image: str, robot: str, *, fresh: bool) -> None:
+    """Reproduce the figures and claims of the paper with an arm, and print the table of claims."""
+    if robot not in ROBOTS:
+        msg = f"--robot: there is no arm {robot}; {suggestion(robot, ROBOTS)}"
+        raise SystemDescriptionError(msg)
     if image not in IMAGES:
         msg = f"There is no image format {image}; {suggestion(image, IMAGES)}"
         raise SystemDescriptionError(msg)
+    let_matplotlib_write()
+    for package in ("bokeh", "casadi", "scipy"):
+        imported(package, "paper")
     require_folder(out)
     present = set(out.iterdir())
     with watched() as line:
@@ -112,14 +118,40 @@ def reproduce_paper(out: Path, image: str, *, fresh: bool) -> None:
             output.say(f"{sentence} ...")
             line.begin(RUNNING)
 
-        report = reproduce(out, tell, image, fresh=fresh)
-    columns = [Column(name, overflow="fold") for name in ("id", "claim", "in words")]  # nothing is cut
-    table = Table(*columns, title="Claims of the paper")
-    for claim in report.claims:
-        colour = "green" if claim.verdict == HOLDS else "red"
-        table.add_row(claim.id, claim.claim, Text(report.words[claim.id], colour))
-    output.show(table)
+        title, words, report, files = (_in_space if robot == PUMA else _in_the_plane)(out, image, tell, fresh=fresh)
+    _show_claims(title, report.claims, words)
     if report.kept:
         output.say("The claims were measured by an earlier run on the same FMUs, numbers and code; --fresh repeats it.")
-    for path in (*report.figures, report.claims_file, report.claims_file.with_suffix(".md"), report.page):
+    for path in (*report.figures, report.claims_file, report.claims_file.with_suffix(".md"), *files):
         output.say(written(path, existed=path in present))
+
+
+def _in_the_plane(
+    out: Path, image: str, tell: Tell, *, fresh: bool
+) -> "tuple[str, Mapping[str, str], Report, list[Path]]":
+    """Reproduce the paper: a title, how strongly claims hold, the report, and further files."""
+    from orchestration.paper.report import reproduce
+
+    report = reproduce(out, tell, image, fresh=fresh)
+    return "Claims of the paper", report.words, report, [report.page]
+
+
+def _in_space(
+    out: Path, image: str, tell: Tell, *, fresh: bool
+) -> "tuple[str, Mapping[str, str], SpatialReport, list[Path]]":
+    """Reproduce the paper with the PUMA 560; what is returned is that of `_in_the_plane`."""
+    from orchestration.paper.spatial_report import reproduce_in_space
+
+    report = reproduce_in_space(out, tell, image, fresh=fresh)
+    return "Claims of the paper, PUMA 560", {one.id: one.verdict for one in report.claims}, report, []
+
+
+def _show_claims(title: str, claims: "Sequence[Claim]", words: Mapping[str, str]) -> None:
+    from orchestration.paper.claims.claim import HOLDS
+
+    columns = [Column(name, overflow="fold") for name in ("id", "claim", "in words")]  # nothing is cut
+    table = Table(*columns, title=title)
+    for claim in claims:
+        colour = "green" if claim.verdict == HOLDS else "red"
+        table.add_row(claim.id, claim.claim, Text(words[claim.id], colour))
+    output.show(table)

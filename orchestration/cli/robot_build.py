@@ -47,6 +47,8 @@ class RobotRequest:
         Joint coordinates at the start with commas, rad or m; None lets them be chosen.
     payload
         Mass at the tip, kg.
+    rotor
+        Texts JOINT=INERTIA or INERTIA: inertia of the rotors as seen at the joints, kg m2 or kg.
     """
 
     file: Path
@@ -55,6 +57,7 @@ class RobotRequest:
     hold: Sequence[str] = ()
     start: str | None = None
     payload: float = 0.0
+    rotor: Sequence[str] = ()
 
     def robot(self) -> "SpatialRobot":
         """Read the arm, and find its posture and its ellipse.
@@ -75,7 +78,13 @@ class RobotRequest:
                 )
                 raise SystemDescriptionError(msg)
             return urdf_robot.robot_of_urdf(
-                self.file, self.tip, base=self.base, locked=held, start=start, payload=self.payload
+                self.file,
+                self.tip,
+                base=self.base,
+                locked=held,
+                start=start,
+                payload=self.payload,
+                rotor=_rotors(self.rotor),
             )
         except imported("fmus.robots.table_path").NoPathError as error:
             give = "Give other joint coordinates" if self.start else "Give joint coordinates for the start"
@@ -207,6 +216,14 @@ def _next(package: Path, files: Mapping[str, Path], controller: Path) -> list[li
     return [picture, *([*run, "--controller", str(path)] for path in others[:1])]
 
 
+def _rotors(texts: Sequence[str]) -> Mapping[str, float] | float:
+    """Inertias of rotors by their joints, or one for all."""
+    if len(texts) == 1 and "=" not in texts[0]:
+        return _number(f"--rotor {texts[0]}", texts[0])
+    return {name: _number(f"--rotor {name}={text}", text) for name, text in map(_ROTOR, texts)}
+
+
+_ROTOR = setting_of("--rotor", "JOINT=INERTIA is needed, or one inertia for all joints, in kg m2 or kg")
 _HOLD = setting_of("--hold", "a joint and where it is held are needed: JOINT=Q, in rad or m")
 
 

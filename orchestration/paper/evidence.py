@@ -7,19 +7,21 @@ from functools import cached_property
 import numpy as np
 
 from orchestration.paper.calibrations import CHOSEN_CALIBRATION, FIRST
+from orchestration.paper.cases import IDEAL, PLANAR_CASE, Case
 from orchestration.paper.laboratory import SEEDS, Job, Laboratory, Outcome
-from orchestration.paper.measure import ESTIMATE, Summary, at_ticks, free_error, norms
-from orchestration.paper.numbers import LARGEST_PSI, TRUE_M2
+from orchestration.paper.lyapunov import Parameter
+from orchestration.paper.measure import Summary, at_ticks, free_error, norms
+from orchestration.paper.numbers import LARGEST_PSI
 from orchestration.paper.saturation import SATURATION_COLUMNS
-from orchestration.paper.scenarios import SCENARIOS, UNSATURATED
+from orchestration.paper.scenarios import UNSATURATED
 from orchestration.paper.settings import limits, torque_limits
 from orchestration.results.result import Result
 
 PSI_GRID = tuple(LARGEST_PSI * 10.0 ** ((k - 6.1) / 6) for k in range(7))  # 1/s, a decade that suits both algorithms
 GAMMA_GRID_FACTORS = tuple(10.0 ** (k / 3) for k in range(-3, 4))  # of the scenario's gain
-K_D_GRID = (30.0, 100.0, 300.0, 1000.0, 3000.0)  # N.s/m
+K_D_GRID = PLANAR_CASE.dampings  # N.s/m
 DIVISORS = (1, 10, 100)
-PERIODS = (4e-5, 2e-5, 1e-5, 5e-6)  # s
+PERIODS = PLANAR_CASE.periods  # s
 TOUCH = ("plant.F_ext", "plant.x")  # what `contact` needs
 FORCE = ("plant.F_ext[1]", "plant.F_ext[2]")
 ADAPTIVE = ("fig5", "fig6", "fig7", "spong-ortega")
@@ -33,16 +35,19 @@ class Evidence:
     Attributes
     ----------
     results
-        Runs of the scenarios, by name, with all outputs.
+        Runs of the figures, ``fig2`` to ``fig7``, with all outputs.
+    case
+        The arm.
     """
 
     laboratory: Laboratory
     results: Mapping[str, Result]
+    case: Case = PLANAR_CASE
 
     @cached_property
     def ideal_force(self) -> np.ndarray:
-        """Contact force with the true mass and a perfect sensor, N, shape (n_rows, 2)."""
-        return self.laboratory.run(Job("ideal"), FORCE)["plant.F_ext"]
+        """Contact force with the true mass and a perfect sensor, N, shape (n_rows, m)."""
+        return self.laboratory.run(Job(self.case.runs[IDEAL]), self.case.columns("plant.F_ext"))["plant.F_ext"]
 
     @cached_property
     def noise(self) -> Mapping[str, list[Summary]]:
@@ -86,7 +91,8 @@ class Evidence:
 
     def _over_seeds(self, suffix: str, ideal_force: np.ndarray) -> Mapping[str, list[Summary]]:
         """Summaries by the name of a figure, whose scenarios have a suffix."""
-        jobs = [Job(f"{name}{suffix}", {"sensor.seed": seed}) for name in ADAPTIVE for seed in SEEDS]
+        names = [f"{self.case.runs[name]}{suffix}" for name in ADAPTIVE]
+        jobs = [Job(name, {"sensor.seed": seed}) for name in names for seed in SEEDS]
         found = [_required(outcome) for outcome in self.laboratory.summaries(jobs, ideal_force)]
         return {name: found[i * len(SEEDS) :][: len(SEEDS)] for i, name in enumerate(ADAPTIVE)}
 
@@ -98,8 +104,9 @@ class Evidence:
         suffix
             Of the scenario's name, such as ``-first``.
         """
-        record = (*FORCE, "controller.e[1]", "controller.e[2]")
-        return free_error(self.laboratory.run(Job(f"fig7{suffix}", {GAIN: 0.0, **UNSATURATED}), record))
+        record = self.case.columns("plant.F_ext", "controller.e")
+        changes = {**self.case.gains("fig7", 0.0), **self.case.unsaturated}
+        return free_error(self.laboratory.run(Job(f"{self.case.runs['fig7']}{suffix}", changes), record))
 
     @cached_property
     def sensitivity(self) -> Mapping[str, list[tuple[float, float, Summary | None]]]:
@@ -142,11 +149,11 @@ class Evidence:
 
     @cached_property
     def sampled(self) -> list[Result]:
-        """Runs of fig5 at the sampling periods `PERIODS`."""
-        names = ("controller.e", "controller.e_star", "controller.tau_cmd", *TOUCH)
-        record = [f"{n}[{i}]" for n in names for i in (1, 2)]
-        jobs = [Job("fig5", self._same_noise(), sample_time=period) for period in PERIODS]
-        return self.laboratory.results(jobs, [*record, ESTIMATE])
+        """Runs of fig5 at the sampling periods of the case."""
+        case = self.case
+        record = [*case.columns("controller.e", "controller.e_star", *TOUCH), *case.by_joint("controller.tau_cmd")]
+        jobs = [Job(case.runs["fig5"], self._same_noise(), sample_time=period) for period in case.periods]
+        return self.laboratory.results(jobs, [*record, *case.estimates])
 
     @cached_property
     def saturated_finely(self) -> Result:
@@ -158,39 +165,43 @@ class Evidence:
         return self.laboratory.run(job, SATURATION_COLUMNS)
 
     def _same_noise(self) -> Mapping[str, float]:
-        """Start values that give the same noise at every period of `PERIODS`."""
+        """Start values that give the same noise at every period of the case."""
         held = self.scenario_value("fig5", NOISE_PERIOD)
-        return {NOISE_PERIOD: max(1, round(held / PERIODS[0])) * PERIODS[0]}
+        longest = self.case.periods[0]
+        return {NOISE_PERIOD: max(1, round(held / longest)) * longest}
 
     @cached_property
     def damped_from_wrong(self) -> list[Result]:
-        """Runs of fig7 without torque limits at the gains `K_D_GRID`."""
+        """Runs of fig7 without torque limits at the gains K_d of the case."""
         return self._damped({})
 
     @cached_property
     def damped_from_true(self) -> list[Result]:
-        """Runs of fig7 as `damped_from_wrong`, with the true mass known from the start."""
-        return self._damped({"controller.p_start[2]": TRUE_M2})
+        """Runs of fig7 as `damped_from_wrong`, with the true parameters known from the start."""
+        return self._damped({f"controller.p_start[{number}]": value for number, value in self.case.true.items()})
 
     @cached_property
     def damped_in_proportion(self) -> list[Result]:
         """Runs of fig7 as `damped_from_wrong`, with a Gamma that grows in proportion to K_d."""
-        per_damping = self.scenario_value("fig7", GAIN) / self.scenario_value("fig7", "controller.K_d[1]")
-        return self._damped({}, per_damping)
+        return self._damped({}, in_proportion=True)
 
-    def _damped(self, changes: Mapping[str, float], per_damping: float | None = None) -> list[Result]:
-        record = [f"{n}[{i}]" for n in ("controller.s", "controller.e", "plant.q", *TOUCH) for i in (1, 2)]
+    def _damped(self, changes: Mapping[str, float], *, in_proportion: bool = False) -> list[Result]:
+        case, own = self.case, self.scenario_value("fig7", "controller.K_d[1]")
+        record = [*case.columns("controller.s", "controller.e", *TOUCH), *case.by_joint("plant.q"), *case.estimates]
         jobs = []
-        for damping in K_D_GRID:
-            both = {"controller.K_d[1]": damping, "controller.K_d[2]": damping}
-            gain = {} if per_damping is None else {GAIN: per_damping * damping}
-            jobs.append(Job("fig7", {**both, **gain, **UNSATURATED, **changes}))
-        return self.laboratory.results(jobs, [*record, ESTIMATE])
+        for K_d in case.dampings:
+            gains = case.gains("fig7", K_d / own) if in_proportion else {}
+            jobs.append(Job(case.runs["fig7"], {**case.damping(K_d), **gains, **case.unsaturated, **changes}))
+        return self.laboratory.results(jobs, record)
 
-    @staticmethod
-    def scenario_value(name: str, path: str) -> float:
-        """The start value of a variable in a scenario."""
-        return SCENARIOS[name].values[path].number
+    def scenario_value(self, figure: str, path: str) -> float:
+        """The start value of a variable in the run of a figure."""
+        return self.case.scenario(figure).values[path].number
+
+    def parameters(self, figure: str, factor: float = 1.0) -> list[Parameter]:
+        """The parameters that are adapted in the run of a figure, with Gamma times a factor."""
+        gains = self.case.gains(figure, factor).values()
+        return [Parameter(*one) for one in zip(self.case.estimates, self.case.true.values(), gains, strict=True)]
 
 
 def _required(outcome: Outcome) -> Summary:

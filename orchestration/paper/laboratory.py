@@ -11,7 +11,8 @@ import numpy as np
 
 from orchestration.errors import SimulationError
 from orchestration.master.simulate import Options, simulate
-from orchestration.paper.measure import ESTIMATE, RECORDED, NoContactError, Summary, summarize
+from orchestration.paper.cases import case_of
+from orchestration.paper.measure import NoContactError, Summary, recorded, summarize
 from orchestration.paper.scenarios import ALL_SCENARIOS
 from orchestration.results.result import Result
 
@@ -91,7 +92,7 @@ class Laboratory:
 
         def work(job: Job) -> Outcome:
             try:
-                return summarize(self.run(job, (*RECORDED, ESTIMATE)), ideal_force)
+                return summarize(self.run(job, recorded(case_of(job.scenario).shape)), ideal_force)
             except (SimulationError, NoContactError) as error:
                 return error
 

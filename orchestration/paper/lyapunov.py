@@ -3,18 +3,20 @@
 The numbers of a run (gains, the bound delta of the noise) are arguments, so that a study may vary them.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from orchestration.paper.measure import ESTIMATE, Contact, at_ticks, contact, norms
+from orchestration.paper.cases import PLANAR_CASE, Kinetic
+from orchestration.paper.measure import ESTIMATE, Contact, at_ticks, contact
 from orchestration.paper.numbers import (
     ADAPTIVE_DAMPING,
     TARGET_INERTIA,
     TARGET_STIFFNESS,
     TRUE_M2,
-    TRUE_MASSES,
 )
+from orchestration.paper.task_shape import lengths, scales
 from orchestration.results.result import Result
 
 _STIFFNESS, _DAMPING = TARGET_STIFFNESS / TARGET_INERTIA, ADAPTIVE_DAMPING / TARGET_INERTIA  # 1/s2 and 1/s
@@ -28,25 +30,53 @@ SLIDING_COLUMNS = tuple(
 """Columns that `sliding_bounds` needs, besides the estimate."""
 
 
-def craig(result: Result, psi: float, gain: float) -> np.ndarray:
+@dataclass(frozen=True)
+class Parameter:
+    """A parameter that is adapted.
+
+    Attributes
+    ----------
+    estimate
+        Column of its estimate.
+    true, gain
+        Its true value, and Gamma.
+    """
+
+    estimate: str
+    true: float
+    gain: float
+
+
+Gain = float | Sequence[Parameter]
+"""Gamma of m2 where m2 alone is adapted, or all parameters that are."""
+
+
+def craig(result: Result, psi: float, gain: Gain) -> np.ndarray:
     """V_c of algorithm 1 at the ticks of a run, shape (n_ticks,).
 
     Parameters
     ----------
     psi
-        Psi, 1/s, the same for both axes.
+        Psi, 1/s, the same for all coordinates.
     gain
-        Gamma of m2, kg2.s2/m2.
+        Gamma of m2, kg2.s2/m2, or the parameters that are adapted.
     """
     e, e_star = at_ticks(result, "controller.e"), at_ticks(result, "controller.e_star")
     de = e_star - psi * e
     quadratic = (_STIFFNESS + psi * _DAMPING) * e**2 + 2 * psi * e * de + de**2
-    return quadratic.sum(axis=1) + (result.at_ticks(ESTIMATE) - TRUE_M2) ** 2 / gain
+    return (quadratic * scales(e.shape[1]) ** 2).sum(axis=1) + _parameter_error(result, gain)
+
+
+def _parameter_error(result: Result, gain: Gain) -> np.ndarray:
+    """The sum of (p_hat - p)^2 / Gamma, shape (n_ticks,)."""
+    if isinstance(gain, float):
+        return (result.at_ticks(ESTIMATE) - TRUE_M2) ** 2 / gain
+    return np.sum([(result.at_ticks(one.estimate) - one.true) ** 2 / one.gain for one in gain], axis=0)
 
 
 def craig_rise(result: Result, V: np.ndarray, layer: float) -> float:
     """Sum of V_c's rises at ticks with |e*| above a layer, m/s, over V_c at the start."""
-    return rise(V, norms(at_ticks(result, "controller.e_star"))[:-1] > layer)
+    return rise(V, lengths(at_ticks(result, "controller.e_star"))[:-1] > layer)
 
 
 def craig_growth(result: Result, V: np.ndarray, touch: Contact) -> float:
@@ -95,17 +125,20 @@ class SlidingGains:
     psi
         Psi, 1/s.
     gain
-        Gamma of m2, kg.s2/m2.
+        Gamma of m2, kg.s2/m2, or the parameters that are adapted.
     K_d
         N.s/m.
     noise_bound
         The bound delta of the sensor's error, N.
+    kinetic
+        Twice the kinetic energy s' H_x s, from q and s.
     """
 
     psi: float
-    gain: float
+    gain: Gain
     K_d: float
     noise_bound: float
+    kinetic: Kinetic = PLANAR_CASE.kinetic
 
 
 def sliding_bounds(result: Result, gains: SlidingGains) -> SlidingBounds:
@@ -116,9 +149,9 @@ def sliding_bounds(result: Result, gains: SlidingGains) -> SlidingBounds:
     NoContactError
         If the tip never touched the wall.
     """
-    s, e = at_ticks(result, "controller.s"), norms(at_ticks(result, "controller.e"))
-    size, phi = norms(s), result.at_ticks(ESTIMATE) - TRUE_M2
-    V = 0.5 * (_kinetic(result, s) + phi**2 / gains.gain)
+    s, e = at_ticks(result, "controller.s"), lengths(at_ticks(result, "controller.e"))
+    size = lengths(s)
+    V = 0.5 * (gains.kinetic(at_ticks(result, "plant.q"), s) + _parameter_error(result, gains.gain))
     bound = gains.noise_bound / gains.K_d
     largest = float(size[result.tick_times("controller.s[1]") >= contact(result).first].max())
     return SlidingBounds(
@@ -129,14 +162,3 @@ def sliding_bounds(result: Result, gains: SlidingGains) -> SlidingBounds:
         ultimate=largest / bound,
         e_ratio=float(e.max() / (e[0] + size.max() / gains.psi)),
     )
-
-
-def _kinetic(result: Result, s: np.ndarray) -> np.ndarray:
-    """Twice the kinetic energy S' H_x s of an arm whose tip moves with s, m/s, shape (n_ticks,).
-
-    The masses are points at the ends of the links. So the second one moves with s, and the first one with l_1 dq_1.
-    """
-    q = at_ticks(result, "plant.q")
-    second = q[:, 0] + q[:, 1]
-    speed = (s[:, 0] * np.cos(second) + s[:, 1] * np.sin(second)) / np.sin(q[:, 1])
-    return TRUE_MASSES[0] * speed**2 + TRUE_MASSES[1] * (s[:, 0] ** 2 + s[:, 1] ** 2)

@@ -141,7 +141,6 @@ def recorded(shape: TaskShape) -> tuple[str, ...]:
     return (*(f"{n}[{i}]" for n in names for i in range(1, sizes.get(n, shape.size) + 1)), shape.estimate)
 
 
-
 @dataclass(frozen=True)
 class Summary:
     """A run with adaptation in numbers; errors of m2_hat in kg, times in s, lengths in m.

@@ -4,7 +4,7 @@ Each of them is a measure of `orchestration.paper.ready_measures`. A number is l
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from orchestration.paper.ready_measures import READY
@@ -52,9 +52,9 @@ class RunNumber:
     unit: str
 
 
-def columns_needed() -> tuple[str, ...]:
-    """Return the names of the columns and arrays that the numbers of any run are computed from."""
-    formulas = [parse_formula(READY[name][0]) for name in (*CHOSEN, *IN_SPACE)]
+def columns_needed(names: Sequence[str] = CHOSEN) -> tuple[str, ...]:
+    """Return the names of the columns and arrays that some numbers are computed from, by default those in the plane."""
+    formulas = [parse_formula(READY[name][0]) for name in names]
     return tuple(dict.fromkeys(column for formula in formulas for column in formula.columns))
 
 
@@ -86,11 +86,11 @@ def _force(numbers: Mapping[str, RunNumber]) -> str:
 
 def _errors(numbers: Mapping[str, RunNumber]) -> list[str]:
     places = {"free": "in free motion", "contact": "in contact"}
-    kinds = {"e": "tracking error", "position": "tracking error of the position", "angle": "tracking error of the orientation"}
+    kinds = {"e": "", "position": " of the position", "angle": " of the orientation"}
     return [
-        f"{words} {where}: at most {_said(largest)}, rms {_said(numbers[f'rms_{kind}_{place}'])}"
+        f"tracking error{of} {where}: at most {_said(largest)}, rms {_said(numbers[f'rms_{kind}_{place}'])}"
         for place, where in places.items()
-        for kind, words in kinds.items()
+        for kind, of in kinds.items()
         if (largest := numbers.get(f"max_{kind}_{place}")) is not None and largest.value is not None
     ]
 

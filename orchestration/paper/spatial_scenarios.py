@@ -58,9 +58,7 @@ _TABLE = "assumed: a table below the arm, which cuts off the share of the ellips
 _RATE = "assumed: M times the paper's {0} (V), so that time constants are the paper's"
 _SPEED = "assumed: the estimate of the mass settles as fast as with the calibration section-v in the plane"
 _CALIBRATED = "assumed: as in the calibration section-v"
-_SAMPLING = (
-    "assumed: practically continuous; with 1e-4 s F_c chatters, and torques are up to 2.3 times as large"
-)
+_SAMPLING = "assumed: practically continuous; with 1e-4 s F_c chatters, and torques are up to 2.3 times as large"
 
 
 def _vector(path: str, numbers: Sequence[float], origin: str, first: int = 1) -> dict[str, Value]:
@@ -99,9 +97,7 @@ _NOISE = {
     "sensor.seed": Value(SEED, "assumed: any; the claims are measured over 30 seeds"),
 }
 _L = {"controller.L": Value(LENGTH, "assumed: the length of the tool turns angles into lengths (decision 19)")}
-_LIMITS = _vector(
-    "actuator.tau_max", TORQUE_LIMITS, "assumed: 75 % (V) of each joint's largest torque in puma-craig"
-)
+_LIMITS = _vector("actuator.tau_max", TORQUE_LIMITS, "assumed: 75 % (V) of each joint's largest torque in puma-craig")
 
 
 def _payload(numbers: Sequence[float], origin: str) -> dict[str, Value]:

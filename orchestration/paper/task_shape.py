@@ -1,8 +1,8 @@
 """What the task of a run is: a position in the plane, or position and orientation in space.
 
-A run tells it by its columns. In space the coordinates are x = (p, phi) of docs/spatial-arms.md, three positions, m, and
-three angles, rad. Where a norm joins them, an angle counts L: an error e has the size |S e| and a force F the size
-|S^-1 F| with S = diag(1, 1, 1, L, L, L) (docs/decisions/019-lengths-of-positions-and-angles.md).
+A run tells it by its columns. In space the coordinates are x = (p, phi) of docs/spatial-arms.md, three positions, m,
+and three angles, rad. Where a norm joins them, an angle counts L: an error e has the size |S e| and a force F the
+size |S^-1 F| with S = diag(1, 1, 1, L, L, L) (docs/decisions/019-lengths-of-positions-and-angles.md).
 """
 
 from collections.abc import Callable
@@ -78,7 +78,7 @@ def scales(size: int) -> np.ndarray:
 
 
 def norms(vectors: np.ndarray) -> np.ndarray:
-    """Euclidean norms of the rows of an array, shape (n, m); those of two columns have the bits of ``np.linalg.norm``."""
+    """Euclidean norms of the rows of an array, shape (n, m); of two columns with the bits of ``np.linalg.norm``."""
     squares = vectors[:, 0] * vectors[:, 0]
     for column in vectors.T[1:]:
         squares = squares + column * column

@@ -1,6 +1,8 @@
 """Evaluates equations of the paper at random states of the arm, which a seed fixes."""
 
 import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from functools import cache
 
 import casadi as ca
@@ -16,6 +18,7 @@ from fmus.control.impedance import (
 )
 from fmus.control.tirt import Impedance
 from fmus.mechanics.algebra import solve_spd, solve_square
+from fmus.mechanics.arm import ArmModel
 from fmus.mechanics.planar_arm import PlanarArm
 from fmus.mechanics.planar_model import PlanarArmModel
 from orchestration.paper.numbers import N_STATES
@@ -23,16 +26,46 @@ from orchestration.paper.numbers import N_STATES
 SEED = 1991
 
 
+@dataclass(frozen=True)
+class Sampled:
+    """An arm at random states.
+
+    Attributes
+    ----------
+    n, size
+        Numbers of joints and of task coordinates.
+    states
+        Random values by name, of shape (elements, N_STATES): at least q, dq, F_hat, virtual and impedance.
+    arm
+        Gives the equations of the arm and its parameters p from symbols for the states, by name.
+    """
+
+    n: int
+    size: int
+    states: Mapping[str, np.ndarray]
+    arm: Callable[[Mapping[str, ca.SX]], tuple[ArmModel, ca.SX]]
+
+
 def form_difference() -> float:
     """Largest difference among the forms (4), (5), (6)-(7) for n = 2, relative to the torque."""
-    torques = _torques(2, (torque_operational, torque_mobility, torque_resolved))
-    scale = np.abs(torques).max(axis=(0, 1))
-    return float((np.ptp(torques, axis=0).max(axis=0) / scale).max())
+    return difference_of_forms(planar(2))
 
 
 def redundant_residual() -> float:
     """Largest miss of eq. (3) by a three-joint arm under (5), relative to the demanded acceleration."""
-    function, arguments = _problem(3, _acceleration_miss)
+    return miss_of_target(planar(3))
+
+
+def difference_of_forms(sampled: Sampled) -> float:
+    """Largest difference among the forms (4), (5), (6)-(7) for an arm, relative to the torque."""
+    torques = _torques(sampled, (torque_operational, torque_mobility, torque_resolved))
+    scale = np.abs(torques).max(axis=(0, 1))
+    return float((np.ptp(torques, axis=0).max(axis=0) / scale).max())
+
+
+def miss_of_target(sampled: Sampled) -> float:
+    """Largest miss of eq. (3) by an arm under (5), relative to the demanded acceleration."""
+    function, arguments = _problem(sampled, _acceleration_miss)
     return float(np.array(function(*arguments)).max())
 
 
@@ -42,15 +75,32 @@ def skew_residual() -> float:
     q, dq, m, l = (ca.SX.sym(name, 2) for name in ("q", "dq", "m", "l"))
     J, dJ = arm.jacobian(q, l), arm.jacobian_rate(q, dq, l)
     H, C = arm.inertia(q, m, l), arm.coriolis(q, dq, m, l)
-    inverse = solve_square(J, ca.SX.eye(2))
-    H_x = ca.mtimes([inverse.T, H, inverse])
-    C_x = ca.mtimes([inverse.T, C - ca.mtimes([H, inverse, dJ]), inverse])
-    rate = ca.reshape(ca.jtimes(ca.vec(H_x), q, dq), 2, 2)
-    S = rate - 2 * C_x
-    ratio = ca.norm_fro(S + S.T) / (ca.norm_fro(rate) + 2 * ca.norm_fro(C_x))
+    ratio = symmetric_part((H, C), (J, dJ), (q, dq))
     states = _states(2)
     function = ca.Function("skew", [q, dq, m, l], [ratio]).map(N_STATES)
     return float(np.array(function(states["q"], states["dq"], states["m"], states["l"])).max())
+
+
+def symmetric_part(dynamics: tuple[ca.SX, ca.SX], jacobians: tuple[ca.SX, ca.SX], motion: tuple[ca.SX, ca.SX]) -> ca.SX:
+    """The norm of the symmetric part of dH_x/dt - 2 C_x, relative to the norms of both.
+
+    Parameters
+    ----------
+    dynamics
+        H and C, shape (n, n).
+    jacobians
+        J and dJ, shape (n, n).
+    motion
+        Symbols q and dq, shape (n,).
+    """
+    (H, C), (J, dJ), (q, dq) = dynamics, jacobians, motion
+    n = q.numel()
+    inverse = solve_square(J, ca.SX.eye(n))
+    H_x = ca.mtimes([inverse.T, H, inverse])
+    C_x = ca.mtimes([inverse.T, C - ca.mtimes([H, inverse, dJ]), inverse])
+    rate = ca.reshape(ca.jtimes(ca.vec(H_x), q, dq), n, n)
+    S = rate - 2 * C_x
+    return ca.norm_fro(S + S.T) / (ca.norm_fro(rate) + 2 * ca.norm_fro(C_x))
 
 
 @cache
@@ -75,25 +125,33 @@ def _states(n: int) -> dict[str, np.ndarray]:
     }
 
 
-def _problem(n: int, law) -> tuple[ca.Function, list[np.ndarray]]:
+def planar(n: int) -> Sampled:
+    """The paper's arm with n joints at random states, masses and lengths."""
+
+    def arm(symbols: Mapping[str, ca.SX]) -> tuple[ArmModel, ca.SX]:
+        p = ca.vertcat(symbols["m"], symbols["friction"])
+        return PlanarArmModel(PlanarArm(n), symbols["l"], ca.SX(9.81), ca.SX(1e-2)), p
+
+    return Sampled(n, 2, _states(n), arm)
+
+
+def _problem(sampled: Sampled, law) -> tuple[ca.Function, list[np.ndarray]]:
     """A law as a function mapped over the random states, and its arguments."""
-    states = _states(n)
-    symbols = {name: ca.SX.sym(name, values.shape[0]) for name, values in states.items()}
-    p = ca.vertcat(symbols["m"], symbols["friction"])
-    model = ArmEstimate(PlanarArmModel(PlanarArm(n), symbols["l"], ca.SX(9.81), ca.SX(1e-2)), p)
+    symbols = {name: ca.SX.sym(name, values.shape[0]) for name, values in sampled.states.items()}
+    model = ArmEstimate(*sampled.arm(symbols))
     measured = Measured(symbols["q"], symbols["dq"], symbols["F_hat"])
-    virtual = tuple(ca.vertsplit(symbols["virtual"], 2))
-    impedance = Impedance(*ca.vertsplit(symbols["impedance"], 2))
+    virtual = tuple(ca.vertsplit(symbols["virtual"], sampled.size))
+    impedance = Impedance(*ca.vertsplit(symbols["impedance"], sampled.size))
     value = law(measured, model, virtual, impedance)
     function = ca.Function("law", list(symbols.values()), [value]).map(N_STATES)
-    return function, list(states.values())
+    return function, list(sampled.states.values())
 
 
-def _torques(n: int, laws) -> np.ndarray:
+def _torques(sampled: Sampled, laws) -> np.ndarray:
     """Torques of several laws, shape (len(laws), n, N_STATES)."""
     values = []
     for law in laws:
-        function, arguments = _problem(n, law)
+        function, arguments = _problem(sampled, law)
         values.append(np.array(function(*arguments)))
     return np.stack(values)
 

@@ -9,10 +9,12 @@ from pathlib import Path
 import pytest
 from lxml import etree
 
+from adaptimp_fmu import build
 from adaptimp_fmu.documentation import documentation
-from fmus.catalog import model
+from fmus.catalog import model, unit_of_arm
 from orchestration.paper.built_fmus import fmus
 from tests.conformance.test_documentation import Page
+from tests.property.spatial_robots import robot
 
 LOOP = ("VirtualTrajectory", "ForceSensor", "HoganImpedance", "Actuator", "Plant")
 NUMBER = re.compile(r"-?\d+\.?\d*")
@@ -30,8 +32,13 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def programs(folder: Path) -> dict[str, str]:
-    """Programs of the plant's page, by heading, as a reader copies them."""
-    with zipfile.ZipFile(folder / "PlantPuma560.fmu") as archive:
+    """Programs of the plant's page, by heading."""
+    return programs_of(folder / "PlantPuma560.fmu")
+
+
+def programs_of(fmu: Path) -> dict[str, str]:
+    """Programs of the page in an FMU, by heading, as a reader copies them."""
+    with zipfile.ZipFile(fmu) as archive:
         root = etree.fromstring(archive.read("documentation/index.html"))
     found, heading = {}, ""
     for element in root.iter("{*}h3", "{*}pre"):
@@ -80,6 +87,18 @@ def test_whole_loop_runs(programs: dict[str, str], folder: Path) -> None:
     assert 20 < force < 200
 
 
+def test_programs_fit_an_arm_of_seven_joints(tmp_path: Path) -> None:
+    """Light wrists without rotors: gains in proportion to the inertias stay stable with steps of 1 ms."""
+    fmu = build(unit_of_arm("Plant", robot("Panda"), "Panda"), tmp_path)
+    first, own, _ = programs_of(fmu).values()
+    held, let_go = ([float(number) for number in NUMBER.findall(line)] for line in said(first, tmp_path))
+    assert max(map(abs, held)) < 1
+    assert max(map(abs, let_go)) > 20
+    *force, _ = map(float, NUMBER.findall(said(own, tmp_path)[0]))
+    assert force[:2] == [0, 0]
+    assert -20 < force[2] < -18
+
+
 @pytest.mark.parametrize("name", ["PlantPuma560", ADAPTIVE])
 def test_page_has_a_cell_for_each_element(name: str) -> None:
     declared = model(name)
@@ -99,7 +118,7 @@ def test_cells_stand_by_body(folder: Path) -> None:
         heads = [head.xpath("string()").strip() for head in table.iterfind("{*}thead/{*}tr/{*}th")]
         for row in table.iterfind("{*}tbody/{*}tr"):
             name, *cells = (cell.xpath("string()").strip() for cell in row)
-            found.update(dict(zip([f"{name}: {head}" for head in heads[1:]], cells, strict=True)))
+            found.update(dict(zip([f"{name}: {head}" for head in heads], cells, strict=True)))
     assert found["body link2: m kg"] == "p[11] 17.4"
     assert found["joint 3: rotor inertia kg.m2"].startswith("p[75] 0.8624")
     assert len(found) == 78

@@ -9,8 +9,7 @@ from orchestration.paper.claims.judged import FIGURES, spread
 from orchestration.paper.effect import shown
 from orchestration.paper.evidence import Evidence
 from orchestration.paper.laboratory import SEEDS
-from orchestration.paper.measure import ESTIMATE, SETTLED, contact
-from orchestration.paper.numbers import TIP_START, TORQUE_LIMITS
+from orchestration.paper.measure import SETTLED, contact
 
 SEEDS_TEXT = f"seeds {SEEDS[0]}-{SEEDS[-1]}"
 ALL_SEEDS = "all seeds"
@@ -44,9 +43,10 @@ def _drifts(evidence: Evidence) -> str:
     parts = []
     for name in FIGURES:
         result = evidence.results[name]
-        touch, ticks = contact(result), result.tick_times(ESTIMATE)
+        estimate = evidence.case.shape.estimate
+        touch, ticks = contact(result), result.tick_times(estimate)
         during = (ticks >= touch.first) & (ticks <= touch.last)
-        parts.append(f"{name} {drift(*ranges(ticks[during], result.at_ticks(ESTIMATE)[during]))}")
+        parts.append(f"{name} {drift(*ranges(ticks[during], result.at_ticks(estimate)[during]))}")
     return ", ".join(parts)
 
 
@@ -73,7 +73,7 @@ def _recovers(evidence: Evidence) -> Finding:
 def _saturation(evidence: Evidence) -> Finding:
     worst = spread(evidence.noise["fig6"], lambda s: s.e_max)[1]
     result = evidence.results["fig6"]
-    share = max(result[f"actuator.saturated[{i}]"].mean() for i in (1, 2))
+    share = max(result[column].mean() for column in evidence.case.by_joint("actuator.saturated"))
     return Finding(
         judged.saturation(evidence.noise),
         f"{_larger(evidence, 'fig6')}; bounded: |e| <= {worst * 1e3:.2g} mm in all runs. The limit is reached during"
@@ -110,10 +110,10 @@ def _less_torque(evidence: Evidence) -> Finding:
     one = np.array([s.torque for s in evidence.noise["fig5"]])
     two = np.array([s.torque for s in evidence.noise["fig7"]])
     ratio = two / one
-    allowed = np.array(TORQUE_LIMITS)
+    allowed = np.array(evidence.case.torque_limits)
     margin = 1 - two.max(axis=0) / allowed
     joints = []
-    for i in (0, 1):
+    for i in range(len(allowed)):
         typical = 1 - np.median(two[:, i]) / allowed[i]
         joints.append(
             f"joint {i + 1}: ratio {np.median(ratio[:, i]):.2f}, worst {ratio[:, i].max():.2f}, margin to the"
@@ -156,7 +156,7 @@ def _fixed_inverse(evidence: Evidence) -> Finding:
     return Finding(
         judged.fixed_inverse(evidence.noise),
         f"all {len(runs)} runs: |e| <= {e * 1e3:.2g} mm, m2_hat off by at most {m2:.1%} in contact, end"
-        f" {end * 1e3:.2g} mm from ({TIP_START[0]:g}, {TIP_START[1]:g})",
+        f" {end * 1e3:.2g} mm from {evidence.case.place}",
     )
 
 

@@ -90,8 +90,11 @@ class Question:
             If the measurement leaves a criterion out.
         """
         finding = self.measurement(evidence)
-        met = all([criterion.met(finding.values[criterion]) for criterion in self.criteria])
+        scale = evidence.case.scale
+        asked = [(one.scaled(scale), finding.values[one]) for one in self.criteria]
+        met = all([criterion.met(values) for criterion, values in asked])
         verdict = HOLDS if met else NOT_REPRODUCED
-        margins = tuple(criterion.margin(finding.values[criterion]) for criterion in self.criteria)
-        about = (self.id, self.claim, self.where, self.criterion)
+        margins = tuple(criterion.margin(values) for criterion, values in asked)
+        criterion = self.criterion if scale == 1 else "; ".join(str(one) for one, _ in asked)
+        about = (self.id, self.claim, self.where, criterion)
         return Claim(*about, finding.measured, verdict, self.runs, margins=margins)

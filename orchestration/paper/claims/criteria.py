@@ -6,7 +6,7 @@ read the limits here. All of them were fixed before the claims were measured.
 
 import operator
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -14,6 +14,8 @@ from orchestration.paper.measure import RECOVERED, SETTLED
 from orchestration.paper.numbers import N_STATES, TARGET_STIFFNESS, TIP_START, TORQUE_SHARE, TRUE_M2
 
 _COMPARE = {"<": operator.lt, "<=": operator.le, ">": operator.gt, ">=": operator.ge}
+SCALED = ("mm", "N")
+"""Units of limits that go with the size and the stiffness of a task."""
 SHOWN_PER_SI = {"mm": 1e3, "%": 1e2}  # units that people read better, in what the numbers are kept in
 
 
@@ -52,6 +54,12 @@ class Criterion:
     def share(self, values: float | Sequence[float] | np.ndarray) -> float:
         """The largest value over the limit."""
         return float(np.max(np.asarray(values, dtype=float)) / self.limit)
+
+    def scaled(self, factor: float) -> "Criterion":
+        """The criterion for an arm on which lengths and forces are so many times those of the paper's arm."""
+        if factor == 1 or self.unit not in SCALED:
+            return self
+        return replace(self, limit=factor * self.limit, why=f"{factor:g} of the limit of the paper's arm")
 
     def margin(self, values: float | Sequence[float] | np.ndarray) -> str:
         """The worst of measured values beside the limit, such as ``worst 0.158 of <= 1 mm``; empty without a value."""

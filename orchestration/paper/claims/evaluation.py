@@ -30,12 +30,20 @@ QUESTIONS = sorted(
     key=lambda question: (int(question.id[1:].rstrip(ascii_lowercase)), question.id),
 )
 
+IN_SPACE = "C1 C2 C3a C3b C4 C5 C6 C7 C8 C9 C10 C13 C14a C14b C14c C15 C16 C17 C18".split()
+"""Claims that are asked of an arm in space, too."""
+
 
 def evaluate(evidence: Evidence) -> list[Claim]:
     """Measure all claims at the chosen calibration, and judge those of Figs. 5 to 7 at the earlier one as well."""
     first = at_first(evidence)
     claims = [question.answer(evidence) for question in QUESTIONS]
     return [replace(claim, first=first.get(claim.id, "")) for claim in claims]
+
+
+def evaluate_in_space(evidence: Evidence) -> list[Claim]:
+    """Measure the claims that are asked of an arm in space: those of `IN_SPACE`."""
+    return [question.answer(evidence) for question in QUESTIONS if question.id in IN_SPACE]
 
 
 def at_first(evidence: Evidence) -> Mapping[str, str]:

@@ -12,8 +12,9 @@ import numpy as np
 from orchestration.paper.claims import criteria as limits
 from orchestration.paper.claims.criteria import Criterion
 from orchestration.paper.effect import paired_effect
-from orchestration.paper.measure import Summary, at_ticks, contact, norms
+from orchestration.paper.measure import Summary, at_ticks, contact
 from orchestration.paper.strength import Effect
+from orchestration.paper.task_shape import lengths
 from orchestration.results.result import Result
 
 FIGURES = ("fig5", "fig6", "fig7")
@@ -81,7 +82,7 @@ def saturation(noise: Noise) -> Values:
 
 
 def torque(noise: Noise, allowed: np.ndarray) -> Values:
-    """C8: torques of Fig. 7 against those of Fig. 5 and the limits of Fig. 6, N.m, shape (2,)."""
+    """C8: torques of Fig. 7 against those of Fig. 5 and the limits of Fig. 6, N.m, shape (n,)."""
     one = np.array([s.torque for s in noise["fig5"]])
     two = np.array([s.torque for s in noise["fig7"]])
     return {
@@ -124,7 +125,7 @@ def fixed_inverse(noise: Noise) -> Values:
 
 def reference_distance(result: Result) -> tuple[np.ndarray, np.ndarray]:
     """Instants of the controller's ticks, s, and |x_t - x_v| there, m; both of shape (n_ticks,)."""
-    distance = norms(at_ticks(result, "controller.x_t") - at_ticks(result, "trajectory.x_v"))
+    distance = lengths(at_ticks(result, "controller.x_t") - at_ticks(result, "trajectory.x_v"))
     return result.tick_times("controller.x_t[1]"), distance
 
 

@@ -6,9 +6,8 @@ from orchestration.paper.claims import criteria as limits
 from orchestration.paper.claims import judged
 from orchestration.paper.claims.claim import Finding, Question
 from orchestration.paper.evidence import Evidence
-from orchestration.paper.measure import at_ticks, contact, distance_from_start, largest_norm, steady_force
-from orchestration.paper.numbers import TIP_START, TRUE_M2, WRONG_M2
-from orchestration.paper.wall import wall_points
+from orchestration.paper.measure import at_ticks, contact, distance_from_start, largest_length, steady_force
+from orchestration.paper.numbers import TRUE_M2, WRONG_M2
 
 LATER = 0.1  # s after contact
 
@@ -26,10 +25,10 @@ def _tirt_follows_virtual(evidence: Evidence) -> Finding:
 
 def _true_mass_follows(evidence: Evidence) -> Finding:
     result = evidence.results["fig2"]
-    e = largest_norm(at_ticks(result, "controller.e"))
+    e = largest_length(at_ticks(result, "controller.e"))
     touch = contact(result)
     end = distance_from_start(result)
-    a, b = wall_points()
+    a, b = evidence.case.ends
     at_a = float(np.linalg.norm(touch.enter - a))
     at_b = float(np.linalg.norm(touch.leave - b))
     return Finding(
@@ -42,12 +41,12 @@ def _true_mass_follows(evidence: Evidence) -> Finding:
         },
         f"largest |e| {e * 1e3:.2g} mm; contact {touch.first:.4f}-{touch.last:.4f} s, {touch.share:.0%} of it"
         f" touching in {touch.phases} phases, from {at_a * 1e3:.1f} mm of a to {at_b * 1e3:.1f} mm of b;"
-        f" end {end * 1e3:.2g} mm from ({TIP_START[0]:g}, {TIP_START[1]:g})",
+        f" end {end * 1e3:.2g} mm from {evidence.case.place}",
     )
 
 
 def _wrong_mass_degrades(evidence: Evidence) -> Finding:
-    true, wrong = (largest_norm(at_ticks(evidence.results[n], "controller.e")) for n in ("fig2", "fig4"))
+    true, wrong = (largest_length(at_ticks(evidence.results[n], "controller.e")) for n in ("fig2", "fig4"))
     return Finding(
         {limits.WRONG_MASS_ERROR: wrong, limits.WRONG_MASS_GROWTH: wrong / true},
         f"largest |e| {wrong * 1e3:.3g} mm with m2 = {WRONG_M2:g} kg, {true * 1e3:.2g} mm with m2 = {TRUE_M2:g} kg",

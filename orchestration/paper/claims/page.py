@@ -118,14 +118,14 @@ def _table(claims: Sequence[Claim], strength: Strength) -> str:
     for claim in claims:
         found, link = strength.claims.get(claim.id, NOTHING), anchor(_title(claim, strength))
         rows.append(
-            f"| [{claim.id}](#{link}) | {_in_a_cell(claim.claim)} | **{word(claim, strength)}** |"
+            f"| [{claim.id}](#{link}) | {in_a_cell(claim.claim)} | **{word(claim, strength)}** |"
             f" {_share(found.seeds.get(CHOSEN))} | {_share(found.space)} |"
             f" {', '.join(f'{name} {index:.0%}' for name, index in found.deciding[:3])} |\n"
         )
     return "".join(rows)
 
 
-def _in_a_cell(text: str) -> str:
+def in_a_cell(text: str) -> str:
     """A text for the cell of a table, where a bar would end the cell."""
     return text.replace("|", r"\|")
 

@@ -250,8 +250,8 @@ def _finish(axis: Axes, drawn: Overlay, title: str, ylabel: str) -> None:
     end = max(float(result.time[-1]) for result in drawn.runs.values())
     if end > begin:  # a run that failed in its first step has one row
         axis.set_xlim(begin, end)
-    # One legend names the phases: that of the error has room for them, however many joints there are. The six components
-    # of an error in space leave none.
+    # One legend names the phases: that of the error has room for them, however many joints there are. The six
+    # components of an error in space leave none.
     named = "force" if drawn.alone and in_space(drawn.runs.values()) else "error"
     bands = [] if named in ylabel else [name for run in drawn.bands for name in run]
     curves = [label for label in axis.get_legend_handles_labels()[1] if label not in bands]

@@ -21,7 +21,7 @@ class View:
     axes
         Numbers of the axes to the right and upwards, from 0 on.
     normal, offset
-        The wall is where ``normal`` times a point, shape (2,), exceeds ``offset``, m; None if it is not seen as an edge.
+        The wall is where ``normal`` times a point, shape (2,), exceeds ``offset``, m; None if no edge is seen.
     """
 
     axes: tuple[int, int]

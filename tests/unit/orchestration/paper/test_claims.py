@@ -12,9 +12,10 @@ from orchestration.paper.claims.criteria import Criterion
 from orchestration.paper.claims.evaluation import QUESTIONS
 from orchestration.paper.claims.operations import Operations, operations
 from orchestration.paper.evidence import Evidence
+from orchestration.paper.laboratory import Laboratory
 from orchestration.paper.scenarios import CRAIG, SLOTINE_LI
 
-NEVER_READ: Evidence = None  # type: ignore[assignment]
+NEVER_READ = Evidence(Laboratory({}), {})
 
 
 @pytest.mark.parametrize(

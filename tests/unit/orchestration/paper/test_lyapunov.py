@@ -6,8 +6,9 @@ import pytest
 
 from fmus.mechanics.planar_arm import PlanarArm
 from orchestration.paper import lyapunov
+from orchestration.paper.cases import PLANAR_CASE
 from orchestration.paper.lyapunov import SlidingGains
-from orchestration.paper.measure import Contact
+from orchestration.paper.measure import Contact, at_ticks
 from orchestration.paper.numbers import ARM, TRUE_MASSES
 from orchestration.results.result import Result
 
@@ -57,7 +58,7 @@ def test_kinetic_energy_is_that_of_the_arm(run: Result) -> None:
     arm = PlanarArm(2)
     q = np.column_stack([run[f"plant.q[{i}]"][:-1] for i in (1, 2)])
     s = np.column_stack([run[f"controller.s[{i}]"][1:] for i in (1, 2)])
-    found = lyapunov._kinetic(run, s)
+    found = PLANAR_CASE.kinetic(at_ticks(run, "plant.q"), s)
     for k in range(N):
         J = np.array(ca.DM(arm.jacobian(q[k], ARM.link_lengths)))
         dq = np.linalg.solve(J, s[k])

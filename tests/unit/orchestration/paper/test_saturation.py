@@ -9,6 +9,7 @@ from orchestration.paper.claims import criteria
 from orchestration.paper.claims.claim import HOLDS, NOT_REPRODUCED, Finding, Question
 from orchestration.paper.claims.saturation import CRITERIA, cause, described, judge
 from orchestration.paper.evidence import Evidence
+from orchestration.paper.laboratory import Laboratory
 from orchestration.paper.saturation import Along, Region, mobility_norm, region, tip_force
 
 RIGHT_ANGLE = np.array([[0.0, math.pi / 2]])  # link 1 along x1, link 2 along x2: J = [[-1, -1], [1, 0]]
@@ -93,7 +94,7 @@ def test_outside_is_judged_at_the_largest_missing_force() -> None:
 
 def verdict(run: Along) -> str:
     question = Question("C0", "It does", "nowhere", CRITERIA, lambda _: Finding(judge(run), described(run)))
-    never_read: Evidence = None  # type: ignore[assignment]
+    never_read = Evidence(Laboratory({}), {})
     return question.answer(never_read).verdict
 
 
