@@ -80,7 +80,7 @@ def loop_of(controller: str) -> System:
     """The loop of a controller with all its defaults changed."""
     names = [f"{model.format(controller)}{ARM}" for model in MODELS]
     files = fmus(names)
-    parts = dict(zip(COMPONENTS, (files[name] for name in names), strict=True))
+    parts = {component: files[name] for component, name in zip(COMPONENTS, names, strict=True)}
     loop = System.connected_by_name("puma", parts, step=STEP, stop_time=STOP)
     known = {path: v for path, v in ALL_AT_ONCE.items() if path.split(".")[1] in variables(loop, path)}
     assert set(known) == set(ALL_AT_ONCE)
