@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from adaptimp_fmu.continuous_model import ContinuousModel
     from adaptimp_fmu.documentation import present
     from adaptimp_fmu.errors import DefinitionError, ToolchainError
-    from adaptimp_fmu.guide import Drawing, Formula, Formulas, Guide, Signal
+    from adaptimp_fmu.guide import Drawing, Example, Formula, Formulas, Grid, Guide, Signal
     from adaptimp_fmu.icon import Icon, Stroke
     from adaptimp_fmu.metadata import Experiment, Ownership
     from adaptimp_fmu.model import ANY, NOT_NEGATIVE, POSITIVE, Limits, Model
@@ -31,9 +31,11 @@ _HOME = {
     "ContinuousModel": "continuous_model",
     "DefinitionError": "errors",
     "Drawing": "guide",
+    "Example": "guide",
     "Experiment": "metadata",
     "Formula": "guide",
     "Formulas": "guide",
+    "Grid": "guide",
     "Guide": "guide",
     "Icon": "icon",
     "Limits": "model",
@@ -66,9 +68,11 @@ __all__ = [
     "ContinuousModel",
     "DefinitionError",
     "Drawing",
+    "Example",
     "Experiment",
     "Formula",
     "Formulas",
+    "Grid",
     "Guide",
     "Icon",
     "Limits",

@@ -7,14 +7,16 @@ the equations stand on the page word for word.
 import importlib
 import inspect
 import re
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import replace
 
 from adaptimp_fmu.continuous_model import ContinuousModel
 from adaptimp_fmu.errors import DefinitionError
+from adaptimp_fmu.grids import legends
 from adaptimp_fmu.guide import Formulas
 from adaptimp_fmu.icon import Icon
-from adaptimp_fmu.interface_tables import display_units, ports, rows, topics
+from adaptimp_fmu.interface_tables import display_units, ports, tables, topics
 from adaptimp_fmu.model import Model
 from adaptimp_fmu.pages import page_environment
 from adaptimp_fmu.related_files import FOLDER, MANIFEST, RelatedFile
@@ -27,6 +29,10 @@ FORMULAS = "FORMULAS"
 INDEX = "index.html"
 REFERENCES = "fmi-ls-ref.html"  # the place that the layered standard recommends
 LICENSE = "licenses/license.txt"  # the place FMI 2.0.5, section 2.3, reserves for it
+_INTERFACE = {"Inputs": Role.INPUT, "Outputs": Role.OUTPUT}
+_INDEX = re.compile(r"\[\d+\]")
+_MANY, _MANY_ELEMENTS = 3, 9
+"""Up to how often a sentence stands on a page word for word, and for how many elements."""
 _LIMITS = ("MAX_TICKS", "MAX_SUBSTEPS", "FIRST_EVENTS", "EVENTS_PER_SUBSTEP")
 
 
@@ -86,9 +92,10 @@ def documentation(model: Model, related: Sequence[RelatedFile] = ()) -> dict[str
         inputs=ports(model, Role.INPUT),
         outputs=ports(model, Role.OUTPUT),
         topics=topics(model),
+        legends=legends(model),
         shown=display_units(model),
-        tables={"Inputs": rows(model.with_role(Role.INPUT)), "Outputs": rows(model.with_role(Role.OUTPUT))},
-        demands=[check.sentence for check in (*model.static_checks, *model.checks)],
+        tables={title: tables(model, model.with_role(role)) for title, role in _INTERFACE.items()},
+        demands=_demands(model),
         limits=_limits(),
         license_file=LICENSE,
         runtime_license=RUNTIME_LICENSE,
@@ -102,6 +109,19 @@ def documentation(model: Model, related: Sequence[RelatedFile] = ()) -> dict[str
     if model.ownership.license_text:
         pages[LICENSE] = model.ownership.license_text.encode()
     return pages
+
+
+def _demands(model: Model) -> list[str]:
+    """Sentences of the checks; what many elements share stands once, with the index i in the place of their numbers."""
+    sentences = [check.sentence for check in (*model.static_checks, *model.checks)]
+    indexed = {sentence: _INDEX.sub("[i]", sentence) for sentence in sentences}
+    alike, same = Counter(indexed[sentence] for sentence in dict.fromkeys(sentences)), Counter(sentences)
+    found: list[str] = []
+    for sentence in sentences:
+        one = f"{indexed[sentence]}, for each i" if alike[indexed[sentence]] > _MANY_ELEMENTS else sentence
+        if one not in found or (one == sentence and same[sentence] <= _MANY):
+            found.append(one)
+    return found
 
 
 def _limits() -> dict[str, str]:

@@ -1,4 +1,4 @@
-"""What the page in an FMU says besides the model's declaration: formulas, drawings, neighbours, topics.
+"""What the page in an FMU says besides the model's declaration: formulas, drawings, neighbours, topics, examples.
 
 Everything is optional: a model that states nothing has a page of its variables, its rules and its author's text.
 """
@@ -80,6 +80,62 @@ class Signal:
 
 
 @dataclass(frozen=True)
+class Grid:
+    """How elements of arrays stand in tables, such as the parameters of the bodies of an arm: a body in each row.
+
+    Rows that have the same columns are one table. The page has such a table in the place of a row for each element.
+
+    Attributes
+    ----------
+    arrays
+        Names of arrays that are laid out in this way. Elements beyond the end of an array have no cell.
+    places
+        Row and column of each element, counted from 1 in the FMU.
+    what
+        What the elements are, such as ``parameters of the arm``.
+    legend
+        What rows and columns are, in a sentence or two.
+
+    Examples
+    --------
+    >>> from adaptimp_fmu import Grid, Guide, SampledModel
+    >>> model = SampledModel("Gain", "A gain")
+    >>> k = model.parameter("k", [2.0, 3.0], description=["Gain of the left", "Gain of the right"])
+    >>> model.guide = Guide(grids=[Grid(["k"], [("left", "gain"), ("right", "gain")], "gains of the sides")])
+    """
+
+    arrays: Sequence[str]
+    places: Sequence[tuple[str, str]]
+    what: str
+    legend: str = ""
+
+
+@dataclass(frozen=True)
+class Example:
+    """A program that a user of the FMU can run.
+
+    Attributes
+    ----------
+    title
+        Heading.
+    text
+        What the program does, what it needs, and what to see.
+    code
+        The program.
+
+    Examples
+    --------
+    >>> from adaptimp_fmu import Example, Guide
+    >>> code = "from fmpy import simulate_fmu" + chr(10) + "print(simulate_fmu('Gain.fmu')['y'][-1])"
+    >>> guide = Guide(examples=[Example("A first run", "The program prints what the gain makes of its input.", code)])
+    """
+
+    title: str
+    text: str
+    code: str
+
+
+@dataclass(frozen=True)
 class Guide:
     """What the page in an FMU shows besides the declared variables.
 
@@ -95,6 +151,10 @@ class Guide:
         Partners of inputs and outputs, by the name of a variable or of an array.
     topics
         Names of parameters or of their arrays, by topic. Parameters without a topic come last.
+    grids
+        Arrays whose elements stand in tables of several columns.
+    examples
+        Programs that use the FMU.
 
     Examples
     --------
@@ -109,3 +169,5 @@ class Guide:
     place: Sequence[Drawing] = ()
     signals: Mapping[str, Signal] = field(default_factory=dict)
     topics: Mapping[str, Sequence[str]] = field(default_factory=dict)
+    grids: Sequence[Grid] = ()
+    examples: Sequence[Example] = ()

@@ -3,11 +3,13 @@
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from itertools import groupby
 
 from adaptimp_fmu.description import number
 from adaptimp_fmu.display_units import display_unit
+from adaptimp_fmu.grids import Laid, grid_of, laid_out
 from adaptimp_fmu.model import Model
-from adaptimp_fmu.names import common_beginning
+from adaptimp_fmu.names import as_one, common_beginning
 from adaptimp_fmu.variables import Role, Type, Variable
 
 OTHERS = "Other parameters"
@@ -28,6 +30,14 @@ class Row:
 
 
 @dataclass(frozen=True)
+class Variables:
+    """Variables as tables: a row for each, and those of arrays that a grid lays out."""
+
+    rows: Sequence[Row]
+    laid: Sequence[Laid]
+
+
+@dataclass(frozen=True)
 class Port:
     """A row of the table of connections: a variable or an array, and its partners in the system."""
 
@@ -38,9 +48,10 @@ class Port:
     description: str
 
 
-def rows(variables: Iterable[Variable]) -> list[Row]:
-    """One row for each variable."""
-    return [_row(variable) for variable in variables]
+def tables(model: Model, variables: Iterable[Variable]) -> Variables:
+    """One row for each variable, and the tables of those that a grid of the model lays out."""
+    among = list(variables)
+    return Variables([_row(variable) for variable in among if grid_of(model, variable) is None], laid_out(model, among))
 
 
 def ports(model: Model, role: Role) -> list[Port]:
@@ -51,7 +62,7 @@ def ports(model: Model, role: Role) -> list[Port]:
     return [_port(model, name, elements) for name, elements in groups.items()]
 
 
-def topics(model: Model) -> dict[str, list[Row]]:
+def topics(model: Model) -> dict[str, Variables]:
     """Parameters by topic, in the order of the guide; those without a topic come last.
 
     Without topics all parameters are one list, whose title is empty.
@@ -63,7 +74,7 @@ def topics(model: Model) -> dict[str, list[Row]]:
     for variable in parameters:
         base = variable.name.partition("[")[0]
         found.setdefault(topic_of.get(variable.name) or topic_of.get(base) or rest, []).append(variable)
-    return {topic: rows(variables) for topic, variables in found.items() if variables}
+    return {topic: tables(model, variables) for topic, variables in found.items() if variables}
 
 
 def display_units(model: Model) -> list[tuple[str, str, str]]:
@@ -79,14 +90,33 @@ def _port(model: Model, name: str, elements: Sequence[Variable]) -> Port:
     if signal is not None:
         said = [signal.source] if first.role is Role.INPUT else signal.targets
     units = dict.fromkeys(variable.unit or _kind(variable) for variable in elements)
-    common = common_beginning([variable.description for variable in elements])
     return Port(
         name if len(elements) == 1 else f"{name}[1] to {elements[-1].name}",
         len(elements),
         ", ".join(units),
         ", ".join(said),
-        common if len(units) == 1 and common else "; ".join(variable.description for variable in elements),
+        _meaning(model, elements),
     )
+
+
+def _meaning(model: Model, elements: Sequence[Variable]) -> str:
+    """What an array is: what the texts of its elements have in common, or all of them.
+
+    Vectors of two quantities, such as force and moment, have two texts if each has three elements or more.
+    """
+    if len(elements) > 1 and grid_of(model, elements[0]) is not None:
+        return laid_out(model, elements)[0].text
+    runs = [list(run) for _, run in groupby(elements, lambda variable: variable.unit)]
+    if len(runs) == 1 and (common := _shared(elements)):
+        return common
+    if len(runs) == 2 and min(map(len, runs)) > 2 and all(map(_shared, runs)):
+        return "; ".join(as_one([variable.description for variable in run]) for run in runs)
+    return "; ".join(variable.description for variable in elements)
+
+
+def _shared(elements: Sequence[Variable]) -> str:
+    """What the descriptions of elements begin with."""
+    return common_beginning([variable.description for variable in elements])
 
 
 def _kind(variable: Variable) -> str:

@@ -33,3 +33,21 @@ def common_beginning(texts: Sequence[str]) -> str:
     while shared and shared[-1].lower() in _LEADING_ON:
         shared.pop()
     return " ".join(shared).rstrip(" ,;([")
+
+
+def as_one(texts: Sequence[str]) -> str:
+    """Texts about the elements of an array as one: what differs is listed between what they begin and end with.
+
+    Examples
+    --------
+    >>> from adaptimp_fmu.names import as_one
+    >>> as_one(["Force along axis 1 of the base", "Force along axis 2 of the base"])
+    'Force along axis 1, 2 of the base'
+    """
+    words = [text.split() for text in texts]
+    shortest = min(map(len, words))
+    begin = next((i for i in range(shortest) if len({one[i] for one in words}) > 1), shortest)
+    rest = shortest - begin
+    end = next((i for i in range(rest) if len({one[-1 - i] for one in words}) > 1), rest)
+    middles = dict.fromkeys(" ".join(one[begin : len(one) - end]) for one in words)
+    return " ".join(part for part in (*words[0][:begin], ", ".join(middles), *words[0][len(words[0]) - end :]) if part)

@@ -7,17 +7,16 @@
 Lag and rate limit are off by default: tau is the target. The first tick starts at its target.
 """
 
+from collections.abc import Sequence
+
 import casadi as ca
 
 from adaptimp_fmu import NOT_NEGATIVE, POSITIVE, Formula, Formulas, SampledModel, Type
 from fmus import icons
 from fmus.drawings.characteristics import saturation
 from fmus.drawings.loop import ACTUATOR
-from fmus.elements import of_joints
+from fmus.mechanics.joints import NONE, Joints
 from fmus.project import group_signals, publish
-
-OFF = 1e9  # N.m or N.m/s, a limit that is none
-
 
 FORMULAS = Formulas(
     "Torque at tick k",
@@ -35,8 +34,14 @@ FORMULAS = Formulas(
 )
 
 
-def actuator(n: int = 2, name: str = "Actuator") -> SampledModel:
-    """Declare the model of the actuators of n joints; they are ideal by default.
+def actuator(joints: Joints | int = 2, name: str = "Actuator") -> SampledModel:
+    """Declare the model of the actuators of an arm's joints, which have no lag by default.
+
+    Parameters
+    ----------
+    joints
+        Whose actuators they are: their limits are the start values of `tau_max`. A number of joints stands for joints
+        that turn and have no limits.
 
     Examples
     --------
@@ -44,24 +49,13 @@ def actuator(n: int = 2, name: str = "Actuator") -> SampledModel:
     >>> actuator(3, "Actuator3R").input_symbols[0].shape
     (3, 1)
     """
+    joints = Joints.numbered(joints) if isinstance(joints, int) else joints
+    units = joints.each("N.m", "N")
     model = SampledModel(name, "Joint actuators with torque limits")
-    publish(model, icons.saturation(n), ACTUATOR, [saturation()], __name__, "fmus")
-    tau_cmd = model.input("tau_cmd", [0.0] * n, unit="N.m", description=of_joints("Commanded torque", n))
-    tau_max = model.parameter(
-        "tau_max",
-        [OFF] * n,
-        unit="N.m",
-        limits=POSITIVE,
-        tunable=True,
-        description=[f"{text}; 1e9 = no limit" for text in of_joints("Largest absolute torque", n)],
-    )
-    rate_max = model.parameter(
-        "tau_rate_max",
-        [OFF] * n,
-        unit="N.m/s",
-        limits=POSITIVE,
-        description=[f"{text}; 1e9 = no limit" for text in of_joints("Largest absolute rate of the torque", n)],
-    )
+    publish(model, icons.saturation(joints.n), ACTUATOR, [saturation()], __name__, "fmus")
+    commanded = joints.texts("Commanded torque", "Commanded force")
+    tau_cmd = model.input("tau_cmd", [0.0] * joints.n, unit=units, description=commanded)
+    tau_max, rate_max = _declare_limits(model, joints)
     time_constant = model.parameter(
         "time_constant",
         0.0,
@@ -75,15 +69,45 @@ def actuator(n: int = 2, name: str = "Actuator") -> SampledModel:
     lagged = ca.if_else(time_constant > 0, previous + share * (target - previous), target)
     most = rate_max * model.period
     limited = previous + ca.fmin(ca.fmax(lagged - previous, -most), most)
-    too_fast = ca.logic_and(rate_max < OFF, ca.fabs(lagged - previous) > most)
+    too_fast = ca.logic_and(rate_max < NONE, ca.fabs(lagged - previous) > most)
     tau = ca.if_else(too_fast, limited, lagged)
     model.update(previous, tau)
-    model.output("tau", tau, unit="N.m", description=of_joints("Torque", n))
+    model.output("tau", tau, unit=units, description=joints.texts("Torque", "Force"))
     model.output(
         "saturated",
         ca.logic_or(ca.fabs(tau_cmd) > tau_max, too_fast),
         type=Type.BOOLEAN,
-        description=of_joints("Whether the command exceeds the torque or the rate limit", n),
+        description=joints.texts(
+            "Whether the command exceeds the torque or the rate limit",
+            "Whether the command exceeds the force or the rate limit",
+        ),
     )
     group_signals(model)
     return model
+
+
+def _declare_limits(model: SampledModel, joints: Joints) -> tuple[ca.SX, ca.SX]:
+    """Declare the largest torques and their largest rates, shape (n,) each."""
+    tau_max = model.parameter(
+        "tau_max",
+        joints.efforts,
+        unit=joints.each("N.m", "N"),
+        limits=POSITIVE,
+        tunable=True,
+        description=_or_none(joints.texts("Largest absolute torque", "Largest absolute force")),
+    )
+    rate_max = model.parameter(
+        "tau_rate_max",
+        [NONE] * joints.n,
+        unit=joints.each("N.m/s", "N/s"),
+        limits=POSITIVE,
+        description=_or_none(
+            joints.texts("Largest absolute rate of the torque", "Largest absolute rate of the force"),
+        ),
+    )
+    return tau_max, rate_max
+
+
+def _or_none(texts: Sequence[str]) -> list[str]:
+    """Texts of limits, which may be none."""
+    return [f"{text}; 1e9 = no limit" for text in texts]

@@ -11,6 +11,7 @@ from adaptimp_fmu.files.parts import imported
 
 if TYPE_CHECKING:
     from adaptimp_fmu import Model
+    from fmus.robots.spatial_robot import SpatialRobot
 
 
 def _declared(module: str, *arguments: Any, **options: Any) -> "Model":
@@ -30,11 +31,42 @@ def _of_pose(module: str, name: str) -> "Model":
     return _declared(module, name=name, task=task)
 
 
-def _of_puma(module: str, name: str) -> "Model":
+UNITS_OF_ARM = {
+    "VirtualTrajectory": "spatial_trajectory",
+    "ForceSensor": "wrench_sensor",
+    "HoganImpedance": "hogan_impedance",
+    "CraigAdaptiveImpedance": "craig_adaptive_impedance",
+    "SlotineLiAdaptiveImpedance": "slotine_li_adaptive_impedance",
+    "SpongOrtegaAdaptiveImpedance": "spong_ortega_adaptive_impedance",
+    "Actuator": "actuator",
+    "Plant": "plant",
+}
+"""The modules that declare the models of an arm in space, by what the names of these models begin with."""
+
+
+def unit_of_arm(unit: str, robot: "SpatialRobot", suffix: str) -> "Model":
+    """Declare a model of an arm in space.
+
+    Parameters
+    ----------
+    unit
+        One of `UNITS_OF_ARM`.
+    suffix
+        What the name of the model ends with: ``Puma560`` for ``PlantPuma560``.
+
+    Raises
+    ------
+    DefinitionError
+        If the model cannot be for this arm, as a law that inverts J for an arm of seven joints.
+    """
+    module = UNITS_OF_ARM[unit]
+    known = {"joints": robot.joints} if module == "actuator" else {"robot": robot}
+    return _declared(module, name=f"{unit}{suffix}", **known)
+
+
+def _of_puma(unit: str) -> "Model":
     """The model for the PUMA 560, an arm of six joints in space."""
-    robot = imported("fmus.robots.puma560").PUMA
-    known = {"task": robot.task} if module == "force_sensor" else {"robot": robot}
-    return _declared(module, name=name, **known)
+    return unit_of_arm(unit, imported("fmus.robots.puma560").PUMA, "Puma560")
 
 
 _CRAIG, _SLOTINE_LI, _SPONG_ORTEGA = (
@@ -81,18 +113,7 @@ VARIANTS: "dict[str, Callable[[], Model]]" = {
     _SLOTINE_LI_POSE: partial(_of_arm, "slotine_li_adaptive_impedance", _SLOTINE_LI_POSE, pose=True),
     _SPONG_ORTEGA_POSE: partial(_of_arm, "spong_ortega_adaptive_impedance", _SPONG_ORTEGA_POSE, pose=True),
     "Plant3RPose": partial(_of_arm, "plant", "Plant3RPose", pose=True),
-    "VirtualTrajectoryPuma560": partial(_of_puma, "spatial_trajectory", "VirtualTrajectoryPuma560"),
-    "ForceSensorPuma560": partial(_of_puma, "force_sensor", "ForceSensorPuma560"),
-    "HoganImpedancePuma560": partial(_of_puma, "hogan_impedance", "HoganImpedancePuma560"),
-    "CraigAdaptiveImpedancePuma560": partial(_of_puma, "craig_adaptive_impedance", "CraigAdaptiveImpedancePuma560"),
-    "SlotineLiAdaptiveImpedancePuma560": partial(
-        _of_puma, "slotine_li_adaptive_impedance", "SlotineLiAdaptiveImpedancePuma560"
-    ),
-    "SpongOrtegaAdaptiveImpedancePuma560": partial(
-        _of_puma, "spong_ortega_adaptive_impedance", "SpongOrtegaAdaptiveImpedancePuma560"
-    ),
-    "ActuatorPuma560": partial(_declared, "actuator", 6, "ActuatorPuma560"),
-    "PlantPuma560": partial(_of_puma, "plant", "PlantPuma560"),
+    **{f"{unit}Puma560": partial(_of_puma, unit) for unit in UNITS_OF_ARM},
 }
 """Models with other equations than those of the same name in `MODELS`."""
 

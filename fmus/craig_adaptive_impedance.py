@@ -18,7 +18,7 @@ import casadi as ca
 from adaptimp_fmu import Formula, Formulas, SampledModel
 from fmus import icons
 from fmus.control.adaptation import declare_adaptation
-from fmus.control.controller import EQUATIONS, declare_controller, drawings, require_square
+from fmus.control.controller import declare_controller, drawings, require_square
 from fmus.control.impedance import resolved_torque, target_acceleration
 from fmus.control.noise_rejection import declare_noise_rejection, declare_outputs
 from fmus.drawings.loop import CONTROLLER
@@ -72,9 +72,7 @@ def craig_adaptive_impedance(
         __name__,
         "fmus.control.noise_rejection",
         "fmus.control.adaptation",
-        *EQUATIONS,
-        *controller.robot.modules,
-        "fmus",
+        *controller.modules,
     )
     adaptation = declare_adaptation(controller, GAIN, GAIN_UNIT)
     measured, arm = controller.measured, controller.arm

@@ -23,25 +23,16 @@ noise_bound / sqrt(number of pairs). So the norm of all errors is at most noise_
 that of a force. Moments have a range and a resolution of their own.
 """
 
-import math
-from functools import reduce
-
-import casadi as ca
-
-from adaptimp_fmu import NOT_NEGATIVE, POSITIVE, Formula, Formulas, SampledModel, Type
+from adaptimp_fmu import Formula, Formulas, SampledModel, Type
 from fmus import icons
 from fmus.drawings.characteristics import sensor
 from fmus.drawings.loop import SENSOR
 from fmus.elements import of_task
-from fmus.mechanics.task import Metric, Task
+from fmus.mechanics.task import Task
 from fmus.metric import declare_metric
 from fmus.project import group_signals, publish
 from fmus.sensor_failure import declare_failure
-
-OFF = 1e9  # N, a range that limits nothing
-DIGITS = 2.0**26
-ROUNDING = 1e-9  # relative, by which a multiple of the sampling period may be off
-
+from fmus.sensor_reading import declare_noise, declare_reading
 
 FORMULAS = Formulas(
     "Measurement at tick k",
@@ -85,51 +76,13 @@ def force_sensor(name: str = "ForceSensor", task: Task | None = None, *, failing
     units = task.each("N", "N.m")
     texts = of_task("Force of the tip on the wall", task, "Moment of the tip on the wall")
     F_ext = model.input("F_ext", [0.0] * task.size, unit=units, description=texts)
-    std = model.parameter(
-        "noise_std",
-        0.0,
-        unit="N",
-        limits=NOT_NEGATIVE,
-        tunable=True,
-        description="Standard deviation of each component of the noise before truncation; 0 = no noise",
-    )
-    bound = model.parameter(
-        "noise_bound",
-        0.0,
-        unit="N",
-        limits=NOT_NEGATIVE,
-        tunable=True,
-        description="Largest Euclidean norm of the noise",
-    )
-    gated = model.parameter(
-        "contact_gated",
-        True,
-        type=Type.BOOLEAN,
-        description="Whether the noise is zero while the force is exactly zero",
-    )
-    model.parameter(
-        "seed",
-        0,
-        type=Type.INTEGER,
-        limits=NOT_NEGATIVE,
-        description="Key of the noise; the same seed gives the same noise at the same tick",
-    )
-    model.require(
-        ca.if_else(std > 0, bound, 1),
-        "noise_bound must be positive where noise_std is",
-    )
-    ticks = ticks_per_draw(model)
+    noise = declare_noise(model)
     bias = model.parameter("bias", [0.0] * task.size, unit=units, description=of_task("Constant error", task))
-    resolution, span = _declare_reading(model, task)
-    metric = declare_metric(model, task)
-    noise = model.random(lambda u: _noise(u, std, bound, metric), active=std, seed="seed", ticks=ticks)
-    free = ca.logic_and(gated, reduce(ca.logic_and, (component == 0 for component in ca.vertsplit(F_ext))))
-    force = F_ext + bias + ca.if_else(free, 0, noise)
+    reading = declare_reading(model, task)
+    force = F_ext + bias + noise.error(model, declare_metric(model, task), F_ext)
     failure = declare_failure(model, task) if failing else None
     force = force if failure is None else failure.disturbed(force)
-    within = ca.fmin(ca.fmax(force, -span), span)
-    steps = ca.floor(within / resolution + 0.5)
-    F_hat = ca.if_else(resolution > 0, steps * resolution, within)
+    F_hat = reading.of(force)
     F_hat = F_hat if failure is None else failure.reading(model, F_hat, F_ext)
     texts = of_task("Measured force", task, "Measured moment")
     model.output("F_hat", F_hat, unit=units, description=texts)
@@ -137,83 +90,3 @@ def force_sensor(name: str = "ForceSensor", task: Task | None = None, *, failing
         model.output("failed", failure.active, type=Type.BOOLEAN, description="Whether the sensor fails")
     group_signals(model)
     return model
-
-
-def _declare_reading(model: SampledModel, task: Task) -> tuple[ca.SX, ca.SX]:
-    """Declare resolution and range, each of shape (1,), or (m,) where there are moments."""
-    resolution = model.parameter(
-        "resolution",
-        0.0,
-        unit="N",
-        limits=NOT_NEGATIVE,
-        description="Step to which each component is rounded; 0 = not rounded",
-    )
-    span = model.parameter(
-        "range",
-        OFF,
-        unit="N",
-        limits=POSITIVE,
-        description="Largest absolute component that is measured; 1e9 = no limit",
-    )
-    if not task.angles:
-        return resolution, span
-    moment_resolution = model.parameter(
-        "moment_resolution",
-        0.0,
-        unit="N.m",
-        limits=NOT_NEGATIVE,
-        description="Step to which each moment is rounded; 0 = not rounded",
-    )
-    moment_span = model.parameter(
-        "moment_range",
-        OFF,
-        unit="N.m",
-        limits=POSITIVE,
-        description="Largest absolute moment that is measured; 1e9 = no limit",
-    )
-    parts = ((resolution, moment_resolution), (span, moment_span))
-    each = [
-        ca.vertcat(force * ca.SX.ones(task.positions, 1), moment * ca.SX.ones(task.angles, 1))
-        for force, moment in parts
-    ]
-    return each[0], each[1]
-
-
-def _noise(u: ca.SX, std: ca.SX, bound: ca.SX, metric: Metric) -> ca.SX:
-    """Error of a reading, N and N.m, shape (m,), from four uniform numbers."""
-    size = metric.task.size
-    pairs = (size + 1) // 2
-    if pairs == 1:
-        return truncated_normal(u[0], u[1], std, bound)[:size]
-    # Digits beyond the first 26 binary ones are uniform, too, and serve a third and a fourth pair.
-    more = u * DIGITS - ca.floor(u * DIGITS)
-    uniform = ca.vertcat(u, more)
-    drawn = [truncated_normal(uniform[2 * k], uniform[2 * k + 1], std, bound / math.sqrt(pairs)) for k in range(pairs)]
-    return metric.of_newtons(ca.vertcat(*drawn)[:size])
-
-
-def ticks_per_draw(model: SampledModel) -> ca.SX:
-    """Declare `noise_period`, and return the number of ticks for which an error is held."""
-    period = model.parameter(
-        "noise_period",
-        0.0,
-        unit="s",
-        limits=NOT_NEGATIVE,
-        description="Time for which a draw of the noise is held: a whole multiple of sample_time, or less for one tick",
-    )
-    ratio = period / model.period
-    ticks = ca.fmax(ca.floor(ratio + 0.5), 1)
-    model.require(
-        ca.if_else(period > model.period, ROUNDING * ticks - ca.fabs(ratio - ticks), 1),
-        "noise_period must be a whole multiple of sample_time, or shorter than one",
-    )
-    return ticks
-
-
-def truncated_normal(u0: ca.SX, u1: ca.SX, std: ca.SX, bound: ca.SX) -> ca.SX:
-    """Return a normally distributed vector of the plane, of norm at most `bound`, from two uniform numbers."""
-    # 1 - exp(x) and ln(1 - x) would lose all digits of a small x, where the bound is far below std.
-    inside = ca.expm1(-((bound / std) ** 2) / 2)
-    # Rounding may carry r beyond the bound (u0 next to 1, or a bound far below std).
-    r = ca.fmin(std * ca.sqrt(-2 * ca.log1p(u0 * inside)), bound)
-    return r * ca.vertcat(ca.cos(2 * math.pi * u1), ca.sin(2 * math.pi * u1))

@@ -11,8 +11,9 @@ The measured force is compensated and shaped; acceleration is not used.
 
 from adaptimp_fmu import NOT_NEGATIVE, Formula, Formulas, SampledModel
 from fmus import icons
-from fmus.control.controller import EQUATIONS, declare_controller, drawings
+from fmus.control.controller import declare_controller, drawings
 from fmus.control.impedance import null_space_damping, torque_mobility, torque_resolved
+from fmus.control.null_space import declare_null_space
 from fmus.drawings.loop import CONTROLLER
 from fmus.project import publish
 from fmus.robots.planar_robot import PlanarRobot
@@ -57,7 +58,8 @@ def hogan_impedance(
     text = "Conventional impedance control with fixed dynamic parameters"
     by_choice = form == MOBILITY and not redundant
     controller = declare_controller(name, f"{text}, form (5)" if by_choice else text, robot, full=full)
-    modules = (*EQUATIONS, *robot.modules, "fmus")
+    in_null_space = ["fmus.control.null_space"] if redundant and robot.task.in_space else []
+    modules = (*in_null_space, *controller.modules)
     publish(controller.model, icons.impedance(robot.n), CONTROLLER, drawings(robot), __name__, *modules)
     estimate = controller.with_parameters(controller.p_start)
     if not redundant and not by_choice:
@@ -66,7 +68,10 @@ def hogan_impedance(
         law = torque_mobility
         controller.require_invertible("H", estimate.inertia(controller.measured.q), "p_start", "give positive masses")
     tau_cmd = law(controller.measured, estimate, controller.virtual, controller.impedance)
-    if redundant:
+    if in_null_space:
+        null_space = declare_null_space(controller.model, robot)
+        tau_cmd = tau_cmd + null_space.torque(controller.measured, estimate)
+    elif redundant:
         damping = controller.model.parameter(
             "null_damping",
             0.0,

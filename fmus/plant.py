@@ -12,25 +12,29 @@ The variant PlantWristPayload says what a sensor at the wrist measures, F_wrist,
 the sensor (`fmus.mechanics.payload`).
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import reduce
 from operator import add
 
 import casadi as ca
 
-from adaptimp_fmu import NOT_NEGATIVE, POSITIVE, ContinuousModel, DefinitionError, Formula, Formulas
+from adaptimp_fmu import ContinuousModel, DefinitionError, Formula, Formulas
 from fmus.drawings.loop import PLANT
-from fmus.elements import ACCELERATION, ANGLE, LENGTH, RATE, along, of_joints, of_task
-from fmus.environment.contact import Wall
-from fmus.environment.half_space import declare_half_space, ordinal, suffix
+from fmus.elements import ACCELERATION, ANGLE, LENGTH, RATE, SPACE, along, of_task, of_wrench
+from fmus.environment import contact
+from fmus.environment.contact import Wall, declare_wall
+from fmus.environment.contact_point import ContactPoint
+from fmus.environment.half_space import ordinal, suffix
 from fmus.mechanics.algebra import solve_spd
 from fmus.mechanics.arm import ArmModel
 from fmus.mechanics.payload import declare_payload, force_on_payload
 from fmus.mechanics.planar_model import PlanarArmModel
+from fmus.mechanics.spatial_model import SpatialArmModel
 from fmus.mechanics.task import Task
-from fmus.project import group_signals, publish
+from fmus.project import group_signals, publish, publish_in_space
 from fmus.robots.planar_robot import PlanarRobot
 from fmus.robots.robot import Robot
+from fmus.spatial_plant import MODULES, SpatialPlant
 
 FORMULAS = Formulas(
     "Motion of the arm",
@@ -51,12 +55,12 @@ FORMULAS = Formulas(
 def plant(robot: Robot | None = None, name: str = "Plant", walls: int = 1, *, wrist: bool = False) -> ContinuousModel:
     """Declare the model of a robot, by default the paper's, with one wall or with two.
 
-    With `wrist` a part of the last mass may sit beyond a sensor at the wrist.
+    With `wrist` a part of the last mass may sit beyond a sensor at the wrist. An arm in space always has such a sensor.
 
     Raises
     ------
     DefinitionError
-        If the wrist's force is wanted of a robot whose task is not a position in the plane.
+        If the wrist's force is wanted of a robot in the plane whose task is not a position.
 
     Examples
     --------
@@ -69,57 +73,55 @@ def plant(robot: Robot | None = None, name: str = "Plant", walls: int = 1, *, wr
     robot = robot or PlanarRobot()
     place = {1: "against a compliant wall", 2: "in a corner of two compliant walls"}[walls]
     aims = "; position and angle of its tip are the task" if robot.task.angles else ""
-    model = ContinuousModel(name, f"{robot.title} {place}{aims}")
-    publish(
-        model,
-        robot.icon(corner=walls > 1),
-        PLANT,
-        [robot.drawing(walls)],
-        __name__,
-        *robot.modules,
-        "fmus.environment.contact",
-        "fmus.environment.half_space",
-        *(["fmus.mechanics.payload"] if wrist else []),
-        "fmus",
-    )
-    n, task, begin = robot.n, robot.task, robot.start
-    tau = model.input("tau", [0.0] * n, unit="N.m", description=of_joints("Torque", n))
-    q_start = model.parameter(
-        "q_start", begin.q, unit="rad", display_unit=ANGLE, description=of_joints("Angle at the start", n)
-    )
-    dq_start = model.parameter(
-        "dq_start", begin.dq, unit="rad/s", display_unit=RATE, description=of_joints("Rate at the start", n)
-    )
+    model = ContinuousModel(name, f"{robot.title} {place}{aims}", dt_max=robot.dt_max)
+    task = robot.task
+    _document(model, robot, walls, wrist=wrist)
+    tau, q_start, dq_start = _declare_joints(model, robot)
     arm, p = robot.declare_true(model)
-    beyond = _declare_payload(model, robot, arm, p) if wrist else None
-    touched = {number: _wall(model, number, robot) for number in range(1, walls + 1)}
+    beyond = _declare_payload(model, robot, arm, p) if wrist and not isinstance(arm, SpatialArmModel) else None
+    touched = {k: declare_wall(model, k, task.positions, robot.place_of_wall(k)) for k in range(1, walls + 1)}
 
     q, dq = model.state("q", q_start), model.state("dq", dq_start)
     x = arm.forward_kinematics(q)
     J = arm.jacobian(q)
     dx = ca.mtimes(J, dq)
-    point, velocity = x[: task.positions], dx[: task.positions]
-    forces = {number: _force(model, wall, point, velocity, number) for number, wall in touched.items()}
-    F_ext = ca.vertcat(reduce(add, forces.values()), ca.SX.zeros(task.angles, 1))
-    ddq = solve_spd(arm.inertia(q, p), tau - arm.bias(q, dq, p) - arm.wrench_torque(q, F_ext))
+    if isinstance(arm, SpatialArmModel):
+        space = SpatialPlant.declare(model, arm, robot, (q, dq), q_start)
+        point, torque = space.point, tau + space.tau_stop
+    else:
+        space, torque = None, tau
+        point = ContactPoint(x[: task.positions], dx[: task.positions], angles=task.angles)
+    forces = {number: _force(model, wall, point, number) for number, wall in touched.items()}
+    F_ext = point.wrench(reduce(add, forces.values()))
+    ddq = solve_spd(arm.inertia(q, p), torque - arm.bias(q, dq, p) - arm.wrench_torque(q, F_ext))
     model.derivative(q, dq)
     model.derivative(dq, ddq)
 
-    _show_motion(model, task, (q, dq, ddq), (x, dx))
-    texts = of_task("Force of the tip on the wall", task, "Moment of the tip on the wall")
+    _show_motion(model, robot, (q, dq, ddq), (x, dx))
+    texts = of_wrench("Force of the tip on the wall", "Moment of the tip on the wall", task)
     model.output("F_ext", F_ext, unit=task.each("N", "N.m"), description=texts)
+    if space is not None:
+        space.show(model, F_ext, p, ddq)
     if beyond is not None:
         ddx = ca.mtimes(J, ddq) + ca.mtimes(arm.jacobian_rate(q, dq), dq)
         texts = along("Force of the arm on what is beyond the wrist sensor")
         model.output("F_wrist", beyond(F_ext, ddx), unit="N", description=texts)
-    for number, wall in touched.items():
-        _show_depth(model, wall.gap(point), number)
-    if walls > 1:
-        for number, force in forces.items():
-            text = f"Force of the tip on the {'first wall' if number == 1 else ordinal(number)}"
-            model.output(f"F_wall{suffix(number)}", force, unit="N", description=along(text, task.positions))
+    _show_walls(model, touched, forces, point)
     group_signals(model)
     return model
+
+
+def _document(model: ContinuousModel, robot: Robot, walls: int, *, wrist: bool) -> None:
+    """Give a plant its icon, its drawing, and the modules whose docstrings have its equations."""
+    environment = ["fmus.environment.contact", "fmus.environment.half_space"]
+    if robot.task.positions == SPACE:
+        environment += MODULES
+    elif wrist:
+        environment.append("fmus.mechanics.payload")
+    icon, drawing = robot.icon(corner=walls > 1), robot.drawing(walls)
+    publish(model, icon, PLANT, [drawing], __name__, *robot.modules, *environment, "fmus")
+    if robot.task.positions == SPACE:
+        publish_in_space(model, PLANT, contact.FORMULAS)
 
 
 def _declare_payload(model: ContinuousModel, robot: Robot, arm: ArmModel, p: ca.SX) -> Callable[[ca.SX, ca.SX], ca.SX]:
@@ -134,43 +136,80 @@ def _declare_payload(model: ContinuousModel, robot: Robot, arm: ArmModel, p: ca.
     return lambda F_ext, ddx: force_on_payload(payload, F_ext, ddx, gravity)
 
 
+def _declare_joints(model: ContinuousModel, robot: Robot) -> tuple[ca.SX, ca.SX, ca.SX]:
+    """Declare what the joints do: the torques tau, and q and dq at the start; shape (n,) each."""
+    joints, begin = robot.joints, robot.start
+    tau = model.input("tau", [0.0] * robot.n, unit=joints.each("N.m", "N"), description=joints.texts("Torque", "Force"))
+    q_start = model.parameter(
+        "q_start",
+        begin.q,
+        unit=joints.each("rad", "m"),
+        display_unit=joints.each(ANGLE, LENGTH),
+        description=joints.texts("Angle at the start", "Position at the start"),
+    )
+    dq_start = model.parameter(
+        "dq_start",
+        begin.dq,
+        unit=joints.each("rad/s", "m/s"),
+        display_unit=joints.each(RATE, ""),
+        description=joints.texts("Rate at the start"),
+    )
+    return tau, q_start, dq_start
+
+
 def _show_motion(
-    model: ContinuousModel, task: Task, joints: tuple[ca.SX, ca.SX, ca.SX], tip: tuple[ca.SX, ca.SX]
+    model: ContinuousModel, robot: Robot, motion: tuple[ca.SX, ca.SX, ca.SX], tip: tuple[ca.SX, ca.SX]
 ) -> None:
     """Declare the outputs that tell how the arm moves: q, dq, ddq of the joints, and x, dx of the tip."""
-    for name, value, unit, shown, what in (
-        ("q", joints[0], "rad", ANGLE, "Angle"),
-        ("dq", joints[1], "rad/s", RATE, "Rate"),
-        ("ddq", joints[2], "rad/s2", ACCELERATION, "Acceleration"),
+    joints, task = robot.joints, robot.task
+    for name, value, per, shown, what, of_slide in (
+        ("q", motion[0], "", (ANGLE, LENGTH), "Angle", "Position"),
+        ("dq", motion[1], "/s", (RATE, ""), "Rate", ""),
+        ("ddq", motion[2], "/s2", (ACCELERATION, ""), "Acceleration", ""),
     ):
-        said = of_joints(what, value.numel())
-        if name == "q":
+        said = list(joints.texts(what, of_slide))
+        if name == "q" and task.positions < SPACE:
             said = [said[0] + ", from x1", *(f"{text}, from the previous link" for text in said[1:])]
         if name == "ddq":
             said = [f"{text}; at a communication point its left limit" for text in said]
-        model.output(name, value, unit=unit, display_unit=shown, description=said)
+        units, displayed = joints.each(f"rad{per}", f"m{per}"), joints.each(*shown)
+        model.output(name, value, unit=units, display_unit=displayed, description=said)
     texts = of_task("Position of the tip", task, "Angle of the tip")
     model.output("x", tip[0], unit=task.each("m", "rad"), description=texts)
-    texts = of_task("Velocity of the tip", task, "Angular velocity of the tip")
+    turning = "Angular velocity of the tip" if task.angles == 1 else "Rate of the tip's angle"
+    texts = of_task("Velocity of the tip", task, turning)
     model.output("dx", tip[1], unit=task.each("m/s", "rad/s"), description=texts)
 
 
-def _force(model: ContinuousModel, wall: Wall, x: ca.SX, dx: ca.SX, number: int) -> ca.SX:
-    """Declare the contact events of a wall; returns the force of the tip on the wall, N, of the shape of x."""
-    in_contact = model.event(f"contact{suffix(number)}", wall.gap(x))
-    pushing = model.event(f"pushing{suffix(number)}", wall.damping_factor(dx))
-    return wall.force(x, dx, in_contact, pushing)
+def _force(model: ContinuousModel, wall: Wall, point: ContactPoint, number: int) -> ca.SX:
+    """Declare the contact events of a wall; returns the force of the point on the wall, N, of its shape."""
+    in_contact = model.event(f"contact{suffix(number)}", wall.gap(point.position))
+    pushing = model.event(f"pushing{suffix(number)}", wall.damping_factor(point.velocity))
+    return wall.force(point.position, point.velocity, in_contact, pushing)
 
 
-def _show_depth(model: ContinuousModel, gap: ca.SX, number: int) -> None:
-    """Declare the outputs that tell how deep the tip lies in a wall."""
+def _show_walls(
+    model: ContinuousModel, walls: Mapping[int, Wall], forces: Mapping[int, ca.SX], point: ContactPoint
+) -> None:
+    """Declare the outputs that tell how deep the tip lies in each wall, and where there are two, the force on each."""
+    for number, wall in walls.items():
+        _show_depth(model, wall.gap(point.position), number, point.name)
+    if len(walls) > 1:
+        for number, force in forces.items():
+            text = f"Force of the tip on the {'first wall' if number == 1 else ordinal(number)}"
+            texts = along(text, point.position.numel())
+            model.output(f"F_wall{suffix(number)}", force, unit="N", description=texts)
+
+
+def _show_depth(model: ContinuousModel, gap: ca.SX, number: int, point: str) -> None:
+    """Declare the outputs that tell how deep a point lies in a wall."""
     end, wall = suffix(number), ordinal(number)
     model.output(
         f"gap{end}",
         gap,
         unit="m",
         display_unit=LENGTH,
-        description=f"Signed depth of the tip in the {wall}, n.x - wall_offset{end}",
+        description=f"Signed depth of the {point} in the {wall}, n.x - wall_offset{end}",
         scalar=True,
     )
     model.output(
@@ -178,29 +217,6 @@ def _show_depth(model: ContinuousModel, gap: ca.SX, number: int) -> None:
         ca.fmax(gap, 0),
         unit="m",
         display_unit=LENGTH,
-        description=f"Depth of the tip in the {wall}, 0 outside",
+        description=f"Depth of the {point} in the {wall}, 0 outside",
         scalar=True,
     )
-
-
-def _wall(model: ContinuousModel, number: int, robot: Robot) -> Wall:
-    """Declare the parameters of a wall; those of a second wall end with a 2."""
-    end, wall = suffix(number), ordinal(number)
-    half_space = declare_half_space(model, number, robot.task.positions, robot.place_of_wall(number))
-    K_f = model.parameter(f"K_f{end}", 1e5, unit="N/m", limits=NOT_NEGATIVE, description=f"Stiffness of the {wall}")
-    D_f = model.parameter(
-        f"D_f{end}",
-        0.0,
-        unit="s/m",
-        limits=NOT_NEGATIVE,
-        description="Hunt-Crossley damping: relative gain of the normal force per penetration rate",
-    )
-    mu = model.parameter(f"mu{end}", 0.0, limits=NOT_NEGATIVE, description=f"Coefficient of friction along the {wall}")
-    friction_velocity = model.parameter(
-        f"friction_velocity{end}",
-        1e-2,
-        unit="m/s",
-        limits=POSITIVE,
-        description=f"Sliding speed over which friction along the {wall} changes sign (tanh)",
-    )
-    return Wall(half_space.normal, half_space.offset, K_f, D_f, mu, friction_velocity)

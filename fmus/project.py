@@ -13,17 +13,19 @@ from pathlib import Path
 from adaptimp_fmu import (
     Drawing,
     Experiment,
+    Formulas,
     Icon,
     Model,
     Ownership,
     ParameterSet,
     ReferenceRun,
     Role,
+    Signal,
     present,
     runtime_license,
 )
 from fmus import start
-from fmus.drawings.loop import loop, signals
+from fmus.drawings.loop import PLANT, SENSOR, loop, signals
 
 AUTHOR = "The adaptimp authors"
 VERSION = "1"
@@ -40,11 +42,16 @@ TERMINALS = {
 """Signals of each terminal. An FMU has those terminals of which it has a signal."""
 TOPICS = {
     "Start": ("q_start", "dq_start", "p_start"),
-    "Arm": ("m", "l", "payload", "viscous", "coulomb", "coulomb_velocity", "gravity"),
-    "Wall": ("wall_normal", "wall_offset", "K_f", "D_f", "mu", "friction_velocity"),
+    "Arm": ("m", "l", "payload", "viscous", "coulomb", "p", "coulomb_velocity", "gravity", "reference_rpy"),
+    "Payload": ("payload_mass", "payload_center", "payload_inertia"),
+    "Range of the joints": (
+        *("q_min", "q_max", "stop_stiffness", "stop_damping"),
+        *("limit_margin", "limit_stiffness", "limit_damping", "limit_torque"),
+    ),
+    "Wall": ("wall_normal", "wall_offset", "K_f", "D_f", "mu", "friction_velocity", "contact_point"),
     "Second wall": ("wall_normal2", "wall_offset2", "K_f2", "D_f2", "mu2", "friction_velocity2"),
-    "Ellipse": ("semi_axis", "period", "depth", "height", "orientation"),
-    "Target impedance": ("M", "B", "K", "null_damping"),
+    "Ellipse": ("semi_axis", "center", "plane_rpy", "period", "depth", "height", "orientation", "tilt"),
+    "Target impedance": ("M", "B", "K", "task_rpy", "null_damping", "null_stiffness", "posture"),
     "Adaptation": (
         *("Gamma", "Psi", "K_d", "p_min", "p_max", "projection", "dead_zone", "freeze_when_saturated"),
         *("update_divisor", "acc_filter_time"),
@@ -53,6 +60,8 @@ TOPICS = {
     "Rejection of noise": ("contact_threshold", "gamma_margin", "gamma_eps"),
     "Bias, range and resolution": ("bias", "range", "resolution", "moment_range", "moment_resolution"),
     "Norms of positions and angles": ("L",),
+    "Frame of the sensor": ("sensor_position", "sensor_rpy"),
+    "Filter, zero and weight compensation": ("filter_time", "zero", "tool_mass", "tool_center"),
     "Failure": ("failure", "failure_start", "failure_duration", "failure_force"),
     "Limits of the torque": ("tau_max", "tau_rate_max", "time_constant"),
     "Sampling and integration": ("sample_time", "dt_max"),
@@ -81,6 +90,25 @@ def publish(model: Model, icon: Icon, component: str, drawings: Sequence[Drawing
     if (folder / f"{model.name}_ref.opt").exists():
         model.reference_runs = [ReferenceRun.read(folder, model.name, f"{model.name} alone, driven so that it acts")]
     model.parameter_sets = parameter_sets(folder / f"{model.name}_sets.csv")
+
+
+def publish_in_space(model: Model, component: str, planar: Formulas) -> None:
+    """Let a published page say what is so in space alone: the sensor needs to know x, how the plant's tip is turned.
+
+    Parameters
+    ----------
+    component
+        Name of the component, which is the plant or the sensor.
+    planar
+        Formulas that hold in the plane alone, which the page leaves out.
+    """
+    guide = model.guide
+    model.guide = replace(
+        guide,
+        formulas=[group for group in guide.formulas if group is not planar],
+        place=[loop(component, also_measured=("x",))],
+        signals={**guide.signals, "x": Signal(PLANT, [SENSOR])},
+    )
 
 
 def group_signals(model: Model) -> None:

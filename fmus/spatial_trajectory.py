@@ -15,8 +15,8 @@ import casadi as ca
 
 from adaptimp_fmu import POSITIVE, Formula, Formulas, SampledModel
 from fmus import icons, start
-from fmus.drawings.characteristics import cut_ellipse
 from fmus.drawings.loop import TRAJECTORY
+from fmus.drawings.spatial_path import spatial_path
 from fmus.elements import ANGLE, LENGTH, TURNS, along, of_task
 from fmus.environment.half_space import HalfSpace, declare_half_space
 from fmus.mechanics.orientation import rotation
@@ -65,12 +65,12 @@ def spatial_trajectory(robot: SpatialRobot, name: str) -> SampledModel:
     text = "Ellipse in space with a straight segment inside the wall, and an orientation that may tilt"
     model, path = SampledModel(name, text), robot.path
     modules = (__name__, "fmus.mechanics.orientation", "fmus")
-    publish(model, icons.cut_ellipse(), TRAJECTORY, [cut_ellipse()], *modules)
+    publish(model, icons.cut_ellipse(), TRAJECTORY, [spatial_path(path)], *modules)
     period = model.parameter("period", start.PERIOD, unit="s", limits=POSITIVE, description="Time of one turn")
     center, axes = _declare_plane(model, path)
     wall = declare_half_space(model, 1, SPACE, (path.wall_normal, path.wall_offset))
     depth = model.parameter(
-        "depth", 0.01, unit="m", display_unit=LENGTH, description="Depth of the straight segment inside the wall"
+        "depth", path.depth, unit="m", display_unit=LENGTH, description="Depth of the straight segment inside the wall"
     )
     orientation, tilt = _declare_angles(model)
 

@@ -21,7 +21,7 @@ import casadi as ca
 from adaptimp_fmu import NOT_NEGATIVE, Formula, Formulas, SampledModel
 from fmus import icons
 from fmus.control.adaptation import declare_adaptation
-from fmus.control.controller import EQUATIONS, declare_controller, drawings, require_square
+from fmus.control.controller import declare_controller, drawings, require_square
 from fmus.control.impedance import resolved_torque, target_acceleration
 from fmus.control.noise_rejection import declare_noise_rejection, declare_outputs
 from fmus.craig_adaptive_impedance import GAIN, GAIN_UNIT
@@ -78,9 +78,7 @@ def spong_ortega_adaptive_impedance(
         "fmus.craig_adaptive_impedance",
         "fmus.control.noise_rejection",
         "fmus.control.adaptation",
-        *EQUATIONS,
-        *controller.robot.modules,
-        "fmus",
+        *controller.modules,
     )
     adaptation = declare_adaptation(controller, GAIN, GAIN_UNIT)
     model, measured, arm = controller.model, controller.measured, controller.arm

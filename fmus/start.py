@@ -70,6 +70,8 @@ class SpatialPath:
         Roll, pitch and yaw, rad, shape (3,), of the orientation R_0 of the tip at which its angles phi are 0.
     wall_normal, wall_offset
         Unit vector into the wall, shape (3,), and distance of its surface from the origin along the normal, m.
+    depth
+        Depth inside the wall, m, at which the ellipse is cut off.
     """
 
     center: tuple[float, ...]
@@ -78,6 +80,7 @@ class SpatialPath:
     reference: tuple[float, ...]
     wall_normal: tuple[float, ...]
     wall_offset: float
+    depth: float = 0.01
 
 
 ARMS = {

@@ -20,12 +20,16 @@ from adaptimp_fmu import NOT_NEGATIVE, POSITIVE, Formula, Formulas, Limits, Type
 from fmus.control.controller import Controller
 from fmus.control.gain_units import gain_units
 from fmus.control.gains import declare_gain, require_definite, require_semidefinite
-from fmus.elements import of_axes, of_joints
+from fmus.elements import of_axes
 from fmus.mechanics.algebra import is_diagonal, times
 from fmus.mechanics.task import Metric
 from fmus.metric import declare_metric
 
 UNLIMITED = 1e9  # a bound of p that is none
+# Assumed, of a payload of 5 cm: its first moment per kg, m, and its moment of inertia per kg, m2. A gain goes with the
+# square of its element's size, so that errors of all ten elements count alike. With one gain for all of them, moments
+# are adapted so fast that algorithm 1 is unstable on a UR3 and on a UR10.
+SIZES = {"kg.m": 0.05, "kg.m2": 0.05**2}
 
 
 FORMULAS = Formulas(
@@ -98,12 +102,12 @@ def declare_adaptation(controller: Controller, gain: float, per: str) -> Adaptat
     per
         Unit of a gain apart from those of its two parameters, such as ``1/N.m``.
     """
-    model, robot, n = controller.model, controller.robot, controller.arm.n
+    model, robot = controller.model, controller.robot
     saturated = model.input(
         "saturated",
-        [False] * n,
+        [False] * robot.n,
         type=Type.BOOLEAN,
-        description=of_joints("Whether the actuator is saturated (optional)", n),
+        description=robot.joints.texts("Whether the actuator is saturated (optional)"),
     )
     Gamma = _declare_Gamma(controller, gain, per)
     Psi = declare_gain(
@@ -167,6 +171,8 @@ def declare_adaptation(controller: Controller, gain: float, per: str) -> Adaptat
             f"p_start[{i + 1}] must lie within p_min[{i + 1}] and p_max[{i + 1}] when projection is on",
         )
     paused = ca.logic_and(freeze, ca.sum1(saturated) > 0)
+    if controller.repulsion is not None:  # a push at the end of a range is no load
+        paused = ca.logic_or(paused, ca.sum1(ca.fabs(controller.repulsion)) > 0)
     metric = declare_metric(model, robot.task)
     return Adaptation(controller, Gamma, Psi, p_min, p_max, projection, dead_zone, paused, divisor, metric)
 
@@ -180,7 +186,10 @@ def _declare_Gamma(controller: Controller, gain: float, per: str) -> ca.SX:
     Gamma = declare_gain(
         model,
         "Gamma",
-        [gain if uncertain else 0.0 for uncertain in robot.uncertain],
+        [
+            gain * SIZES.get(unit, 1.0) ** 2 if uncertain else 0.0
+            for unit, uncertain in zip(controller.units_of_p, robot.uncertain, strict=True)
+        ],
         full=controller.full,
         unit=[units[i][j] for i, j in places],
         limits=NOT_NEGATIVE,

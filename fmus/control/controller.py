@@ -4,6 +4,7 @@ A controller's outputs are those of a tick: e = x - x_t, the torque, p_hat and x
 the states advance to the next tick.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import casadi as ca
@@ -12,12 +13,15 @@ from adaptimp_fmu import ANY, NOT_NEGATIVE, POSITIVE, DefinitionError, Drawing, 
 from fmus.control.full_tirt import LARGEST_NORM, FullImpedance, companion, row_norm
 from fmus.control.gains import declare_gain, require_definite
 from fmus.control.impedance import ArmEstimate, Measured
+from fmus.control.joint_limits import declare_repulsion
 from fmus.control.tirt import Impedance
 from fmus.drawings.characteristics import impedance as drawn_impedance
-from fmus.elements import ACCELERATION, ANGLE, LENGTH, RATE, of_axes, of_joints, of_task
+from fmus.elements import ACCELERATION, ANGLE, LENGTH, RATE, of_axes, of_task, of_wrench
 from fmus.mechanics.algebra import factors_spd
 from fmus.mechanics.arm import ArmModel
+from fmus.mechanics.orientation import rotation
 from fmus.mechanics.task import Task
+from fmus.mechanics.turned_task import TurnedTask
 from fmus.project import group_signals
 from fmus.robots.planar_robot import PlanarRobot
 from fmus.robots.robot import Robot
@@ -30,9 +34,16 @@ EQUATIONS = (
 """Modules with the equations that every controller shares, for its documentation; those of the robot follow."""
 
 
+IN_SPACE = ("fmus.mechanics.turned_task", "fmus.control.joint_limits")
+"""Further modules with equations of every controller of an arm in space."""
+TURNS = ("Roll", "Pitch", "Yaw")
+
+
 @dataclass(frozen=True)
 class Controller:
     """A controller that is being declared: its model, and the symbols that every control law uses.
+
+    Vectors of the task are in the axes of the gains. In space `in_base` turns them to those of the base.
 
     Attributes
     ----------
@@ -46,6 +57,8 @@ class Controller:
         Task coordinates and their rates by the arm's kinematics, shape (m,).
     x_t, dx_t
         State of the TIRT, shape (m,).
+    repulsion
+        Torque that keeps the joints from the ends of their ranges, N.m, shape (n,); None for an arm in the plane.
     """
 
     model: SampledModel
@@ -60,6 +73,16 @@ class Controller:
     dx: ca.SX
     x_t: ca.SX
     dx_t: ca.SX
+    repulsion: ca.SX | None = None
+
+    @property
+    def modules(self) -> Sequence[str]:
+        """Names of the modules with the equations that every controller of such a robot shares, for documentation."""
+        return [*EQUATIONS, *(IN_SPACE if self.robot.task.in_space else ()), *self.robot.modules, "fmus"]
+
+    def in_base(self, v: ca.SX) -> ca.SX:
+        """A vector of the task in the axes of the base, of the shape of v, (m,)."""
+        return self.arm.in_base(v) if isinstance(self.arm, TurnedTask) else v
 
     @property
     def e(self) -> ca.SX:
@@ -109,13 +132,18 @@ class Controller:
     def finish(self, tau_cmd: ca.SX, p_hat: ca.SX) -> SampledModel:
         """Declare the common outputs and the terminals, let the TIRT advance, and return the model."""
         model, task = self.model, self.arm.task
-        model.output("tau_cmd", tau_cmd, unit="N.m", description=of_joints("Commanded torque", self.arm.n))
+        if self.repulsion is not None:
+            tau_cmd = tau_cmd + self.repulsion
+        joints = self.robot.joints
+        commanded = joints.texts("Commanded torque", "Commanded force")
+        model.output("tau_cmd", tau_cmd, unit=joints.each("N.m", "N"), description=commanded)
         text = "Target-impedance reference trajectory, eq. (11),"
-        model.output("x_t", self.x_t, unit=task.each("m", "rad"), description=of_task(text, task))
-        model.output("dx_t", self.dx_t, unit=task.each("m/s", "rad/s"), description=of_task("Rate of x_t", task))
+        model.output("x_t", self.in_base(self.x_t), unit=task.each("m", "rad"), description=of_task(text, task))
+        of_rate = of_task("Rate of x_t", task)
+        model.output("dx_t", self.in_base(self.dx_t), unit=task.each("m/s", "rad/s"), description=of_rate)
         model.output(
             "e",
-            self.e,
+            self.in_base(self.e),
             unit=task.each("m", "rad"),
             display_unit=task.each(LENGTH, ANGLE),
             description=of_task("Regression error x - x_t", task),
@@ -146,6 +174,9 @@ def declare_controller(name: str, description: str, robot: Robot | None = None, 
     virtual = _declare_virtual(model, robot)
     impedance = _impedance(model, robot.task, full=full)
     arm = robot.declare_known(model)
+    if robot.task.in_space:
+        arm = TurnedTask(arm, rotation(_declare_task_axes(model)))
+        virtual = arm.in_task(virtual[0]), arm.in_task(virtual[1]), arm.in_task(virtual[2])
     measured = replace(measured, F_hat=arm.wrench_force(measured.q, measured.F_hat))
     p_start = model.parameter(
         "p_start",
@@ -156,6 +187,7 @@ def declare_controller(name: str, description: str, robot: Robot | None = None, 
     )
     for demand in arm.demands(measured.q):
         model.require(demand.value, demand.sentence)
+    limits = declare_repulsion(model, robot.joints) if robot.task.in_space else None
     return Controller(
         model=model,
         robot=robot,
@@ -169,6 +201,7 @@ def declare_controller(name: str, description: str, robot: Robot | None = None, 
         dx=ca.mtimes(arm.jacobian(measured.q), measured.dq),
         x_t=model.state("x_t", virtual[0]),
         dx_t=model.state("dx_t", virtual[1]),
+        repulsion=None if limits is None else limits.torque(measured),
     )
 
 
@@ -184,8 +217,8 @@ def require_square(controller: Controller, law: str) -> None:
     if n != m:
         msg = (
             f"{controller.model.name}: {law} needs as many joints as task coordinates, since the paper derives it with"
-            f" the inverse of J; the arm has {n} joints and {m} task coordinates. Use HoganImpedance, form (5), or"
-            " another task."
+            f" the inverse of J; the arm has {n} joints and {m} task coordinates. Use HoganImpedance, form (5),"
+            " SlotineLiAdaptiveImpedance, which goes beyond the paper here, or another task."
         )
         raise DefinitionError(msg)
 
@@ -197,13 +230,22 @@ def drawings(robot: Robot) -> list[Drawing]:
 
 def _declare_measurements(model: SampledModel, robot: Robot) -> tuple[Measured, ca.SX]:
     """Declare the inputs that sensors give: q, dq, F_hat, and ddq beside them."""
-    n, begin, task = robot.n, robot.start, robot.task
-    q = model.input("q", begin.q, unit="rad", display_unit=ANGLE, description=of_joints("Angle", n))
-    dq = model.input("dq", begin.dq, unit="rad/s", display_unit=RATE, description=of_joints("Rate", n))
-    ddq = model.input(
-        "ddq", begin.ddq, unit="rad/s2", display_unit=ACCELERATION, description=of_joints("Acceleration", n)
+    joints, begin, task = robot.joints, robot.start, robot.task
+    q, dq, ddq = (
+        model.input(
+            name,
+            value,
+            unit=joints.each(f"rad{per}", f"m{per}"),
+            display_unit=joints.each(*shown),
+            description=joints.texts(text, of_slide),
+        )
+        for name, value, per, shown, text, of_slide in (
+            ("q", begin.q, "", (ANGLE, LENGTH), "Angle", "Position"),
+            ("dq", begin.dq, "/s", (RATE, ""), "Rate", ""),
+            ("ddq", begin.ddq, "/s2", (ACCELERATION, ""), "Acceleration", ""),
+        )
     )
-    texts = of_task("Measured force of the tip on the wall", task, "Measured moment of the tip on the wall")
+    texts = of_wrench("Measured force of the tip on the wall", "Measured moment of the tip on the wall", task)
     F_hat = model.input("F_hat", [0.0] * task.size, unit=task.each("N", "N.m"), description=texts)
     return Measured(q, dq, F_hat), ddq
 
@@ -225,6 +267,19 @@ def _declare_virtual(model: SampledModel, robot: Robot) -> tuple[ca.SX, ca.SX, c
         )
     )
     return x_v, dx_v, ddx_v
+
+
+def _declare_task_axes(model: SampledModel) -> ca.SX:
+    """Declare the axes of the gains: roll, pitch and yaw, rad, shape (3,), from the axes of the base."""
+    return model.parameter(
+        "task_rpy",
+        [0.0] * len(TURNS),
+        unit="rad",
+        display_unit=ANGLE,
+        description=[
+            f"{turn} of the axes of the task, which gains are along, from those of the base" for turn in TURNS
+        ],
+    )
 
 
 def _require_diagonal_gains_of_angles(name: str, task: Task, *, full: bool) -> None:

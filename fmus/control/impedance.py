@@ -138,8 +138,12 @@ def null_space_damping(measured: Measured, model: ArmEstimate, damping: ca.SX) -
 
     Eq. (5) leaves the null space of a redundant arm undamped. `damping` d_n in 1/s.
     """
-    q, dq = measured.q, measured.dq
+    return -damping * null_space_momentum(measured.q, model, measured.dq)
+
+
+def null_space_momentum(q: ca.SX, model: ArmEstimate, v: ca.SX) -> ca.SX:
+    """Momentum H N v = H v - J' W^-1 J v, kg m2/s, shape (n,), of the part N v of v that leaves the tip still."""
     J, H = model.arm.jacobian(q), model.inertia(q)
     W = ca.mtimes(J, solve_spd(H, J.T))
-    task_momentum = ca.mtimes(J.T, solve_mobility(W, ca.mtimes(J, dq)))
-    return -damping * (ca.mtimes(H, dq) - task_momentum)
+    of_the_tip = ca.mtimes(J.T, solve_mobility(W, ca.mtimes(J, v)))
+    return ca.mtimes(H, v) - of_the_tip

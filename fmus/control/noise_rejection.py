@@ -143,9 +143,11 @@ def declare_noise_rejection(adaptation: Adaptation, mobility: ca.SX) -> NoiseRej
 
 def declare_outputs(rejection: NoiseRejection, adaptation: Adaptation, F_c: ca.SX) -> None:
     """Declare the outputs that the theory of algorithm 1 speaks about."""
-    model, task = adaptation.controller.model, adaptation.controller.arm.task
+    controller = adaptation.controller
+    model, task = controller.model, controller.arm.task
     text = "Augmented error de + Psi e, eq. (14),"
-    model.output("e_star", rejection.e_star, unit=task.each("m/s", "rad/s"), description=of_task(text, task))
+    e_star = controller.in_base(rejection.e_star)
+    model.output("e_star", e_star, unit=task.each("m/s", "rad/s"), description=of_task(text, task))
     for name, unit, text in (
         ("alpha", "m2/s3", "X' Q X, eq. (23)"),
         ("beta", "m/s", "Norm of e_star, eq. (23)"),
@@ -156,7 +158,7 @@ def declare_outputs(rejection: NoiseRejection, adaptation: Adaptation, F_c: ca.S
         model.output(name, getattr(rejection, name), unit=unit, description=text, scalar=True)
     text = "Control {} against the sensor's noise, eq. (22),"
     texts = of_task(text.format("force"), task, text.format("moment"))
-    model.output("F_c", F_c, unit=task.each("N", "N.m"), description=texts)
+    model.output("F_c", controller.in_base(F_c), unit=task.each("N", "N.m"), description=texts)
 
 
 def _alpha(adaptation: Adaptation, e: ca.SX, de: ca.SX) -> ca.SX:

@@ -31,13 +31,15 @@ def signals() -> dict[str, Signal]:
     return {name: Signal(source, targets) for source, names, targets in LINKS for name in names}
 
 
-def loop(marked: str) -> Drawing:
+def loop(marked: str, also_measured: Sequence[str] = ()) -> Drawing:
     """Draw the loop.
 
     Parameters
     ----------
     marked
         Name of the component that the page is about, one of the constants above.
+    also_measured
+        Names of signals that the sensor takes from the plant besides F_ext.
     """
     picture = Picture(740, 290, f"Block diagram of the loop; the {_BOXES[marked][1]} is marked")
     for name, (corner, label) in _BOXES.items():
@@ -46,7 +48,7 @@ def loop(marked: str) -> Drawing:
         picture.box(corner, (_WIDTH, _HEIGHT), colour=colour, fill=fill, width=2.4 if here else 1.4)
         middle = (corner[0] + _WIDTH / 2, corner[1] + _HEIGHT / 2 + 5)
         picture.text(middle, label, anchor="middle", bold=here, size=13.5)
-    _arrows(picture)
+    _arrows(picture, ", ".join(("F_ext", *also_measured)))
     return Drawing(
         picture.svg(),
         f"The loop and this component, {marked}. In each step the components run in the order trajectory, sensor,"
@@ -54,7 +56,7 @@ def loop(marked: str) -> Drawing:
     )
 
 
-def _arrows(picture: Picture) -> None:
+def _arrows(picture: Picture, measured: str) -> None:
     """Draw the signals between the boxes."""
     picture.arrow([(150, 58), (240, 58)])
     picture.text((195, 50), "x_v, dx_v,", anchor="middle", size=13)
@@ -64,7 +66,7 @@ def _arrows(picture: Picture) -> None:
     picture.arrow([(560, 58), (590, 58)])
     picture.text((575, 50), "tau", anchor="middle", size=13)
     picture.arrow([(655, 96), (655, 218), (560, 218)])
-    picture.text((647, 166), "F_ext", anchor="end", size=13)
+    picture.text((647, 166), measured, anchor="end", size=13)
     picture.arrow([(430, 218), (325, 218), (325, 96)])
     picture.text((378, 210), "F_hat", anchor="middle", size=13)
     picture.arrow([(495, 96), (495, 128), (350, 128), (350, 96)], SOFT)

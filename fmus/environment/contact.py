@@ -10,12 +10,13 @@ turned by +90 degrees, v_t = t.dx). In space t is the direction in which the tip
 D_f = mu = 0 this is the paper's spring. The tip touches the wall in a point, so that F_ext has no moment about the tip.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import casadi as ca
 
-from adaptimp_fmu import Formula, Formulas
-from fmus.environment.half_space import HalfSpace
+from adaptimp_fmu import NOT_NEGATIVE, POSITIVE, Formula, Formulas, Model
+from fmus.environment.half_space import HalfSpace, declare_half_space, ordinal, suffix
 
 PLANE = 2  # coordinates of a point of the plane
 
@@ -80,5 +81,40 @@ class Wall(HalfSpace):
         """Direction of sliding times tanh(speed / friction_velocity), shape (3,); smooth where the tip is at rest."""
         slide = ca.if_else(self.mu > 0, self.in_surface(dx), ca.SX.zeros(*dx.shape))
         speed = ca.norm_2(slide)
-        per_speed = ca.if_else(speed > 0, ca.tanh(speed / self.friction_velocity) / speed, 0)
+        # The limit at rest matters for derivatives: the value there is 0 anyway.
+        resting = 1 / self.friction_velocity
+        per_speed = ca.if_else(speed > 0, ca.tanh(speed / self.friction_velocity) / speed, resting)
         return per_speed * slide
+
+
+def declare_wall(model: Model, number: int, size: int, place: tuple[Sequence[float], float]) -> Wall:
+    """Declare the parameters of a wall; those of a second wall end with a 2.
+
+    Parameters
+    ----------
+    number
+        1 for the first wall, 2 for the second.
+    size
+        Number of coordinates of a point: 2 in the plane, 3 in space.
+    place
+        Start values of normal and offset.
+    """
+    end, wall = suffix(number), ordinal(number)
+    half_space = declare_half_space(model, number, size, place)
+    K_f = model.parameter(f"K_f{end}", 1e5, unit="N/m", limits=NOT_NEGATIVE, description=f"Stiffness of the {wall}")
+    D_f = model.parameter(
+        f"D_f{end}",
+        0.0,
+        unit="s/m",
+        limits=NOT_NEGATIVE,
+        description="Hunt-Crossley damping: relative gain of the normal force per penetration rate",
+    )
+    mu = model.parameter(f"mu{end}", 0.0, limits=NOT_NEGATIVE, description=f"Coefficient of friction along the {wall}")
+    friction_velocity = model.parameter(
+        f"friction_velocity{end}",
+        1e-2,
+        unit="m/s",
+        limits=POSITIVE,
+        description=f"Sliding speed over which friction along the {wall} changes sign (tanh)",
+    )
+    return Wall(half_space.normal, half_space.offset, K_f, D_f, mu, friction_velocity)

@@ -32,11 +32,14 @@ class ArmParameter:
         What it is, such as ``mass at the end of link 1``.
     signed
         Whether it may be negative, as a first moment of mass may.
+    place
+        Row and column of the element in tables, such as ``body link2`` and ``m``; two empty texts if there is no table.
     """
 
     unit: str
     text: str
     signed: bool = False
+    place: tuple[str, str] = ("", "")
 
 
 @dataclass(frozen=True)

@@ -4,12 +4,15 @@ The frame of joint i is also the frame of body i. It stands at the joint's `plac
 (of the base, for the first joint) and is moved there by q[i]: turned about the joint's axis, or shifted along it.
 """
 
+import re
 from dataclasses import dataclass, field
 from enum import StrEnum
 
 import numpy as np
 
 from fmus.mechanics.rigid_body import HERE, Body, Placement, RobotError, symmetric
+
+_NUMBERED = re.compile(r"joint[ _-]?(\d+)", re.IGNORECASE)
 
 
 class JointKind(StrEnum):
@@ -108,6 +111,12 @@ class Joint:
     def turns(self) -> bool:
         """Whether q is an angle."""
         return self.kind is not JointKind.PRISMATIC
+
+    @property
+    def label(self) -> str:
+        """What texts call the joint: ``joint shoulder_pan_joint``, and ``joint 2`` for joint2, joint_2 and the like."""
+        number = _NUMBERED.fullmatch(self.name)
+        return f"joint {number[1] if number else self.name}"
 
 
 @dataclass(frozen=True)

@@ -17,6 +17,34 @@ full turn at +-180 deg. A reference orientation near those that the task needs k
 
 import casadi as ca
 
+from adaptimp_fmu import Formula, Formulas
+
+FORMULAS = Formulas(
+    "Position and orientation as coordinates",
+    [
+        Formula(
+            r"x = (p, \varphi), \quad R = R_3(\varphi_3)\,R_2(\varphi_2)\,R_1(\varphi_1)\,R_0",
+            "The coordinates are the position p of the tip and three angles: roll, pitch and yaw. These turn the tip"
+            " about axes 1, 2 and 3 of the base, in this order, from its reference orientation R0 of reference_rpy.",
+        ),
+        Formula(
+            r"\dot{x} = J_a\,\dot{q}, \quad J_a = \begin{pmatrix} I & 0 \\ 0 & E^{-1} \end{pmatrix} J,"
+            r" \quad \omega = E(\varphi)\,\dot{\varphi}",
+            "The analytic Jacobian gives the rates of the coordinates. J is the geometric Jacobian, and omega the"
+            " angular velocity of the tip in the axes of the base.",
+        ),
+        Formula(
+            r"F = (f, \; E^{T} m), \quad \dot{x}^{T} F = v^{T} f + \omega^{T} m",
+            "A wrench of force f and moment m is the force F in these coordinates: both have the same power.",
+        ),
+        Formula(
+            r"\det E = \cos\varphi_2",
+            "At a pitch of 90 deg roll and yaw turn about one axis, and E has no inverse. Choose reference_rpy near the"
+            " orientations of the task.",
+        ),
+    ],
+)
+
 
 def rotation(phi: ca.SX) -> ca.SX:
     """The matrix R3(yaw) R2(pitch) R1(roll), shape (3, 3), of angles phi rad, shape (3,)."""

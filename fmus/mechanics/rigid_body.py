@@ -15,6 +15,8 @@ import numpy as np
 
 ROUNDING = 1e-6
 """Part of the largest principal moment by which the others may miss the conditions: files have six digits or so."""
+NOTHING = 1e-15
+"""kg m2, a moment that is only the rounding of turned frames: a body without moments keeps none of them exactly."""
 SYMBOLS = ("m", "mc1", "mc2", "mc3", "I11", "I12", "I22", "I13", "I23", "I33")
 """The ten parameters of a body in the order of Pinocchio; the moments are about the origin of the body's frame."""
 LOWER = ((0, 0), (0, 1), (1, 1), (0, 2), (1, 2), (2, 2))
@@ -150,7 +152,7 @@ class Body:
     def _check_moments(self) -> None:
         """Refuse principal moments that are negative or break the triangle inequality."""
         low, middle, high = np.linalg.eigvalsh(self.moments)
-        allowed = ROUNDING * max(high, -low)
+        allowed = ROUNDING * max(high, -low) + NOTHING
         if low < -allowed:
             msg = (
                 f"Body {self.name}: the principal moments of inertia about the centre of mass are {low:g}, {middle:g} "

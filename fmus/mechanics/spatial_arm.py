@@ -19,10 +19,30 @@ from functools import cached_property
 
 import casadi as ca
 
+from adaptimp_fmu import Formula, Formulas
 from fmus.mechanics.algebra import solve_spd
 from fmus.mechanics.chain import Chain
 from fmus.mechanics.recursions import TEN, composite_inertia, joint_frame, newton_euler
 
+FORMULAS = Formulas(
+    "Arm in space",
+    [
+        Formula(
+            r"J(q)\,\dot{q} = (v, \; \omega), \quad F_{\text{ext}} = (f, \; m)",
+            "Velocity and angular velocity of the tip, and the force and moment with which the tip acts on the"
+            " environment, are in the axes of the base. J is the geometric Jacobian, and the moment is about the tip.",
+        ),
+        Formula(
+            r"H(q)\,a + C(q, \dot{q})\,v + g(q) + f(\dot{q}) = Y(q, \dot{q}, v, a)\,p",
+            "The torques are linear in the parameters p: ten of each body, and two of friction and the inertia of the"
+            " rotor of each joint. Y is the regressor, and v need not be the rate of the joints.",
+        ),
+        Formula(
+            r"\dot{H} - 2 C = -(\dot{H} - 2 C)^{T}",
+            "C is that of Christoffel's symbols, on which the proof of algorithm 2 rests.",
+        ),
+    ],
+)
 PER_JOINT = TEN + 3
 """Parameters for each joint: ten of its body, viscous and Coulomb friction, rotor inertia."""
 SPACE = 3

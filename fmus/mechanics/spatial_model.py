@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 import casadi as ca
 
+from adaptimp_fmu import Formula, Formulas
 from fmus.mechanics.algebra import gram_determinant
 from fmus.mechanics.arm import ArmParameter, Demand
 from fmus.mechanics.chain import Chain
@@ -21,6 +22,17 @@ from fmus.mechanics.rigid_body import SYMBOLS, RobotError
 from fmus.mechanics.spatial_arm import PER_JOINT, SpatialArm
 from fmus.mechanics.task import Task
 
+FORMULAS = Formulas(
+    "Payload",
+    [
+        Formula(
+            r"\pi = (m, \; m c, \; I), \quad I = I_c + m\,(c^{T} c\,1 - c\,c^{T})",
+            "The payload is a body fixed to the tip, with the mass m, the centre of mass c and the moments of inertia"
+            " about c. Torques are linear in its ten parameters, in the frame of the tip. Controllers know these as the"
+            " last ten elements of their parameters.",
+        )
+    ],
+)
 TASK = Task(positions=3, angles=3)
 PITCH = 0.01
 """The smallest cos(pitch) at which the angles are used: a pitch of 89.4 deg, where roll and yaw turn 100 times as fast
@@ -156,12 +168,14 @@ def spatial_parameters(chain: Chain) -> Sequence[ArmParameter]:
     """What the elements of p are, shape (13 n + 10,): those of `Chain.p`, and after them the payload's."""
     found = [one for joint in chain.joints for one in _of_body(f"body {joint.body.name}", "its frame")]
     kinds = (
-        ("N.m.s/rad", "N.s/m", "viscous friction of joint"),
-        ("N.m", "N", "Coulomb friction of joint"),
-        ("kg.m2", "kg", "rotor inertia of joint"),
+        ("N.m.s/rad", "N.s/m", "viscous friction"),
+        ("N.m", "N", "Coulomb friction"),
+        ("kg.m2", "kg", "rotor inertia"),
     )
     for turning, sliding, text in kinds:
-        found += [ArmParameter(turning if joint.turns else sliding, f"{text} {joint.name}") for joint in chain.joints]
+        for joint in chain.joints:
+            unit = turning if joint.turns else sliding
+            found.append(ArmParameter(unit, f"{text} of {joint.label}", place=(joint.label, text)))
     return [*found, *_of_body("payload", "the tip")]
 
 
@@ -178,5 +192,5 @@ def _of_body(whose: str, frame: str) -> Sequence[ArmParameter]:
         unit = {"m": "kg", "mc": "kg.m", "I": "kg.m2"}[letters]
         text = texts[letters].format(symbol.removeprefix(letters))
         signed = symbol not in ("m", "I11", "I22", "I33")
-        found.append(ArmParameter(unit, f"{whose}: {text}", signed))
+        found.append(ArmParameter(unit, f"{whose}: {text}", signed, (whose, symbol)))
     return found

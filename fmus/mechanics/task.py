@@ -13,6 +13,9 @@ from dataclasses import dataclass
 
 import casadi as ca
 
+SPACE = 3
+"""Dimensions of space."""
+
 
 @dataclass(frozen=True)
 class Task:
@@ -33,6 +36,11 @@ class Task:
     def size(self) -> int:
         """Number m of task coordinates."""
         return self.positions + self.angles
+
+    @property
+    def in_space(self) -> bool:
+        """Whether x is the position and the orientation of a tip in space."""
+        return (self.positions, self.angles) == (SPACE, SPACE)
 
     def each(self, position: str, angle: str) -> Sequence[str]:
         """A text for each coordinate, such as the unit of a velocity: one for positions, another one for angles."""

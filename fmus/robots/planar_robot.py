@@ -9,11 +9,13 @@ import casadi as ca
 from adaptimp_fmu import NOT_NEGATIVE, POSITIVE, DefinitionError, Drawing, Icon, Model
 from fmus import icons, start
 from fmus.drawings.arm import arm as drawn_arm
-from fmus.elements import RATE, of_joints, of_links
+from fmus.elements import RATE, of_links
 from fmus.mechanics.arm import ArmModel, ArmParameter
+from fmus.mechanics.joints import Joints
 from fmus.mechanics.planar_arm import PlanarArm
 from fmus.mechanics.planar_model import PlanarArmModel, PlanarPlantModel, planar_parameters
 from fmus.mechanics.task import Task
+from fmus.robots.substep import LONGEST
 
 
 @dataclass(frozen=True)
@@ -53,6 +55,11 @@ class PlanarRobot:
         return PlanarArm(self.n, self.pose)
 
     @property
+    def joints(self) -> Joints:
+        """Joints that turn, by their numbers."""
+        return Joints.numbered(self.n)
+
+    @property
     def task(self) -> Task:
         """Task coordinates of the tip."""
         return self.arm.task
@@ -66,6 +73,11 @@ class PlanarRobot:
     def start(self) -> start.ArmStart:
         """Masses, lengths and motion at the start."""
         return start.POSE_ARM if self.pose else start.ARMS[self.n]
+
+    @property
+    def dt_max(self) -> float:
+        """Longest sub-step of its plant at the start, s."""
+        return LONGEST
 
     @property
     def p_start(self) -> Sequence[float]:
@@ -117,14 +129,14 @@ class PlanarRobot:
             [0.0] * n,
             unit="N.m.s/rad",
             limits=NOT_NEGATIVE,
-            description=of_joints("Coefficient of viscous friction", n),
+            description=self.joints.texts("Coefficient of viscous friction"),
         )
         coulomb = model.parameter(
             "coulomb",
             [0.0] * n,
             unit="N.m",
             limits=NOT_NEGATIVE,
-            description=of_joints("Coulomb friction torque", n),
+            description=self.joints.texts("Coulomb friction torque"),
         )
         coulomb_velocity = _coulomb_velocity(model)
         arm = PlanarPlantModel(self.arm, l, _gravity(model), coulomb_velocity)

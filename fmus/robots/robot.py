@@ -7,6 +7,7 @@ import casadi as ca
 
 from adaptimp_fmu import Drawing, Icon, Model
 from fmus.mechanics.arm import ArmModel, ArmParameter
+from fmus.mechanics.joints import Joints
 from fmus.mechanics.task import Task
 from fmus.start import MotionStart
 
@@ -17,6 +18,11 @@ class Robot(Protocol):
     @property
     def n(self) -> int:
         """Number of joints."""
+        ...
+
+    @property
+    def joints(self) -> Joints:
+        """Names, units and limits of the joints."""
         ...
 
     @property
@@ -32,6 +38,11 @@ class Robot(Protocol):
     @property
     def start(self) -> MotionStart:
         """Motion at the start."""
+        ...
+
+    @property
+    def dt_max(self) -> float:
+        """Longest sub-step of its plant at the start, s."""
         ...
 
     @property

@@ -9,7 +9,7 @@ At the start the tip is on the ellipse of the virtual trajectory and moves with 
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import casadi as ca
@@ -17,21 +17,25 @@ import numpy as np
 
 from adaptimp_fmu import NOT_NEGATIVE, POSITIVE, Drawing, Icon, Model
 from fmus import icons, start
+from fmus.drawings.spatial_arm import Wall as DrawnWall
 from fmus.drawings.spatial_arm import spatial_arm as drawn_arm
-from fmus.elements import ANGLE, RATE
+from fmus.elements import ANGLE, RATE, along
 from fmus.mechanics.arm import ArmModel, ArmParameter
 from fmus.mechanics.chain import Chain
+from fmus.mechanics.joints import Joints
 from fmus.mechanics.orientation import rotation
 from fmus.mechanics.recursions import TEN
 from fmus.mechanics.rigid_body import LOWER, ROUNDING, Body, Placement, RobotError
 from fmus.mechanics.spatial_arm import PER_JOINT, SPACE, SpatialArm
 from fmus.mechanics.spatial_model import TASK, SpatialArmModel, spatial_parameters
 from fmus.mechanics.task import Task
+from fmus.robots.spatial_page import PRESS, Rest, first_runs, parameter_grid
+from fmus.robots.substep import longest_substep
 
 GRAVITY = (0.0, 0.0, -9.81)
 """Acceleration of a falling body in the axes of the base, m/s2: the arm stands upright."""
 DIGITS = 10
-"""Decimals of start values that are computed, so that all machines declare the same."""
+"""Decimals of start values that are computed, and digits of p, so that all machines declare the same."""
 NEWTON_STEPS = 100
 AXES = ("axis 1", "axis 2", "axis 3")
 NO_PAYLOAD = Body("payload", 0.0)
@@ -53,11 +57,14 @@ class SpatialRobot:
         What the plant's tip holds at the start, in the frame of the tip; controllers assume nothing there.
     sources
         Names of further modules whose docstrings tell where the numbers come from.
+    origin
+        Where the numbers come from, in a sentence for the FMUs' pages.
 
     Raises
     ------
     RobotError
-        If the arm has fewer than six joints, or does not reach the beginning of the ellipse from `near`.
+        If the arm has fewer than six joints, does not reach the beginning of the ellipse from `near`, or has joints
+        whose friction cannot be integrated.
     """
 
     chain: Chain
@@ -65,10 +72,11 @@ class SpatialRobot:
     path: start.SpatialPath
     payload: Body = NO_PAYLOAD
     sources: tuple[str, ...] = ()
+    origin: str = ""
 
     def __post_init__(self) -> None:
         """Refuse arms that cannot follow their trajectory from its beginning on."""
-        _ = self.start
+        _ = self.start, self.dt_max
 
     @cached_property
     def arm(self) -> SpatialArm:
@@ -79,6 +87,11 @@ class SpatialRobot:
     def n(self) -> int:
         """Number of joints."""
         return self.chain.n
+
+    @cached_property
+    def joints(self) -> Joints:
+        """Names, units and limits of the joints."""
+        return Joints.of(self.chain)
 
     @property
     def task(self) -> Task:
@@ -113,10 +126,15 @@ class SpatialRobot:
             }
         )  # fmt: skip
 
+    @cached_property
+    def dt_max(self) -> float:
+        """Longest sub-step of its plant at the start, s: one at which the friction of the joints is stable."""
+        return longest_substep(self.arm, np.array(self.start.q), self.chain.p)
+
     @property
     def p_start(self) -> Sequence[float]:
         """Parameters p at the start, shape (13 n + 10,): the arm's, and no payload."""
-        return [*map(float, self.chain.p), *([0.0] * TEN)]
+        return [*(float(f"{value:.{DIGITS}g}") for value in self.chain.p), *([0.0] * TEN)]
 
     @property
     def uncertain(self) -> Sequence[bool]:
@@ -154,12 +172,13 @@ class SpatialRobot:
     def drawing(self, walls: int = 1) -> Drawing:
         """Draw its frames and signs."""
         del walls  # a second wall would hide the arm
-        return drawn_arm(self.arm, self.start.q)
+        return drawn_arm(self.arm, self.start.q, DrawnWall(self.path.wall_normal, self.path.wall_offset))
 
     def declare_known(self, model: Model) -> ArmModel:
         """Declare gravity, the velocity of friction, and the orientation from which angles count."""
+        model.guide = replace(model.guide, grids=[parameter_grid(self.parameters, self.origin)])
         gravity = model.parameter(
-            "gravity", GRAVITY, unit="m/s2", description=[f"Acceleration of a falling body along {a}" for a in AXES]
+            "gravity", GRAVITY, unit="m/s2", description=along("Acceleration of a falling body", SPACE)
         )
         velocity = model.parameter(
             "coulomb_velocity",
@@ -176,11 +195,12 @@ class SpatialRobot:
         known = self.parameters[: PER_JOINT * self.n]
         p = model.parameter(
             "p",
-            list(map(float, self.chain.p)),
+            self.p_start[: PER_JOINT * self.n],
             unit=[parameter.unit for parameter in known],
             description=[f"{parameter.text[0].upper()}{parameter.text[1:]}" for parameter in known],
         )
         payload = self._declare_payload(model)
+        model.guide = replace(model.guide, examples=first_runs(model.name, self._rest()))
         return self.declare_known(model), ca.vertcat(p, payload)
 
     def _declare_payload(self, model: Model) -> ca.SX:
@@ -203,6 +223,16 @@ class SpatialRobot:
         about_origin = [six[k] + m * ((ca.dot(c, c) if i == j else 0) - c[i] * c[j]) for k, (i, j) in enumerate(LOWER)]
         _require_moments(model, six)
         return ca.vertcat(m, m * c, *about_origin)
+
+    def _rest(self) -> Rest:
+        """Torques and inertias at the start with the payload, for examples."""
+        q, path = self.start.q, self.path
+        held = ca.DM(ca.evalf(self._model.loaded(ca.SX(ca.DM([*self.chain.p, *self.payload.parameters])))))
+        J, H = np.array(self.arm.jacobian(q)), np.array(self.arm.inertia(q, held))
+        holding = np.array(self.arm.gravity_torque(q, held, GRAVITY)).ravel()
+        pressing = J[:SPACE].T @ np.array(path.wall_normal) * PRESS
+        touching = float(np.dot(path.wall_normal, np.array(self.arm.tip_frame(q)[1]).ravel()))
+        return Rest(holding, pressing, np.diag(H), touching)
 
     @cached_property
     def _model(self) -> SpatialArmModel:

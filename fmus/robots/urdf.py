@@ -44,6 +44,20 @@ def read_urdf(
     return chain_of_urdf(Path(path).read_bytes(), Path(path).name, tip, base=base, locked=locked)
 
 
+def last_links(path: Path | str) -> list[str]:
+    """Links of a URDF file that carry no other link: those at which an arm may end.
+
+    Raises
+    ------
+    RobotError
+        If the file is no URDF.
+    OSError
+        If the file cannot be read.
+    """
+    robot = robot_of_xml(_parsed(Path(path).read_bytes(), Path(path).name), Path(path).name)
+    return [link for link in robot.links if link not in robot.children]
+
+
 def chain_of_urdf(
     text: bytes, name: str, tip: str, *, base: str | None = None, locked: Mapping[str, float] | None = None
 ) -> Chain:

@@ -56,8 +56,8 @@ class Candidate:
     ----------
     count
         Number of elements of each counted signal; see `orchestration.check.interface.Signal`.
-    more
-        Number of elements that follow in signals with `Signal.more`.
+    formed
+        Number of elements of each signal with `Signal.forms`.
     mapping
         The FMU's names of variables, by the names in the role.
     failed
@@ -81,7 +81,7 @@ class Candidate:
     path: Path
     role: Role
     count: int
-    more: int
+    formed: int
     mapping: Mapping[str, str]
     failed: bool
 
@@ -150,7 +150,7 @@ def check(
     facts = [*outcome.facts, *_not_confined(outcome.confinement)]
     if taken is not None and trial is not None:
         failed = any(finding.severity == Severity.ERROR for finding in findings)
-        sizes = interface.count(document, taken), interface.further(document, taken)
+        sizes = interface.count(document, taken), interface.form(document, taken)
         found, measured = trial(Candidate(path, taken, *sizes, mapping, failed))
         findings += found
         facts += measured

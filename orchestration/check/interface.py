@@ -14,7 +14,7 @@ from orchestration.fmi.description import SAMPLE_TIME
 from orchestration.fmi.document import Declared, Document
 from orchestration.fmi.units import Unit
 
-SCALAR, COUNTED, OPEN = 0, -1, -2  # sizes of a signal that are no number of elements
+SCALAR, COUNTED, OPEN, FORMED = 0, -1, -2, -3  # sizes of a signal that are no number of elements
 LARGEST_COUNT = 99  # above it an index is a slip of the pen, not a number of elements
 _VECTOR = re.compile(r"(.+)\[(\d{1,9})\]")
 
@@ -43,18 +43,22 @@ class Signal:
         elements have different units.
     size
         Number of elements of an array. `SCALAR` is a scalar, `COUNTED` an array with one element for each thing that
-        the role counts, and `OPEN` an array of any length.
+        the role counts, `OPEN` an array of any length, and `FORMED` an array in one of its `forms`.
     type
         FMI type of the signal.
-    more
-        Units of the elements that may follow, such as that of an angle after the positions. An FMU has as many of them
-        in each of its signals.
+    forms
+        Units of all elements, for each length that the array may have, the shortest first. Such a signal has no other
+        unit. All `FORMED` arrays of an FMU have the same length.
+    other
+        Name of a unit that elements of a `COUNTED` array may have instead, such as that of a joint that slides. It is
+        allowed in an FMU with `Role.others_from` elements or more.
     """
 
     unit: str | None
     size: int
     type: str = REAL
-    more: tuple[str, ...] = ()
+    forms: tuple[tuple[str, ...], ...] = ()
+    other: str | None = None
 
 
 @dataclass(frozen=True)
@@ -79,6 +83,8 @@ class Role:
         Name of the thing that an element of a `COUNTED` signal stands for, such as a joint.
     fewest
         Smallest allowed number of elements of a `COUNTED` signal.
+    others_from
+        Smallest number of elements at which an element may have the unit `Signal.other`; None allows it never.
     readers
         Readers of the expected outputs, a noun in the plural.
 
@@ -102,6 +108,7 @@ class Role:
     sampled: bool = True
     counted: str = "element"
     fewest: int = 1
+    others_from: int | None = None
     readers: str = "results and reports"
 
 
@@ -120,16 +127,19 @@ def count(document: Document, role: Role) -> int:
     return max([role.fewest, *(int(match[2]) for name in defining if (match := _VECTOR.fullmatch(name)))])
 
 
-def further(document: Document, role: Role) -> int:
-    """Return the number of elements that follow those of the signals with `Signal.more`, in required or in inputs."""
+def form(document: Document, role: Role) -> int:
+    """Return the number of elements of the FMU's `FORMED` signals: the shortest form that holds all of them.
+
+    Arrays that are longer than every form take the longest. A role without such signals has 0.
+    """
     signals = {**role.inputs, **role.required}
-    numbers = [0]
+    lengths = sorted({len(units) for signal in signals.values() for units in signal.forms})
+    found = 0
     for variable in document.variables:
         match = _VECTOR.fullmatch(variable.name)
-        signal = signals.get(match[1]) if match else None
-        if match and signal and signal.more:
-            numbers.append(min(int(match[2]) - signal.size, len(signal.more)))
-    return max(numbers)
+        if match and match[1] in signals and signals[match[1]].size == FORMED:
+            found = max(found, int(match[2]))
+    return next((length for length in lengths if length >= found), max(lengths, default=0))
 
 
 def mapping_finds(document: Document, mapping: Mapping[str, str]) -> Iterator[Finding]:
@@ -147,34 +157,45 @@ def interface_is_kept(document: Document, role: Role) -> Iterator[Finding]:
         yield error(ROLE, f"{role.defining} has an element {n}; the {role.name} has one for each {role.counted}.")
         return
     known = {variable.name: variable for variable in document.variables}
-    sizes = _Sizes(n, further(document, role))
+    sizes = _Sizes(n, form(document, role))
+    mixed = role.others_from is not None and n >= role.others_from
     for group, causality in ((role.required, "output"), (role.expected, "output"), (role.inputs, "input")):
         for base, signal in group.items():
             elements = _elements(base, signal, sizes, known)
             present = [known[e] for e in elements if e in known]
             for variable in present:
-                alike = _element_of(signal, variable.name)
+                alike = _element_of(signal, variable, sizes, document if mixed else None)
                 yield from _compare(variable, alike, causality, document, role.name)
             missing = [element for element in elements if element not in known]
             if missing:
-                yield from _missing(missing, present, signal, role)
+                yield from _missing(missing, present, [_unit_of(signal, element, sizes) for element in missing], role)
     yield from _strangers(document, role, sizes)
     yield from _sampling(document, role)
 
 
 @dataclass(frozen=True)
 class _Sizes:
-    """Number of counted things, and of elements that follow in signals with `Signal.more`."""
+    """Number of counted things, and of elements of `FORMED` signals."""
 
     counted: int
-    more: int
+    formed: int
 
 
-def _element_of(signal: Signal, name: str) -> Signal:
-    """The signal with the unit of one of its elements."""
+def _unit_of(signal: Signal, name: str, sizes: _Sizes) -> str | None:
+    """The unit of one of the elements of a signal."""
     match = _VECTOR.fullmatch(name)
-    beyond = int(match[2]) - signal.size if match and signal.more else 0
-    return replace(signal, unit=signal.more[beyond - 1]) if beyond > 0 else signal
+    units = next((units for units in signal.forms if len(units) == sizes.formed), ())
+    index = int(match[2]) - 1 if match else len(units)
+    return units[index] if index < len(units) else signal.unit
+
+
+def _element_of(signal: Signal, variable: Declared, sizes: _Sizes, mixed: Document | None) -> Signal:
+    """The signal with the unit of one of its elements; `mixed` is the FMU if the other unit is allowed, too."""
+    if mixed is not None and signal.other is not None:
+        found = mixed.units.get(variable.unit)
+        if found is not None and found.exponents == UNITS[signal.other].exponents:
+            return replace(signal, unit=signal.other)
+    return replace(signal, unit=_unit_of(signal, variable.name, sizes))
 
 
 def _elements(base: str, signal: Signal, sizes: _Sizes, known: Mapping[str, Declared]) -> list[str]:
@@ -183,14 +204,16 @@ def _elements(base: str, signal: Signal, sizes: _Sizes, known: Mapping[str, Decl
         return [base]
     if signal.size == OPEN:
         return [name for name in known if _base(name) == base] or [f"{base}[1]"]
-    size = sizes.counted if signal.size == COUNTED else signal.size
-    return [f"{base}[{i + 1}]" for i in range(size + (sizes.more if signal.more else 0))]
+    size = {COUNTED: sizes.counted, FORMED: sizes.formed}.get(signal.size, signal.size)
+    return [f"{base}[{i + 1}]" for i in range(size)]
 
 
-def _missing(missing: list[str], present: list[Declared], signal: Signal, role: Role) -> Iterator[Finding]:
-    """Report elements of a signal that the FMU lacks."""
+def _missing(
+    missing: list[str], present: list[Declared], needed: Iterable[str | None], role: Role
+) -> Iterator[Finding]:
+    """Report elements of a signal that the FMU lacks; `needed` are their units."""
     base, name = _base(missing[0]), role.name
-    units = dict.fromkeys(unit for element in missing if (unit := _element_of(signal, element).unit))
+    units = dict.fromkeys(unit for unit in needed if unit)
     unit = f" in {' and '.join(units)}" if units else ""
     what = ", ".join(missing)
     if base in role.required:

@@ -1,6 +1,6 @@
 """Builds FMUs and reproduces the paper: ``adaptimp build`` and ``adaptimp paper``."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -16,6 +16,8 @@ from orchestration.fmi.names import suggestion
 from orchestration.master.progress import RUNNING
 
 if TYPE_CHECKING:
+    from adaptimp_fmu import Model, Platform
+    from orchestration.master.progress import ProgressLine
     from orchestration.paper.claims.claim import Claim
     from orchestration.paper.report import Report
     from orchestration.paper.spatial_report import SpatialReport
@@ -31,26 +33,62 @@ def build_fmus(files: Sequence[Path], out: Path, platforms: Sequence[str], *, re
 
     Variants in the catalog are built by name only.
     """
-    from adaptimp_fmu import PLATFORMS
     from fmus.catalog import MODELS
     from orchestration.cli.models import models_of
-    from orchestration.paper.built_fmus import built_model
 
-    for name in platforms:
-        if name not in PLATFORMS and name != "all":
-            msg = f"There is no platform {name}; {suggestion(name, [*PLATFORMS, 'all'])}"
-            raise SystemDescriptionError(msg)
-    chosen = list(PLATFORMS.values()) if "all" in platforms else [PLATFORMS[n] for n in platforms]
+    chosen = chosen_platforms(platforms)
     models = models_of(files) if files else [declare() for declare in MODELS.values()]
     require_folder(out)
     with watched() as line:
-        for model in models:
-            before = _stamp(out / f"{model.name}.fmu")
-            line.begin(f"building {model.name}")
-            path = built_model(model, out, chosen, reals=reals)
-            line.end()
-            replaced = ", replaced" if before is not None and _stamp(path) != before else ""
-            output.say(f"{path}  {path.stat().st_size / 1024:.0f} kB{replaced}")
+        build_models(models, out, chosen, line, reals=reals)
+
+
+def require_no_robot(options: Mapping[str, object]) -> None:
+    """Refuse options of a robot where none is given.
+
+    Raises
+    ------
+    SystemDescriptionError
+        If one of these options has a value.
+    """
+    for option, value in options.items():
+        if value:
+            msg = f"{option} is of a robot, and no robot is given; give its file: --robot arm.urdf."
+            raise SystemDescriptionError(msg)
+
+
+def chosen_platforms(names: Sequence[str]) -> "list[Platform]":
+    """The platforms of some names; ``all`` is every one.
+
+    Raises
+    ------
+    SystemDescriptionError
+        If there is no such platform.
+    """
+    from adaptimp_fmu import PLATFORMS
+
+    for name in names:
+        if name not in PLATFORMS and name != "all":
+            msg = f"There is no platform {name}; {suggestion(name, [*PLATFORMS, 'all'])}"
+            raise SystemDescriptionError(msg)
+    return list(PLATFORMS.values()) if "all" in names else [PLATFORMS[name] for name in names]
+
+
+def build_models(
+    models: "Iterable[Model]", out: Path, platforms: "Sequence[Platform]", line: "ProgressLine", *, reals: bool = False
+) -> dict[str, Path]:
+    """Build models into a folder, and say of each file that it is there; returns the files by the models' names."""
+    from orchestration.paper.built_fmus import built_model
+
+    files = {}
+    for model in models:
+        before = _stamp(out / f"{model.name}.fmu")
+        line.begin(f"building {model.name}")
+        files[model.name] = path = built_model(model, out, platforms, reals=reals)
+        line.end()
+        replaced = ", replaced" if before is not None and _stamp(path) != before else ""
+        output.say(f"{path}  {path.stat().st_size / 1024:.0f} kB{replaced}")
+    return files
 
 
 def _stamp(path: Path) -> tuple[int, int] | None:

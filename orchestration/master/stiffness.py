@@ -12,7 +12,9 @@ controller, and errors grow from bounce to bounce: from omega h = 0.5 on, omega 
 stay below 0.1 %.
 
 Contact at a stiff wall begins during a run, so the state at the start does not show it. The parameters do: the
-stiffest parameter in N/m over the lightest in kg, or in N.m/rad over kg.m2, bounds omega.
+stiffest parameter in N/m over the lightest in kg, or in N.m/rad over kg.m2, bounds omega. Where an array has moments of
+inertia beside masses, as the parameters of a chain of rigid bodies do, the second pair is left out: such a moment is
+about the frame of one body, and no spring of a joint acts on it alone.
 """
 
 import math
@@ -31,9 +33,10 @@ WELL_SAMPLED = 0.5  # omega h: above it, a period of the swing has fewer than 13
 LIMITS = (0.32, 0.1)  # omega dt, with a swing that is sampled well, and that is not
 ADVISED = 0.05  # omega dt
 SLACK = 1e-6  # by which a step may exceed a whole number of sub-steps
+MOMENT = {"kg": 1, "m": 2}
 SPRINGS = (
     ({"kg": 1, "s": -2}, {"kg": 1}),
-    ({"kg": 1, "m": 2, "s": -2, "rad": -1}, {"kg": 1, "m": 2}),
+    ({"kg": 1, "m": 2, "s": -2, "rad": -1}, MOMENT),
 )
 """Base units of a stiffness and of the inertia on which it acts, along a line and about an axis."""
 
@@ -130,9 +133,19 @@ def _springs(component: Component) -> Iterator[tuple[float, str, str]]:
     """Largest rate, rad/s, with the parameters that it comes from, for each kind of spring."""
     for stiff, inert in SPRINGS:
         springs, masses = _in_base_units(component, stiff), _in_base_units(component, inert)
+        if inert == MOMENT and _has_bodies(component, [name for _, name in masses]):
+            continue
         if springs and masses:
             (k, spring), (m, mass) = max(springs), min(masses)
             yield math.sqrt(k / m), spring, mass
+
+
+def _has_bodies(component: Component, moments: list[str]) -> bool:
+    """Whether moments of inertia are in an array that also has elements of other units."""
+    arrays = {name.partition("[")[0] for name in moments}
+    parameters = component.description.of_causality("parameter")
+    units = {(base, v.unit) for v in parameters if (base := v.name.partition("[")[0]) in arrays}
+    return len(units) > len(arrays)
 
 
 def _in_base_units(component: Component, exponents: dict[str, int]) -> list[tuple[float, str]]:

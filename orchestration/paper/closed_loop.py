@@ -32,8 +32,11 @@ from orchestration.system.system import System
 
 TIMEOUT = 120.0  # s; the first run of a machine compiles the loop
 STEP = 1e-4  # s, of the loop
+PLANE = 2  # coordinates of a position in the plane
 PLANAR_POSE = 3  # joints that move a position and an angle in the plane
-THREE_JOINT_LIMIT = 1e4  # N.m, far above what arms with three joints need
+SPATIAL, PUMA = 6, "Puma560"  # joints, and coordinates, of the arm in space; the end of its FMUs' names
+SAME_START = 1e-6  # rad
+NO_LIMIT = 1e4  # N.m, far above what arms with three joints or six need here
 MOST_MORE = 1.5  # of what the tip misses with the loop's own controller; without the measured force it is 1.3 there
 DIVERGED, LOST = 1.0, 0.1  # m by which the tip misses the virtual trajectory: half the arm's reach, and a lot
 
@@ -50,11 +53,15 @@ class Loop:
         Largest torque of each joint, N.m.
     reals
         Makes the same system of FMUs with Reals in the place of Booleans, for a controller that has such Reals.
+    arm
+        Name of the arm, where other arms have as many joints. A controller whose inputs q start at other values than
+        those of the loop's own controller is taken for one of another arm, and not tried.
     """
 
     system: System
     limits: Sequence[float]
     reals: Callable[[], System] | None = None
+    arm: str = ""
 
 
 def in_loop(loop_for: Callable[[int, int], Loop | None]) -> Trial:
@@ -63,7 +70,7 @@ def in_loop(loop_for: Callable[[int, int], Loop | None]) -> Trial:
     Parameters
     ----------
     loop_for
-        The loop by the number of joints, and of angles among the task coordinates; None where there is none for them.
+        The loop by the number of joints and that of task coordinates; None where there is none for them.
     """
 
     def trial(candidate: Candidate) -> tuple[list[Finding], list[str]]:
@@ -71,36 +78,54 @@ def in_loop(loop_for: Callable[[int, int], Loop | None]) -> Trial:
             return [], []
         if candidate.failed:
             return [], ["The closed loop was not tried: there are errors."]
-        loop = loop_for(candidate.count, candidate.more)
+        loop = loop_for(candidate.count, candidate.formed)
         if loop is None:
             return [], ["The closed loop was not tried."]
+        if loop.arm and not _starts_there(candidate, loop):
+            return [], [f"The closed loop of the {loop.arm} was not tried: the controller is for another arm."]
         return try_loop(candidate.path, loop, candidate.mapping)
 
     return trial
 
 
-def paper_loop(joints: int, angles: int) -> Loop | None:
-    """The paper's loop for an arm of two joints or three, without noise and limits; None for others.
+def paper_loop(joints: int, coordinates: int) -> Loop | None:
+    """The loop for an arm of so many joints and task coordinates, without noise and limits; None for others.
 
-    It is the loop of Fig. 2 with the damping of Figs. 5 to 7, with which adaptive controllers are strictly
-    positive real. An arm of three joints may have its tip's angle as a task coordinate.
+    For two or three joints it is the loop of Fig. 2 with the damping of Figs. 5 to 7, with which adaptive controllers
+    are strictly positive real. An arm of three joints may have its tip's angle as a task coordinate. For six joints
+    and a task in space it is the loop of the PUMA 560 with the payload of its plant.
     """
-    if (joints, angles) == (2, 0):
+    if (joints, coordinates) == (2, 2):
         return Loop(_planar(), TORQUE_LIMITS, lambda: _planar(reals=True))
-    if joints != PLANAR_POSE:
-        return None
-    end = "Pose" if angles else ""
-    models = {
-        "trajectory": f"VirtualTrajectory{end}",
-        "sensor": f"ForceSensor{end}",
-        "controller": f"HoganImpedance3R{end}",
-        "actuator": "Actuator3R",
-        "plant": f"Plant3R{end}",
-    }
-    files = fmus(models.values())
-    named = {name: files[model] for name, model in models.items()}
-    system = System.connected_by_name("pose" if angles else "redundant", named, step=STEP)
-    return Loop(system, (THREE_JOINT_LIMIT,) * 3)
+    if joints == PLANAR_POSE:
+        end, arm = "Pose" if coordinates > PLANE else "", "3R"
+        limits, name = (NO_LIMIT,) * 3, "pose" if end else "redundant"
+        models = (f"VirtualTrajectory{end}", f"ForceSensor{end}", f"HoganImpedance{arm}{end}", f"Actuator{arm}")
+        return Loop(_connected(name, *models, f"Plant{arm}{end}"), limits)
+    if (joints, coordinates) == (SPATIAL, SPATIAL):
+        roles = ("VirtualTrajectory", "ForceSensor", "HoganImpedance", "Actuator", "Plant")
+        return Loop(_connected("puma", *(f"{role}{PUMA}" for role in roles)), (NO_LIMIT,) * SPATIAL, arm="PUMA 560")
+    return None
+
+
+def _connected(name: str, *models: str) -> System:
+    """The system of a trajectory, a sensor, a controller, an actuator and a plant."""
+    files = fmus(models)
+    components = ("trajectory", "sensor", "controller", "actuator", "plant")
+    return System.connected_by_name(
+        name, {component: files[model] for component, model in zip(components, models, strict=True)}, step=STEP
+    )
+
+
+def _starts_there(candidate: Candidate, loop: Loop) -> bool:
+    """Whether the inputs q of a controller start as those of the loop's own, or have no start values of their own."""
+    own, theirs = loop.system.component("controller").description, read_description(candidate.path)
+    for variable in own.of_causality("input"):
+        if variable.name.partition("[")[0] == "q":
+            other = theirs.variables.get(candidate.mapping.get(variable.name, variable.name))
+            if other is not None and other.start and abs(float(other.start) - float(variable.start or 0)) > SAME_START:
+                return False
+    return True
 
 
 def _planar(*, reals: bool = False) -> System:
@@ -190,5 +215,6 @@ def _side_by_side(ride: Ride, usual: Ride) -> Iterator[str]:
     yield f"{head}: max |x - x_v| = {ride.miss:.3e} m (yours), {usual.miss:.3e} m (shipped)."
     yield f"{head}, before the wall is touched: {before:.3e} m (yours), {usually:.3e} m (shipped)."
     yield f"{head}: max |F_ext| = {ride.force:.4g} N (yours), {usual.force:.4g} N (shipped)."
-    yours, shipped = (" and ".join(f"{torque:.4g}" for torque in one.torques) for one in (ride, usual))
+    between = " and " if len(usual.torques) <= PLANE else ", "
+    yours, shipped = (between.join(f"{torque:.4g}" for torque in one.torques) for one in (ride, usual))
     yield f"{head}: max |tau_cmd| = {yours} N.m (yours), {shipped} N.m (shipped)."

@@ -18,7 +18,8 @@ from orchestration.system.system import System
 JOB = f"{__name__}:run"
 DURATION = 1.2  # s; the tip of the paper's arm touches its wall from 0.92 s on, and leaves it before 1.1 s
 FREE_UNTIL = 0.9  # s
-_RECORDED = [f"{name}[{i}]" for name in ("plant.x", "plant.F_ext", "trajectory.x_v") for i in (1, 2)]
+IN_SPACE = 6  # task coordinates of an arm in space, the first three of which are positions
+_RECORDED = ("plant.x", "plant.F_ext", "trajectory.x_v")
 
 
 @dataclass(frozen=True)
@@ -64,7 +65,9 @@ def run(plan: Mapping[str, Any], write: Write, announce: Announce) -> None:
     step = system.run_step()
     commands = [v.name for v in system.component("controller").description.of_causality("output")]
     commands = [name for name in commands if name.startswith("tau_cmd[")]
-    columns = [*_RECORDED, *(f"controller.{name}" for name in commands)]
+    axes = _positions(system)
+    recorded = [f"{name}[{i}]" for name in _RECORDED for i in axes]
+    columns = [*recorded, *(f"controller.{name}" for name in commands)]
 
     def progress(done: int, total: int) -> None:  # noqa: ARG001
         announce(f"after t = {done * step:.6g} s of the closed loop")
@@ -81,17 +84,22 @@ def run(plan: Mapping[str, Any], write: Write, announce: Announce) -> None:
     write(ride=asdict(_shown_by(result, system, commands)))
 
 
+def _positions(system: System) -> range:
+    """Numbers of the elements of plant.x that are positions: two in the plane, three in space."""
+    outputs = system.component("plant").description.variables
+    return range(1, 4 if f"x[{IN_SPACE}]" in outputs else 3)
+
+
 def _shown_by(result: Result, system: System, commands: list[str]) -> Ride:
     """What a result shows."""
-    tip, target = (np.array([result.at_ticks(f"{n}[{i}]") for i in (1, 2)]) for n in ("plant.x", "trajectory.x_v"))
-    misses = np.hypot(*(tip - target))
+    axes = _positions(system)
+    tip, target = (np.array([result.at_ticks(f"{n}[{i}]") for i in axes]) for n in ("plant.x", "trajectory.x_v"))
+    misses = np.linalg.norm(tip - target, axis=0)
+    force = np.linalg.norm([result[f"plant.F_ext[{i}]"] for i in axes], axis=0)
     torques = (float(abs(_in_our_unit(system, name)(result[f"controller.{name}"])).max()) for name in commands)
-    return Ride(
-        float(misses.max()),
-        float(misses[: round(len(misses) * FREE_UNTIL / DURATION)].max()),
-        float(np.hypot(result["plant.F_ext[1]"], result["plant.F_ext[2]"]).max()),
-        tuple(torques),
-    )
+    touched = int(np.argmax(force > 0)) if force.any() else len(misses)
+    free = max(1, min(touched, round(len(misses) * FREE_UNTIL / DURATION)))
+    return Ride(float(misses.max()), float(misses[:free].max()), float(force.max()), tuple(torques))
 
 
 def _in_our_unit(system: System, output: str) -> Linear:

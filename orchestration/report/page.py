@@ -22,8 +22,8 @@ from orchestration.report.markup import render
 
 _IMPORT = re.compile(r"""(\bfrom\s+|\bimport\s+)(["'])(?:\.{1,2}/)+(?:[\w-]+/)*([\w-]+\.m?js)\2""")
 """An import of a module by a relative path; the last group is the name of its file."""
-BOKEH = ("bokeh", "bokeh-api")
-"""Scripts of Bokeh that a page carries."""
+BOKEH = "bokeh"
+"""Id of the block with the scripts of Bokeh."""
 
 
 @dataclass(frozen=True)
@@ -83,7 +83,7 @@ class Page:
         """
         texts = _module_texts([*own_modules(), *self.modules])
         imports = {name: f"data:text/javascript;base64,{_base64(text)}" for name, text in texts.items()}
-        contents = {**{name: bokeh_script(name) for name in BOKEH}, **self.blocks}
+        contents = {BOKEH: bokeh_scripts(), **self.blocks}
         return render(
             "orchestration.report",
             "page.html.j2",
@@ -109,11 +109,12 @@ def read_text(folder: str, name: str) -> str:
     return (importlib.resources.files("orchestration.report") / folder / name).read_text(encoding="utf-8")
 
 
-def bokeh_script(name: str) -> bytes:
-    """A script of Bokeh, from the installed package."""
+def bokeh_scripts() -> bytes:
+    """The scripts of Bokeh that a page carries, as one script, from the installed package."""
     from bokeh.settings import settings
 
-    return (Path(settings.bokehjs_path()) / "js" / f"{name}.min.js").read_bytes()
+    folder = Path(settings.bokehjs_path()) / "js"
+    return b"\n;\n".join((folder / f"{name}.min.js").read_bytes() for name in ("bokeh", "bokeh-api"))
 
 
 def script_json(value: Any) -> Markup:

@@ -143,8 +143,11 @@ def test_the_newest_request_wins(live: Opened) -> None:
         ".observe(document.getElementById('live-status'), { attributeFilter: ['data-milliseconds'] }); }"
     )
     slider = "document.getElementById('live-m2-slider')"
-    for place in range(400, 420):
-        live.page.evaluate(f"() => {{ {slider}.value = {place}; {slider}.dispatchEvent(new Event('input')); }}")
+    for mass in range(120, 140):
+        live.page.evaluate(
+            f"() => {{ {slider}.value = Math.log10({mass / 100}); {slider}.dispatchEvent(new Event('input')); }}"
+        )
+    expect(live.at("m2")).to_have_value("1.39")
     expect(live.at("status")).to_contain_text(f"m2 = {live.at('m2').input_value()} kg", timeout=PATIENCE)
     assert 1 <= live.page.evaluate("window.answers") < 20
 
@@ -165,7 +168,8 @@ def test_controllers_switch_and_take_their_settings_along(live: Opened) -> None:
 
 
 def test_a_link_restores_the_state(live: Opened, browser: Browser) -> None:
-    live.go("try=fig7&sample_time=0.0001&tau_max_1=300&seed=4")
+    """Form, numbers and arm are those of the link, not those of the run that the page has recorded."""
+    live.go("try=fig7&sample_time=0.0001&tau_max_1=300&seed=4&wall_offset=1.42")
     link, said = live.at("link").input_value(), live.at("numbers").inner_text()
     with browser.new_context() as context:
         other = Opened(context.new_page(), live.address, [], [])
@@ -174,6 +178,9 @@ def test_a_link_restores_the_state(live: Opened, browser: Browser) -> None:
         other.answered()
         assert other.at("numbers").inner_text() == said
         assert (other.at("figure").input_value(), other.at("seed").input_value()) == ("fig7", "4")
+        expect(other.page.locator("#arm [data-part=wall]").first).to_have_attribute(
+            "transform", re.compile(r"\(-?142 0\)")
+        )
 
 
 def test_downloads_and_the_command_give_the_same_bits(

@@ -208,14 +208,27 @@ def test_columns_can_be_chosen_up_to_seven(fig5: Opened) -> None:
 def test_the_theme_follows_the_system_and_a_button(browser: Browser, pages: Path) -> None:
     found = opened(browser, pages / "fig5.html", scheme="dark")
     found.ready()
-    ink = "Bokeh.documents[0].roots()[0].below[0].major_label_text_color"
+    page = found.page
+    ink = "Bokeh.documents.map((d) => d.roots()[0].below[0].major_label_text_color)"
     background = "getComputedStyle(document.body).backgroundColor"
-    dark = [found.page.evaluate(ink), found.page.evaluate(background)]
-    found.page.get_by_role("button", name="Dark").click()
-    light = [found.page.evaluate(ink), found.page.evaluate(background)]
-    assert dark == ["#e6e6e6", "rgb(20, 23, 26)"]
-    assert light == ["#1b1f23", "rgb(255, 255, 255)"]
-    found.page.context.close()
+    assert page.evaluate(ink) == ["#e6e6e6"] * 4
+    assert page.evaluate(background) == "rgb(20, 23, 26)"
+    curve(page, "Tracking error e = x - x_t (mm)", "e2").get_by_role("button").click()
+    scrub(page, 0.5)
+    page.get_by_role("button", name="Zoom in").click()
+    page.get_by_role("button", name="Dark").click()
+    light = "#1b1f23"  # in which the panels are drawn anew
+    drawn = f"{ink}.filter((found) => found === '{light}').length === 4"
+    page.evaluate(f"new Promise((done) => (function look() {{ {drawn} ? done() : requestAnimationFrame(look); }})())")
+    assert page.evaluate(ink) == [light] * 4
+    assert page.evaluate(background) == "rgb(255, 255, 255)"
+    for label, pressed in (("e1", "true"), ("e2", "false")):
+        button = curve(page, "Tracking error e = x - x_t (mm)", label).get_by_role("button")
+        expect(button).to_have_attribute("aria-pressed", pressed)
+    assert page.evaluate("Bokeh.documents.map((d) => d.roots()[0].x_range.end)") == [1.5] * 4
+    expect(page.locator(".mark").first).not_to_have_css("transform", "none")
+    assert found.complaints == []
+    page.context.close()
 
 
 @pytest.mark.parametrize("name", ["fig5", "both", "stranger"])

@@ -7,7 +7,7 @@ from tests.browser.conftest import run_tool
 
 ROOT = Path(__file__).parents[2]
 FOLDERS = (ROOT / "orchestration" / "report" / "script", ROOT / "orchestration" / "paper" / "page" / "script")
-MOST_LINES = 850  # of code of report and live page together; docs/gaps.md says that the aim is 800
+MOST_LINES = 799  # of code of report and live page together
 COMMENT = re.compile(r"/\*.*?\*/|^\s*//.*?$", re.DOTALL | re.MULTILINE)
 
 

@@ -5,6 +5,7 @@ The right-hand side is written in closed form. DOP853 integrates it from one con
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from scipy.integrate import solve_ivp
@@ -12,6 +13,24 @@ from scipy.integrate import solve_ivp
 RTOL, ATOL = 3e-14, 1e-16
 INSTANT = 1e-12  # s; events that are closer together happen at one instant
 MAX_STEP = 2e-4  # s; keeps the dense output, on which events are found, as accurate as the steps
+
+
+class Thrown(Protocol):
+    """An arm in motion near what it may hit."""
+
+    @property
+    def start(self) -> np.ndarray:
+        """State (q, dq) at t = 0, rad and rad/s, shape (2 n,)."""
+        ...
+
+    @property
+    def indicators(self) -> Mapping[str, Callable[[np.ndarray], float]]:
+        """Functions of the state whose changes of sign are the events, by the name of the mode that each changes."""
+        ...
+
+    def derivative(self, state: np.ndarray, modes: Mapping[str, bool]) -> np.ndarray:
+        """Return the derivative of the state in given modes of the force laws."""
+        ...
 
 
 @dataclass(frozen=True)
@@ -123,8 +142,8 @@ class Throw:
         return np.concatenate([dq, np.linalg.solve(self.inertia(q), torque)])
 
 
-def solve(throw: Throw, T: float) -> tuple[np.ndarray, list[str]]:
-    """Return the state at T, s, shape (4,), and the events on the way, such as ``["+contact", "-pushing"]``."""
+def solve(throw: Thrown, T: float) -> tuple[np.ndarray, list[str]]:
+    """Return the state at T, s, and the events on the way, such as ``["+contact", "-pushing"]``."""
     indicators, t, state, log = throw.indicators, 0.0, throw.start, []
     flipped: dict[str, float] = {}  # when a mode changed last, s
     modes = {name: z(state) > 0 for name, z in indicators.items()}

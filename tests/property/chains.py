@@ -1,4 +1,4 @@
-"""Planar arms whose task is position and angle of the tip, at many states, from the motion of each link's end; NumPy.
+"""Planar arms whose task is the tip's position and angle, or position alone, from the motion of each link's end; NumPy.
 
     H = sum m_i J_i' J_i,   C = sum m_i J_i' dJ_i,   g = sum m_i gravity J_i' (0, 1)
 
@@ -11,14 +11,14 @@ from functools import cached_property
 
 import numpy as np
 
-from tests.property.samples import EPS
+from tests.property.task_space import TaskSpace
 
 
 @dataclass(frozen=True)
-class Chains:
+class Chains(TaskSpace):
     """Arms of n joints: q, dq and lengths l of shape (size, n), gravity and coulomb_velocity of shape (size,).
 
-    Parameters p are of shape (size, 3 n), vectors of the task of shape (size, 3), matrices of shape (size, 3, 3).
+    Parameters p are of shape (size, 3 n). With `angle` the task has three coordinates, else the position alone.
     """
 
     q: np.ndarray
@@ -26,11 +26,22 @@ class Chains:
     l: np.ndarray
     gravity: np.ndarray
     coulomb_velocity: np.ndarray
+    angle: bool = True
 
     @property
     def n(self) -> int:
         """Number of joints."""
         return self.q.shape[1]
+
+    @property
+    def rates(self) -> np.ndarray:
+        """Rates of the joints, rad/s."""
+        return self.dq
+
+    @property
+    def size_of_p(self) -> int:
+        """Three for each joint."""
+        return 3 * self.n
 
     @cached_property
     def ends(self) -> tuple[np.ndarray, np.ndarray]:
@@ -49,26 +60,18 @@ class Chains:
     def x(self) -> np.ndarray:
         """Position m and angle rad of the tip."""
         angle = np.cumsum(self.q, axis=1)
-        return np.column_stack([(self.l * np.cos(angle)).sum(1), (self.l * np.sin(angle)).sum(1), angle[:, -1]])
-
-    @property
-    def dx(self) -> np.ndarray:
-        """Velocity of the tip, m/s and rad/s."""
-        return np.einsum("kij,kj->ki", self.J, self.dq)
+        x = np.column_stack([(self.l * np.cos(angle)).sum(1), (self.l * np.sin(angle)).sum(1), angle[:, -1]])
+        return x if self.angle else x[:, :2]
 
     @cached_property
     def J(self) -> np.ndarray:
         """Jacobian of x, shape (size, 3, n)."""
-        return np.concatenate([self.ends[0][:, -1], np.ones((len(self.q), 1, self.n))], axis=1)
+        return self._with_angle(self.ends[0][:, -1], 1.0)
 
     @cached_property
     def dJ(self) -> np.ndarray:
         """Rate of the Jacobian."""
-        return np.concatenate([self.ends[1][:, -1], np.zeros((len(self.q), 1, self.n))], axis=1)
-
-    def acceleration(self, ddq: np.ndarray) -> np.ndarray:
-        """Acceleration of the tip, m/s2 and rad/s2."""
-        return np.einsum("kij,kj->ki", self.J, ddq) + np.einsum("kij,kj->ki", self.dJ, self.dq)
+        return self._with_angle(self.ends[1][:, -1], 0.0)
 
     def H(self, p: np.ndarray) -> np.ndarray:
         """Inertia matrix, kg.m2."""
@@ -85,27 +88,7 @@ class Chains:
         slide = np.tanh(self.dq / self.coulomb_velocity[:, None])
         return g + p[:, n : 2 * n] * self.dq + p[:, 2 * n :] * slide
 
-    def H_x(self, p: np.ndarray) -> np.ndarray:
-        """Inertia in task space."""
-        inverse = np.linalg.inv(self.J)
-        return inverse.transpose(0, 2, 1) @ self.H(p) @ inverse
-
-    def C_x(self, p: np.ndarray) -> np.ndarray:
-        """Coriolis matrix in task space."""
-        inverse = np.linalg.inv(self.J)
-        return inverse.transpose(0, 2, 1) @ (self.C(p) - self.H(p) @ inverse @ self.dJ) @ inverse
-
-    def force(self, p: np.ndarray, v: np.ndarray, a: np.ndarray) -> np.ndarray:
-        """H_x a + C_x v + g_x + f_x, N and N.m."""
-        rest = np.linalg.solve(self.J.transpose(0, 2, 1), self.rest(p)[..., None])[..., 0]
-        return np.einsum("kij,kj->ki", self.H_x(p), a) + np.einsum("kij,kj->ki", self.C_x(p), v) + rest
-
-    def W(self, v: np.ndarray, a: np.ndarray) -> np.ndarray:
-        """Regressor of `force`, shape (size, 3, 3 n): its columns are the forces at unit vectors p."""
-        unit = np.eye(3 * self.n)
-        columns = [self.force(np.tile(row, (len(self.q), 1)), v, a) for row in unit]
-        return np.stack(columns, axis=2)
-
-    def rounding(self, p: np.ndarray) -> float:
-        """Relative rounding of what is computed here: ten operations, each losing EPS cond(J)^2 cond(H)."""
-        return float((10 * EPS * np.linalg.cond(self.J) ** 2 * np.linalg.cond(self.H(p))).max())
+    def _with_angle(self, rows: np.ndarray, of_angle: float) -> np.ndarray:
+        """The rows of the position, and below them the row of the angle if it is a coordinate."""
+        below = np.full((len(self.q), 1, self.n), of_angle)
+        return np.concatenate([rows, below], axis=1) if self.angle else rows

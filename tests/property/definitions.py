@@ -33,6 +33,12 @@ def outputs_of(declare: Callable[[], Model], **columns: np.ndarray) -> dict[str,
     return _values(*_as_function(declare()), columns)
 
 
+def evaluator(model: Model) -> Callable[..., dict[str, np.ndarray]]:
+    """A function that gives the outputs of a model for columns by name, as often as it is called."""
+    function, starts = _as_function(model)
+    return lambda **columns: _values(function, starts, columns)
+
+
 def _values(
     function: ca.Function, starts: dict[str, np.ndarray], columns: dict[str, np.ndarray]
 ) -> dict[str, np.ndarray]:

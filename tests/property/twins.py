@@ -12,6 +12,7 @@ import casadi as ca
 from adaptimp_fmu import NOT_NEGATIVE, POSITIVE, Drawing, Icon, Model
 from fmus import icons, start
 from fmus.mechanics.arm import ArmParameter, Demand
+from fmus.mechanics.joints import Joints
 from fmus.mechanics.planar_model import PlanarArmModel
 from fmus.mechanics.task import Task
 from fmus.robots.planar_robot import PlanarRobot
@@ -90,6 +91,7 @@ class TwinRobot:
 
     n = 6
     task = TwinModel.task
+    joints = Joints.numbered(6)
     parameters: Sequence[ArmParameter] = (*ONE.parameters, *ONE.parameters)
     p_start: Sequence[float] = (*ONE.p_start, *ONE.p_start)
     uncertain: Sequence[bool] = (*ONE.uncertain, *ONE.uncertain)

@@ -74,14 +74,14 @@ def reference_transition(M, B, K, h):
 
     Parameters
     ----------
-    M, B, K : sequence of 2 floats
-        Diagonal target impedance (kg, N.s/m, N/m).
+    M, B, K : sequence of floats
+        Diagonal target impedance, one element for each axis of the task (kg, N.s/m, N/m).
     h : float
         Sample time (s).
 
     Returns
     -------
-    ndarray, shape (2, 2, 3)
+    ndarray, shape (axes, 2, 3)
         For each axis, (d(h), d'(h)) = row . (d, d', F).
 
     Notes
@@ -89,8 +89,8 @@ def reference_transition(M, B, K, h):
     The exponential is taken in the variables (d, h d', h^2 F / M), all in metres. So the entries of the matrix are of
     one magnitude, and the rounding error of the norm is also that of each entry.
     """
-    transition = np.empty((2, 2, 3))
-    for axis in range(2):
+    transition = np.empty((len(M), 2, 3))
+    for axis in range(len(M)):
         m, b, k = M[axis], B[axis], K[axis]
         scaled = expm(np.array([[0.0, 1.0, 0.0], [-k / m * h * h, -b / m * h, -1.0], [0.0, 0.0, 0.0]]))
         transition[axis] = scaled[:2] * np.array([1.0, h, h * h / m]) / np.array([[1.0], [h]])

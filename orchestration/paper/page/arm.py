@@ -33,14 +33,14 @@ def has_arm(result: Result) -> bool:
 
 
 def arm_of(result: Result) -> dict[str, Any]:
-    """What ``extra.arm`` of a run holds: lengths of the links, m, and the wall, where the run has the gap to it."""
+    """What ``extra.arm`` of a run holds: lengths of the links, m, and the wall too if the run has a gap to it."""
     start = json.loads(result.metadata.get("start", "{}")).get("plant", {})
     lengths = [float(start.get(f"l[{i}]", length)) for i, length in enumerate(ARM.link_lengths, 1)]
     if GAP not in result:
-        return {"lengths": lengths, "wall": None}
+        return {"lengths": lengths}
     normal = np.array([float(start.get(f"wall_normal[{i}]", part)) for i, part in enumerate(WALL_NORMAL, 1)])
     offset = float(result[TIP][0] @ normal - result[GAP][0])
-    return {"lengths": lengths, "wall": {"normal": normal.tolist(), "offset": offset}}
+    return {"lengths": lengths, "normal": normal.tolist(), "offset": offset}
 
 
 def arm_section(results: Mapping[str, Result]) -> Section:

@@ -5,6 +5,7 @@ The page measures one seed of the noise, by formulas of `orchestration.paper.pag
 """
 
 from collections.abc import Collection, Mapping, Sequence
+from functools import reduce
 from typing import Any
 
 from orchestration.paper.claims import criteria
@@ -144,18 +145,23 @@ def live_claims(outputs: Collection[str]) -> dict[str, Any]:
 
 
 def _claim(question: Question, formulas: Formulas) -> dict[str, Any]:
-    """A claim: its texts, the places of what it measures, and those of the first contacts without which nothing is."""
+    """A claim: its texts, the places of what it measures, of whether it holds, and of the contacts that it needs."""
     places = {name: [formulas.place(text) for text in texts] for name, texts in ASKED[question.id].items()}
+    met = [
+        formulas.compared(place, criterion.comparison, formulas.number(criterion.limit))
+        for criterion in question.criteria
+        for place in places[NAMES[criterion]]
+    ]
     runs = {run for found in places.values() for place in found for run in formulas.runs_of(place)} - {IDEAL, FIXED}
     return {
         "id": question.id,
         "claim": question.claim,
         "where": question.where,
         "measured": {NAMES[criterion]: places[NAMES[criterion]] for criterion in question.criteria},
+        "holds": reduce(formulas.both, met),
         "touches": [formulas.place(f"{run}.first") for run in sorted(runs)],
     }
 
 
 def _criterion(one: Criterion) -> dict[str, Any]:
-    about = {"comparison": one.comparison, "limit": one.limit, "unit": one.unit, "text": str(one)}
-    return {**about, "factor": SHOWN_PER_SI.get(one.unit, 1.0)}
+    return {"unit": one.unit, "text": str(one), "factor": SHOWN_PER_SI.get(one.unit, 1.0)}

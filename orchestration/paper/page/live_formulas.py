@@ -2,7 +2,8 @@
 
 The formulas are those of `orchestration.results.measures`. On the page they may do three things more: name a run, as in
 ``fig7.e_contact``, name a start value, and compare with a reduction, as in ``time < first_time(...)``. ``count`` counts
-how often a condition has begun to hold; a condition in arithmetic is 1 or 0.
+how often a condition has begun to hold; a condition is 1 or 0. What can be said by other operations is said so, which
+leaves the script few of them.
 """
 
 import ast
@@ -15,6 +16,7 @@ from orchestration.paper.measure import RECOVERED, SETTLED
 from orchestration.paper.numbers import TIP_START
 from orchestration.results.measures.elements import scalar
 from orchestration.results.measures.expression import (
+    COMPARISONS,
     Binary,
     Column,
     Expression,
@@ -133,6 +135,29 @@ class Formulas:
         tree = scalar(reader.inner(ast.parse(text, mode="eval").body), _elements)
         return self._placed(tree, run)
 
+    def number(self, value: float) -> int:
+        """The place of a number."""
+        return self._add("number", value)
+
+    def compared(self, left: int, comparison: str, right: int) -> int:
+        """The place of a comparison of two parts, 1 or 0; ``<`` and ``<=`` are turned round.
+
+        Raises
+        ------
+        ValueError
+            If the comparison is none of the four.
+        """
+        if comparison in (">", ">="):
+            return self._add(comparison, left, right)
+        if comparison in ("<", "<="):
+            return self._add(comparison.replace("<", ">"), right, left)
+        msg = f"{comparison} is no comparison of the page; it has <, <=, > and >=."
+        raise ValueError(msg)
+
+    def both(self, one: int, two: int) -> int:
+        """The place of whether two conditions hold: their product, as they are 1 or 0."""
+        return self._add("*", one, two)
+
     def _placed(self, tree: Expression, run: str) -> int:
         """The place of a part of a formula of a run, and before it those of its own parts."""
         placed = partial(self._placed, run=run)
@@ -140,17 +165,23 @@ class Formulas:
             case Column(name):
                 return self._named(name, run)
             case Number(value):
-                return self._add("number", value)
+                return self.number(value)
             case Time():
                 return self._column(run, "time")
-            case Unary("-", of):
-                return self._add("-", self._add("number", 0.0), placed(of))
+            case Unary("-" | "not" as op, of):  # of 1 and 0, not x is 1 - x
+                return self._add("-", self.number(0.0 if op == "-" else 1.0), placed(of))
             case Unary(op, of):
                 return self._add(op, placed(of))
+            case Binary("and", left, right):
+                return self.both(placed(left), placed(right))
+            case Binary(op, left, right) if op in COMPARISONS:
+                return self.compared(placed(left), op, placed(right))
             case Binary(op, left, right):
                 return self._add(op, placed(left), placed(right))
             case Norm((one, two)):
                 return self._add("norm", placed(one), placed(two))
+            case Reduction("rms", value, where):
+                return self._add("sqrt", placed(Reduction("mean", Binary("*", value, value), where)))
             case Reduction("first_time" | "last_time" as kind, value, None):
                 return self._add("initial" if kind == "first_time" else "final", placed(Time()), placed(value))
             case Reduction(kind, value, where):

@@ -4,6 +4,7 @@ The table holds no number of its own. Defaults come from the scenarios; ranges a
 from the tables of open values; a range of what the paper states reaches from a quarter to four times the stated value.
 """
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
@@ -18,6 +19,7 @@ from orchestration.paper.studies.open_values import OPEN_VALUES, OpenValue
 FIGURES: Mapping[str, Scenario] = {**SCENARIOS, **VARIANTS}
 """The runs that the page offers, by name."""
 
+STEPS = 1000  # of a slider
 REACH = 4.0  # of a stated value: how many times larger, or smaller, the ends of its slider are
 _OPEN: Mapping[str, OpenValue] = {value.name: value for value in OPEN_VALUES}
 _SHOWN = {"s": ("µs", 1e6), "depth": ("mm", 1e3)}  # display units, and how many of them are one of the unit
@@ -86,15 +88,21 @@ class LiveSetting:
             "label": self.label,
             "unit": unit,
             "factor": factor,
-            "low": self.low,
             "high": self.high,
             "log": self.log,
-            "whole": self.whole,
+            "slider": self._slider(factor),
             "ticks": self.ticks,
             "group": self.group,
             "reason": self.reason,
             "options": [{"value": v, "label": text, "values": {**given}} for v, (text, given) in self.options.items()],
         }
+
+    def _slider(self, factor: float) -> dict[str, float]:
+        """Ends and step of the slider, in the shown unit or as exponents of ten; whole steps reach the upper end."""
+        low, high = (math.log10(end * factor) if self.log else end * factor for end in (self.low, self.high))
+        steps = round(high - low) if self.whole else STEPS
+        start, step = float(f"{low:.6g}"), float(f"{(high - low) / steps:.6g}")
+        return {"min": start, "max": float(f"{start + steps * step:.9g}"), "step": step}
 
 
 def live_settings() -> tuple[LiveSetting, ...]:

@@ -30,15 +30,14 @@ export function connectChoice(list, plots, panels) {
 }
 
 /** Let buttons zoom and move the interval of time, by their factor and share of it. */
-/** @param {HTMLElement} bar @param {import("./cursor.js").Cursor} cursor @param {import("./cursor.js").Interval} range */
-export function connectZoom(bar, cursor, range) {
+/** @param {HTMLElement} bar @param {import("./cursor.js").Cursor} cursor */
+export function connectZoom(bar, cursor) {
   bar.addEventListener("click", (event) => {
     const { zoom, move } = /** @type {HTMLElement} */ (event.target).dataset;
-    const inside = cursor.time > range.start && cursor.time < range.end;
-    const middle = inside ? cursor.time : (range.start + range.end) / 2;
-    const offset = middle + (range.end - range.start) * Number(move);
-    const ends = [range.start, range.end].map((t) => offset + (t - middle) * Number(zoom));
+    const { time, from, to } = cursor;
+    const middle = time > from && time < to ? time : (from + to) / 2;
+    const ends = [from, to].map((t) => middle + (to - from) * Number(move) + (t - middle) * Number(zoom));
     const [start, end] = zoom ? ends : [cursor.begin, cursor.end];
-    range.set(start, end);
+    cursor.zoom(start, end);
   });
 }

@@ -1,9 +1,11 @@
 /** The one time of the page, which arm and plots show, the interval that plots show, and the player. */
 
-/** Each change is told by an event ``cursor``. */
+/** A change of the time is told by an event ``cursor``, one of the interval by an event ``interval``. */
 export class Cursor extends EventTarget {
-  begin = 0; // s, as the two below
+  begin = 0; // of the runs, s, as all times
   end = 1;
+  from = 0; // of the interval
+  to = 1;
   time = 0;
   speed = 0.25; // simulated seconds per second
   playing = false;
@@ -13,6 +15,12 @@ export class Cursor extends EventTarget {
     this.time = Math.min(Math.max(time, this.begin), this.end);
     this.playing = playing && this.time < this.end;
     this.dispatchEvent(new Event("cursor"));
+  }
+
+  /** Let all plots show an interval, s. @param {number} from @param {number} to */
+  zoom(from, to) {
+    if ((from === this.from && to === this.to) || !(from < to)) return;
+    Object.assign(this, { from, to }).dispatchEvent(new Event("interval"));
   }
 
   play() {
@@ -25,18 +33,6 @@ export class Cursor extends EventTarget {
     };
     this.set(this.time < this.end ? this.time : this.begin, true);
     requestAnimationFrame(frame);
-  }
-}
-
-/** The interval of time that all plots show, s; each change is told by an event ``interval``. */
-export class Interval extends EventTarget {
-  start = 0;
-  end = 1;
-
-  /** @param {number} start @param {number} end  s */
-  set(start, end) {
-    if ((start === this.start && end === this.end) || !(start < end)) return;
-    Object.assign(this, { start, end }).dispatchEvent(new Event("interval"));
   }
 }
 

@@ -10,7 +10,6 @@
  * @property {string[]} [held]  Sampled components: their row k + 1 holds from time[k] on.
  * @property {Record<string, number[][]>} [phases]  Begin and end, s, of the intervals of each phase.
  * @property {Record<string, any>} [extra]  What the modules of sections need besides.
- * @property {string[]} [names]  Columns that `load` can unpack.
  * @property {(names: string[]) => Promise<void>} [load]  Unpacks columns into `columns`.
  *
  * @typedef {{bytes: number, low: number, step: number, count: number, data: string}} Packed
@@ -60,7 +59,7 @@ export async function runOf(stored) {
     const missing = wanted.filter((name) => Object.hasOwn(stored.columns, name) && !columns[name]);
     await Promise.all(missing.map(async (name) => (columns[name] = await decode(stored.columns[name]))));
   };
-  return { ...stored, time, columns, load, names: Object.keys(stored.columns) };
+  return { ...stored, time, columns, load };
 }
 
 /** The number of the last row that is not after a time. @param {Float64Array} times @param {number} time */

@@ -149,7 +149,7 @@ def test_claims_are_those_of_python(page: Path, changed: bool) -> None:
     script = """
     const state = { ...preset(data, "fig5"), changes };
     const at = evidence(data, state, (run, columns) => loop.rows(run, columns));
-    console.log(JSON.stringify(data.claims.map((claim) => answer(data, at, claim))));
+    console.log(JSON.stringify(data.claims.map((claim) => answer(at, claim))));
     """
     answers = {one["id"]: one for one in run_page(page, script, changes=changes)}
     identifiers = {i for one in FIGURES.values() for i in one.models.values()}
@@ -191,7 +191,7 @@ def test_a_claim_that_cannot_be_judged_says_why(page: Path) -> None:
     const said = (changes) => {
       const state = { ...preset(data, "fig5"), changes };
       const at = evidence(data, state, (run, columns) => loop.rows(run, columns));
-      return answer(data, at, data.claims.find(({ id }) => id === "C2"));
+      return answer(at, data.claims.find(({ id }) => id === "C2"));
     };
     console.log(JSON.stringify([{ wall_offset: 1.6, sample_time: 1e-4 }, { K: -1 }].map(said)));
     """

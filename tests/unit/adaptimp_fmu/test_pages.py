@@ -5,10 +5,11 @@ from collections.abc import Callable
 import pytest
 from lxml import etree
 
-from adaptimp_fmu import Model
+from adaptimp_fmu import Grid, Guide, Model, SampledModel
 from adaptimp_fmu.errors import DefinitionError
+from adaptimp_fmu.grids import laid_out, legends
 from adaptimp_fmu.mathml import mathml
-from adaptimp_fmu.names import common_beginning
+from adaptimp_fmu.names import as_one, common_beginning
 from adaptimp_fmu.svg import Picture
 from fmus.catalog import MODELS, VARIANTS
 
@@ -62,3 +63,47 @@ def test_common_beginning_has_whole_words() -> None:
     assert common_beginning(["Position along x1 (right)", "Position along x2 (up)"]) == "Position"
     assert common_beginning(["Mass of link 1", "Friction of link 1"]) == ""
     assert common_beginning(["Depth"]) == "Depth"
+
+
+def test_what_differs_is_listed_between_what_is_common() -> None:
+    turns = ["Angle of the tip in roll", "Angle of the tip in pitch", "Angle of the tip in yaw"]
+    assert as_one(turns) == "Angle of the tip in roll, pitch, yaw"
+    assert as_one(["m of a", "m of b c", "m of b"]) == "m of a, b c, b"
+    assert as_one(["same text", "same text"]) == "same text"
+    assert as_one(["one", "two"]) == "one, two"
+
+
+def test_grid_makes_a_table_of_rows_with_the_same_columns() -> None:
+    """Rows that come again later, as viscous and Coulomb friction of a joint, are one row."""
+    model = SampledModel("Arm", "Two joints and a payload")
+    texts = ["Assumed mass of a", "Assumed friction of j", "Assumed stiction of j", "Assumed mass of the payload"]
+    model.parameter("p", [1.0, 2.0, 3.0, 4.0], unit=["kg", "N.m", "N", "kg"], description=texts)
+    places = [("a", "m"), ("j", "viscous"), ("j", "Coulomb"), ("payload", "m")]
+    model.guide = Guide(grids=[Grid(["p", "none"], places, "parameters of the arm", "A body in each row.")])
+    (laid,) = laid_out(model, model.variables)
+    assert laid.text == "Assumed parameters of the arm"
+    assert legends(model) == ["A body in each row."]
+    masses, friction = laid.tables
+    assert masses.heads == [("m", "kg")]
+    assert [(row, [(cell.name, cell.start) for cell in cells]) for row, cells in masses.rows] == [
+        ("a", [("p[1]", "1")]),
+        ("payload", [("p[4]", "4")]),
+    ]
+    assert friction.heads == [("viscous", "N.m"), ("Coulomb", "N")]
+
+
+def test_unit_stands_in_the_cell_where_those_of_a_column_differ() -> None:
+    model = SampledModel("Arm", "Two joints")
+    model.parameter("p", [1.0, 2.0], unit=["N.m", "N"], description=["of a", "of b"])
+    model.guide = Guide(grids=[Grid(["p"], [("a", "f"), ("b", "f")], "friction")])
+    (table,) = laid_out(model, model.variables)[0].tables
+    assert table.heads == [("f", "")]
+    assert [cells[0].unit for _, cells in table.rows] == ["N.m", "N"]
+
+
+def test_grid_with_fewer_places_than_elements_is_an_error() -> None:
+    model = SampledModel("Arm", "Two joints")
+    model.parameter("p", [1.0, 2.0], description=["of a", "of b"])
+    model.guide = Guide(grids=[Grid(["p"], [("a", "f")], "friction")])
+    with pytest.raises(DefinitionError, match=r"p has 2 elements, but its grid has places for 1"):
+        laid_out(model, model.variables)

@@ -6,7 +6,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from fmus.force_sensor import truncated_normal
+from fmus.sensor_reading import truncated_normal
 from orchestration.fmi.codes import Status
 from tests.driver import Driver
 from tests.property.samples import EPS, evaluate

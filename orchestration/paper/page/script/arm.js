@@ -4,7 +4,8 @@
  * The drawing stands in the page (`orchestration.paper.page.arm`), in units of 10 mm; this module moves its parts.
  *
  * @typedef {import("../../../report/script/data.js").Run} Run
- * @typedef {{lengths: number[], wall: {normal: number[], offset: number} | null}} Arm  m; what `extra.arm` of a run holds.
+ * @typedef {{lengths: number[], normal?: number[], offset?: number}} Arm  What `extra.arm` of a run holds: lengths of the
+ *   links, m, and of the wall, if there is one, the normal and the distance, m.
  */
 
 import { rowAt, valuesAt } from "../../../report/script/data.js";
@@ -19,9 +20,13 @@ const columnsOf = (/** @type {string} */ name) => [`${name}[1]`, `${name}[2]`];
 export function start({ cursor }) {
   /** @type {(() => void)[]} */
   let frames = [];
+  /** @type {Run[]} */
+  let wanted = [];
   document.addEventListener("runs", async (event) => {
     const runs = /** @type {CustomEvent<Run[]>} */ (event).detail.filter(({ extra }) => extra?.arm);
+    wanted = runs;
     await Promise.all(runs.map((run) => run.load?.(NAMES.flatMap(columnsOf))));
+    if (wanted !== runs) return; // others were shown meanwhile
     frames = [...document.querySelectorAll("#arm .run")].flatMap((group, place) => {
       group.toggleAttribute("hidden", !runs[place]);
       return runs[place] ? [mover(/** @type {Element} */ (group), runs[place], cursor)] : [];
@@ -34,7 +39,7 @@ export function start({ cursor }) {
 /** Draws the paths of a run, and returns what moves its arm. */
 /** @param {Element} group @param {Run} run @param {import("../../../report/script/page.js").Context["cursor"]} cursor */
 function mover(group, run, cursor) {
-  const { lengths, wall } = /** @type {Arm} */ (run.extra?.arm);
+  const { lengths, normal: [a, b] = [NaN, NaN], offset = NaN } = /** @type {Arm} */ (run.extra?.arm);
   const vector = (/** @type {string} */ name, /** @type {number} */ row) =>
     columnsOf(name).map((column) => valuesAt(run, column, row)[0] ?? NaN);
   const larger = (/** @type {number} */ most, /** @type {number} */ value) => Math.max(most, Math.abs(value) || 0);
@@ -45,15 +50,13 @@ function mover(group, run, cursor) {
     element?.toggleAttribute("hidden", value.includes("NaN"));
     if (!value.includes("NaN")) element?.setAttribute(attribute, value);
   };
-  const wallAt = (/** @type {number} */ depth) => {
-    const [a, b] = wall?.normal ?? [NaN, NaN];
-    return `rotate(${(Math.atan2(b, a) * 180) / Math.PI}) translate(${SCALE * depth} 0)`;
-  };
+  const wallAt = (/** @type {number} */ distance) =>
+    `rotate(${(Math.atan2(b, a) * 180) / Math.PI}) translate(${SCALE * distance} 0)`;
   for (const [part, name] of [["path", "plant.x"], ["way", "trajectory.x_v"]]) {
     const rows = Array.from({ length: PATH_POINTS }, (_, i) => Math.round((i * (run.time.length - 1)) / (PATH_POINTS - 1)));
     set(part, "points", rows.map((row) => vector(name, row).map((v) => (SCALE * v).toFixed(2)).join()).join(" "));
   }
-  set("wall", "transform", wallAt(wall?.offset ?? NaN));
+  set("wall", "transform", wallAt(offset));
   const [mostForce, mostTorque] = [largest("plant.F_ext"), largest("actuator.tau")];
   return () => {
     const [q, x, force, torque, virtual, target] = NAMES.map((name) => vector(name, rowAt(run.time, cursor.time)));
@@ -72,7 +75,6 @@ function mover(group, run, cursor) {
       set(part, "transform", `translate(${place.map((v) => SCALE * v)})`);
       set(`near-${part}`, "transform", `translate(${place.map((v, i) => SCALE * MAGNIFIED * (v - x[i]))})`);
     }
-    const [a, b] = wall?.normal ?? [NaN, NaN];
-    set("near-wall", "transform", wallAt(MAGNIFIED * ((wall?.offset ?? NaN) - a * x[0] - b * x[1])));
+    set("near-wall", "transform", wallAt(MAGNIFIED * (offset - a * x[0] - b * x[1])));
   };
 }

@@ -16,10 +16,6 @@ export function compute(op, a, b) {
     case "norm": return Math.sqrt(a * a + b * b);
     case ">": return Number(a > b);
     case ">=": return Number(a >= b);
-    case "<": return Number(a < b);
-    case "<=": return Number(a <= b);
-    case "and": return a && b;
-    case "not": return Number(!a);
     case "abs": return Math.abs(a);
     case "+": return a + b;
     case "/": return a / b;
@@ -33,7 +29,6 @@ const REDUCE = {
   max: (values) => values.reduce((a, b) => Math.max(a, b), -Infinity),
   min: (values) => values.reduce((a, b) => Math.min(a, b), Infinity),
   mean: (values) => sum(values) / values.length,
-  rms: (values) => Math.sqrt(sum(values.map((value) => value * value)) / values.length),
   initial: (values) => values[0],
   final: (values) => values[values.length - 1],
 };

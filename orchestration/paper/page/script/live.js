@@ -8,8 +8,6 @@
 import { block, json } from "../../../report/script/data.js";
 import { commandOf, fromLink, linkOf, preset, runOf, structureOf, valueOf } from "./state.js";
 
-const STEPS = 1000; // of a slider
-
 /** @param {string} id @returns {any} */
 const element = (id) => document.getElementById(`live-${id}`);
 /** @param {number} value @param {number} digits */
@@ -52,17 +50,16 @@ export async function start({ showRuns, runs }) {
 
   /** @param {Setting} setting */
   function showSetting(setting) {
-    const { key, options, factor, low, high, log } = setting;
+    const { key, unit, factor, log } = setting;
     const [row, field, slider] = ["-row", "", "-slider"].map((part) => element(key + part));
     const value = valueOf(data, state, setting);
     row.hidden = value === undefined;
     if (value === undefined) return;
     complain(setting, "");
     row.dataset.changed = key in state.changes;
-    const share = log ? Math.log(value / low) / Math.log(high / low) : (value - low) / (high - low);
-    if (options.length) field.selectedIndex = options.findIndex((option) => option.value === value);
-    else if (document.activeElement !== field) field.value = short(value * factor, 7);
-    if (slider && document.activeElement !== slider) slider.value = Math.round(STEPS * share);
+    if (document.activeElement !== field) field.value = short(value * factor, 7);
+    if (slider) slider.ariaValueText = `${short(value * factor, 7)} ${unit}`;
+    if (slider && document.activeElement !== slider) slider.value = log ? Math.log10(value * factor) : value * factor;
   }
 
   /** @param {Setting} setting @param {string} words */
@@ -72,11 +69,9 @@ export async function start({ showRuns, runs }) {
   }
 
   /** What a changed field asks for, in the unit of the variables. @param {Setting} setting @param {any} field */
-  function asked({ low, high, log, whole, factor, options }, { type, value, selectedIndex }) {
-    if (options.length) return options[selectedIndex].value;
+  function asked({ log, factor }, { type, value }) {
     if (type !== "range") return value.trim() === "" ? NaN : Number(value) / factor;
-    const at = log ? low * (high / low) ** (value / STEPS) : low + ((high - low) * value) / STEPS;
-    return whole ? Math.round(at) : Number((at * factor).toPrecision(3)) / factor;
+    return Number((log ? 10 ** value : Number(value)).toPrecision(3)) / factor;
   }
 
   /** @param {any} field */
@@ -117,7 +112,7 @@ export async function start({ showRuns, runs }) {
     const { rows: { time, ...columns }, phases } = said;
     const { values } = runOf(data, state);
     const [lengths, normal] = ["l", "wall_normal"].map((name) => [1, 2].map((i) => values[`plant.${name}[${i}]`]));
-    const extra = { arm: { lengths, wall: { normal, offset: values["plant.wall_offset"] } } };
+    const extra = { arm: { lengths, normal, offset: values["plant.wall_offset"] } };
     latest = { label: label(), time, columns, units: data.units, held: data.held, phases, extra };
     data.numbers.forEach(({ factor, unit }, i) => {
       const [pair, value] = [element("numbers").children[i], said.numbers[i]];
@@ -165,9 +160,8 @@ export async function start({ showRuns, runs }) {
 
   function label() {
     const changes = data.settings.filter(({ key }) => key in state.changes).map(({ key, options, factor, unit }) => {
-      const value = state.changes[key];
-      const option = options.find((one) => one.value === value);
-      return `${key} = ${option?.label ?? short(value * factor, 4)} ${option ? "" : unit}`.trim();
+      const option = options.find(({ value }) => value === state.changes[key]);
+      return `${key} = ${option?.label ?? `${short(state.changes[key] * factor, 4)} ${unit}`}`.trim();
     });
     const own = state.controller === data.figures[state.figure].controller;
     return [`Live ${state.figure}`, ...(own ? [] : [data.controllers[state.controller].label]), ...changes].join(", ");

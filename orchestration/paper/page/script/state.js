@@ -1,17 +1,18 @@
 /**
  * What the visitor asks for, as numbers of a run, as a link and as a command.
  *
- * @typedef {{key: string, label: string, unit: string, factor: number, low: number, high: number,
- *   log: boolean, whole: boolean, ticks: boolean, group: string, reason: string,
+ * @typedef {{key: string, label: string, unit: string, factor: number, high: number,
+ *   log: boolean, ticks: boolean, group: string, reason: string,
  *   options: {value: number, label: string, values: Record<string, number>}[]}} Setting
  * @typedef {{caption: string, controller: string, step: number, stop: number, hash: string}} Figure
  * @typedef {{name: string, index: number, role: string, type: string, unit: string}} Variable
  * @typedef {{label: string, structure: string,
  *   description: {variables: Variable[]}}} Controller
- * @typedef {{comparison: string, limit: number, unit: string, factor: number, text: string}} Criterion
+ * @typedef {{unit: string, factor: number, text: string}} Criterion
  * @typedef {{figures: Record<string, Figure>, controllers: Record<string, Controller>, settings: Setting[],
  *   fixed: {name: string, value: string, reason: string}[], criteria: Record<string, Criterion>,
- *   claims: {id: string, measured: Record<string, number[]>, touches: number[]}[], nodes: import("./formulas.js").Node[],
+ *   claims: {id: string, measured: Record<string, number[]>, touches: number[], holds: number}[],
+ *   nodes: import("./formulas.js").Node[],
  *   numbers: {value: number, factor: number, unit: string}[], phases: Record<string, number>,
  *   norms: Record<string, number>,
  *   runs: Record<string, {figure: string, values: Record<string, number>}>, columns: Record<string, string[]>,
@@ -61,22 +62,17 @@ export function valueOf(data, state, setting) {
   return option?.value ?? (setting.ticks ? values[paths[0]] || step : values[paths[0]]);
 }
 
-/** @param {Data} data @param {string} figure @returns {State} */
-export function preset(data, figure) {
-  return { figure, controller: data.figures[figure].controller, changes: {} };
-}
+/** The state with all numbers of a figure. @type {(data: Data, figure: string) => State} */
+export const preset = (data, figure) => ({ figure, controller: data.figures[figure].controller, changes: {} });
 
 /** The command that gives the same rows. @param {Data} data @param {State} state @returns {string} */
 export function commandOf(data, state) {
   const [figure, { given }, { values, step }] = [data.figures[state.figure], startsOf(data, state), runOf(data, state)];
   const changed = Object.keys(values).filter((path) => values[path] !== given[path] && !path.endsWith(SAMPLING));
-  return [
-    `adaptimp run ${state.figure}`,
-    ...(state.controller === figure.controller ? [] : [`--controller ${state.controller}`]),
-    ...(step === figure.step ? [] : [`--sample-time ${step}`]),
-    ...changed.map((path) => `--set "${path}=${values[path]}"`),
-    "--hash",
-  ].join(" ");
+  const controller = state.controller === figure.controller ? "" : ` --controller ${state.controller}`;
+  const sampling = step === figure.step ? "" : ` --sample-time ${step}`;
+  const sets = changed.map((path) => ` --set "${path}=${values[path]}"`).join("");
+  return `adaptimp run ${state.figure}${controller}${sampling}${sets} --hash`;
 }
 
 /** @param {Data} data @param {State} state @returns {string} what follows # in a link */

@@ -53,7 +53,7 @@ async function serve(of, request) {
   else {
     const at = evidence(data, request.state, (one, columns) => of.rows(one, columns));
     for (const claim of data.claims) {
-      postMessage({ ...request, answer: answer(data, at, claim), milliseconds: performance.now() - began });
+      postMessage({ ...request, answer: answer(at, claim), milliseconds: performance.now() - began });
       await arrived();
       if (waiting.has("claims")) return;
     }

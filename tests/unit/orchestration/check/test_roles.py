@@ -11,7 +11,7 @@ from orchestration.check.findings import ROLE
 from orchestration.check.interface import UNITS, interface_is_kept
 from orchestration.check.static.archive_rules import open_package
 from orchestration.paper.built_fmus import built
-from orchestration.paper.closed_loop import LOOP, Loop, judge
+from orchestration.paper.closed_loop import LOOP, Loop, judge, paper_loop
 from orchestration.paper.ride import Ride
 from orchestration.paper.roles import ROLES
 from orchestration.system.system import System
@@ -141,12 +141,22 @@ POSES = {
     "plant": ("Plant3RPose", "x[3]", "rad"),
 }
 """FMUs of a task with an angle by role; of each an element of the angle with its unit."""
+IN_SPACE = {
+    "sensor": ("ForceSensorPuma560", "F_ext[6]", "N.m"),
+    "trajectory": ("VirtualTrajectoryPuma560", "dx_v[4]", "rad/s"),
+    "controller": ("HoganImpedancePuma560", "x_v[3]", "m"),
+    "plant": ("PlantPuma560", "x[5]", "rad"),
+}
+"""FMUs of a task in space by role; of each an element with its unit."""
 
 
+@pytest.mark.parametrize("forms", [POSES, IN_SPACE], ids=["plane", "space"])
 @pytest.mark.parametrize("role", POSES)
-def test_an_fmu_has_the_angle_of_the_tip_in_all_its_signals_or_in_none(tmp_path: Path, role: str) -> None:
-    name, element, unit = POSES[role]
-    base = element.partition("[")[0]
+def test_an_fmu_has_the_angles_of_the_tip_in_all_its_signals_or_in_none(
+    tmp_path: Path, role: str, forms: Mapping[str, tuple[str, str, str]]
+) -> None:
+    name, element, unit = forms[role]
+    last = 3 if forms is POSES else 6
 
     def found(edit: Edit | None) -> list[str]:
         path = built(name) if edit is None else edited(built(name), tmp_path, edit)
@@ -157,10 +167,44 @@ def test_an_fmu_has_the_angle_of_the_tip_in_all_its_signals_or_in_none(tmp_path:
         return before + after.replace(f'unit="{unit}"', 'unit="1/s"', 1)
 
     assert found(None) == []
-    assert any(re.search(rf"{base}\[3\] of the {role} has the unit 1/s", text) for text in found(in_another_unit))
+    wrong = re.compile(rf"{re.escape(element)} of the {role} has the unit 1/s")
+    assert any(wrong.search(text) for text in found(in_another_unit))
     if role == "sensor":  # its other signal still has a moment
-        renamed = found(lambda xml: xml.replace('name="F_hat[3]"', 'name="other"'))
-        assert renamed == [f"{ERROR}: The output F_hat[3] in N.m of the sensor is missing."]
+        renamed = found(lambda xml: xml.replace(f'name="F_hat[{last}]"', 'name="other"'))
+        assert renamed == [f"{ERROR}: The output F_hat[{last}] in N.m of the sensor is missing."]
+
+
+def sliding(xml: str, joint: int) -> str:
+    """A description in which a joint slides: its coordinate is in m, its torque is a force."""
+    for signal, turns, slides in (
+        ("q", "rad", "m"), ("dq", "rad/s", "m/s"), ("ddq", "rad/s2", "m/s2"), ("tau_cmd", "N.m", "N"),
+    ):  # fmt: skip
+        head, tail = xml.split(f'name="{signal}[{joint}]"')
+        declared = re.sub(r' declaredType="[^"]*"', "", tail[: tail.index("/>")])
+        declared = re.sub(r' displayUnit="[^"]*"', "", declared).replace(f'unit="{turns}"', f'unit="{slides}"')
+        xml = f'{head}name="{signal}[{joint}]"{declared}{tail[tail.index("/>") :]}'
+    return xml
+
+
+def test_a_joint_of_an_arm_in_space_may_slide(fmu_folder: Path, tmp_path: Path) -> None:
+    """Arms of two or three joints, which are planar, turn about all of them."""
+
+    def found(path: Path) -> list[str]:
+        document = open_package(edited(path, tmp_path, lambda xml: sliding(xml, 2))).document
+        return [f.message for f in interface_is_kept(document, ROLES["controller"])]
+
+    assert found(built("HoganImpedancePuma560")) == []
+    planar = found(fmu_folder / "HoganImpedance.fmu")
+    assert any(re.search(r"q\[2\] of the controller has the unit m \(m\); rad \(rad\) is needed", m) for m in planar)
+    assert any(re.search(r"tau_cmd\[2\] of the controller has the unit N ", m) for m in planar)
+
+
+def test_a_controller_for_another_arm_of_six_joints(tmp_path: Path) -> None:
+    """The loop is that of one arm, where a controller of another arm would be judged wrongly."""
+    path = edited(built("HoganImpedancePuma560"), tmp_path, swap(r'(name="q\[2\]".*?start=")[^"]*"', r'\g<1>0.3"'))
+    report = check(path, loop=paper_loop)
+    assert report.findings == ()
+    assert report.facts[-1] == "The closed loop of the PUMA 560 was not tried: the controller is for another arm."
 
 
 def test_no_role_is_guessed_without_its_output(fmu_folder: Path, tmp_path: Path) -> None:

@@ -2,10 +2,12 @@
 
 import math
 import warnings
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+from adaptimp_fmu import ContinuousModel, build
 from orchestration import StiffnessWarning, System, compare, scenario, simulate
 from orchestration.master.stiffness import stiff_components
 from orchestration.paper.scenarios import SCENARIOS, VARIANTS
@@ -74,3 +76,16 @@ def test_the_lightest_mass_and_the_stiffest_spring_decide() -> None:
 def test_only_components_that_tell_their_sub_step_count() -> None:
     system = scenario("fig2").set({"controller.K": 1e9})  # N/m, beside M in kg; the controller integrates nothing
     assert stiff_components(system, 1e-4) == []
+
+
+def test_moments_of_single_bodies_are_not_taken_for_the_inertia_of_a_joint(tmp_path: Path) -> None:
+    """A torsion spring on a moment of 1e-6 kg m2 swings fast; beside a mass, the moment is one of a body's numbers."""
+    for units, said in (("kg.m2", 1), (["kg.m2", "kg"], 0)):
+        model = ContinuousModel("Spring", "A spring")
+        model.parameter("k", 1e4, unit="N.m/rad", description="Stiffness")
+        model.parameter("I", [1e-6, 1e-6], unit=units, description="Moment of inertia, and another number")
+        x = model.state("x", 0.0)
+        model.derivative(x, -x)
+        model.output("x", x, description="State")
+        system = System.connected_by_name("torsion", {"plant": build(model, tmp_path)})
+        assert len(stiff_components(system, 1e-4)) == said
