@@ -29,7 +29,7 @@ FORMULAS = Formulas(
         Formula(
             r"\tau_i \leftarrow \tau_i \mp \min\left( \tau_{\text{limit}}, \; \max\left( 0, \; k\,d"
             r" + b \min(1, d / \delta)\,v \right) \right)",
-            "At the depth d in the margin, which is limit_margin wide, written as delta, joint i is pushed back. k is the"
+            "At the depth d in the margin, whose width is limit_margin or delta, joint i is pushed back. k is the"
             " limit_stiffness, b the limit_damping, v the rate towards the end. Off at the start.",
         )
     ],
