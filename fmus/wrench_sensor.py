@@ -145,17 +145,7 @@ def wrench_sensor(robot: SpatialRobot, name: str = "ForceSensor") -> SampledMode
         return reading.of(force) - frame.felt(weight)
 
     filtered = _filtered(model, compensated(true + bias + noise.error(model, metric, F_ext)), compensated(true + bias))
-    zero = model.parameter(
-        "zero",
-        False,
-        type=Type.BOOLEAN,
-        tunable=True,
-        description="Whether the present reading becomes the zero, at each tick while it is true",
-    )
-    last = model.state("zero_reading", [0.0] * TASK.size)
-    present = ca.if_else(zero, filtered, last)
-    model.update(last, present)
-    F_hat = F_ext + frame.at_tip((filtered - present) - true)
+    F_hat = F_ext + frame.at_tip(_zeroed(model, filtered) - true)
     texts = of_wrench("Measured force", "Measured moment", TASK)
     model.output("F_hat", F_hat, unit=UNITS, description=texts)
     group_signals(model, TIP)
@@ -211,3 +201,18 @@ def _filtered(model: SampledModel, reading: ca.SX, first: ca.SX) -> ca.SX:
     filtered = ca.if_else(time > 0, previous + share * (reading - previous), reading)
     model.update(previous, filtered)
     return filtered
+
+
+def _zeroed(model: SampledModel, reading: ca.SX) -> ca.SX:
+    """Declare the zero; returns the reading without it, shape (6,)."""
+    zero = model.parameter(
+        "zero",
+        False,
+        type=Type.BOOLEAN,
+        tunable=True,
+        description="Whether the present reading becomes the zero, at each tick while it is true",
+    )
+    last = model.state("zero_reading", [0.0] * TASK.size)
+    present = ca.if_else(zero, reading, last)
+    model.update(last, present)
+    return reading - present

@@ -111,10 +111,9 @@ def test_the_ranges_are_those_of_the_robot_and_stops_hold_its_torques() -> None:
     H_start = np.array(PUMA.arm.inertia(PUMA.start.q, PUMA.chain.p))
     against = 1 / np.diag(np.linalg.inv(H_start))
     for i, effort in enumerate(PUMA.joints.efforts):
-        stiffness = starts[f"stop_stiffness[{i + 1}]"]
         assert effort < NONE
-        assert stiffness >= 0.95 * effort / TRAVEL  # two digits are kept
-        assert 0.95 * SLOWEST <= np.sqrt(stiffness / against[i]) <= 1.05 * FASTEST
+        expected = np.clip(effort / TRAVEL, SLOWEST**2 * against[i], FASTEST**2 * against[i])
+        assert starts[f"stop_stiffness[{i + 1}]"] == pytest.approx(expected, rel=0.05)  # two digits are kept
 
 
 def test_two_walls_feel_the_same_point() -> None:
