@@ -68,9 +68,14 @@ def cells(page: Path) -> list[Cell]:
 
 ROOT = Path(__file__).parents[2]
 PAGES = sorted(p.relative_to(ROOT).as_posix() for p in (*ROOT.glob("*.md"), *ROOT.glob("docs/**/*.md")))
-ELSEWHERE = ("docs/components.md", "docs/containers.md", "docs/write-your-own-controller.md")
-"""Pages with tests of their own: `tests.unit.fmus.test_documented_examples`, `tests.scenarios.test_containers_page` and
-`tests.scenarios.test_tutorial`."""
+ELSEWHERE = (
+    "docs/components.md",
+    "docs/containers.md",
+    "docs/write-your-own-controller.md",
+    "docs/your-robot.md",
+)
+"""Pages with tests of their own: `tests.unit.fmus.test_documented_examples`, `tests.scenarios.test_containers_page`,
+`tests.scenarios.test_tutorial` and `tests.scenarios.test_your_robot`."""
 WITH_BLOCKS = [page for page in PAGES if page not in ELSEWHERE and cells(ROOT / page)]
 """Pages whose blocks run in their order in an empty folder."""
 

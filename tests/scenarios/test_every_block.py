@@ -15,6 +15,7 @@ FOLLOWED = {
     "docs/campaigns.md": "tests.scenarios.test_campaigns_page",
     "docs/containers.md": "tests.scenarios.test_containers_page",
     "docs/write-your-own-controller.md": "tests.scenarios.test_tutorial",
+    "docs/your-robot.md": "tests.scenarios.test_your_robot",
 }
 """Pages that a test follows from beginning to end, files included: ``PAGE`` of the test."""
 OTHER_TESTS = {
