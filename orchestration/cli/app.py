@@ -337,7 +337,7 @@ app.command(cls=SweepCommand, epilog=SWEEP_EPILOG)(with_messages(sweep))
 
 @app.command(
     cls=Command,
-    epilog=closing("adaptimp paper", "adaptimp paper -o figures --format svg", "adaptimp paper --robot puma"),
+    epilog=closing("adaptimp paper -o figures --format svg", "adaptimp paper --robot puma"),
 )
 @with_messages
 def paper(

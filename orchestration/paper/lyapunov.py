@@ -69,7 +69,7 @@ def craig(result: Result, psi: float, gain: Gain) -> np.ndarray:
 
 def _parameter_error(result: Result, gain: Gain) -> np.ndarray:
     """The sum of (p_hat - p)^2 / Gamma, shape (n_ticks,)."""
-    if isinstance(gain, float):
+    if isinstance(gain, (int, float)):
         return (result.at_ticks(ESTIMATE) - TRUE_M2) ** 2 / gain
     return np.sum([(result.at_ticks(one.estimate) - one.true) ** 2 / one.gain for one in gain], axis=0)
 

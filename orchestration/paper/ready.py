@@ -13,7 +13,7 @@ def scenario(name: str, *, controller: str | Path | None = None, reals: bool = F
     ----------
     name
         ``fig2`` to ``fig7``, ``ideal`` or ``spong-ortega``; ``fig5-first`` and so on at the earlier calibration; or
-        another one of `orchestration.paper.scenarios.ALL_SCENARIOS`, such as ``sensor-dropout``.
+        another one of `orchestration.paper.scenarios.ALL_SCENARIOS`, such as ``sensor-dropout`` or ``puma``.
     controller
         Another controller: the path of an FMU, or the model identifier of a shipped one such as
         ``SlotineLiAdaptiveImpedance``. Default: that of the scenario.

@@ -16,7 +16,7 @@ _BEFORE = f"before({_TOUCHING})"
 _E = "norm(controller.e)"
 _M2_ERROR = "abs(controller.p_hat[2] - plant.m[2])"
 _PAYLOAD = f"controller.p_hat[{FIRST_OF_PAYLOAD}]"
-_IN_SPACE = {
+_ERRORS = {
     "position": ("controller.e", (1, 2, 3), "error of the tip's position in space"),
     "angle": ("controller.e", (4, 5, 6), "error of the tip's orientation in space, by roll, pitch and yaw"),
 }
@@ -28,9 +28,9 @@ def _norm(name: str, elements: tuple[int, ...]) -> str:
     return f"norm({', '.join(f'{name}[{i}]' for i in elements)})"
 
 
-def _in_space() -> Iterator[tuple[str, tuple[str, str]]]:
+def _measures_in_space() -> Iterator[tuple[str, tuple[str, str]]]:
     """Yield measures of arms in space, whose norms join no metre with a radian."""
-    for what, (array, elements, text) in _IN_SPACE.items():
+    for what, (array, elements, text) in _ERRORS.items():
         for size, begin in _SIZES.items():
             for where, (condition, place) in _WHERE.items():
                 formula = f"{size}({_norm(array, elements)}, where={condition})"
@@ -42,6 +42,9 @@ def _in_space() -> Iterator[tuple[str, tuple[str, str]]]:
         (f"final(abs({_PAYLOAD} - plant.payload_mass))", "error of this estimate at the end"),
     )
 
+
+IN_SPACE: Mapping[str, tuple[str, str]] = dict(_measures_in_space())
+"""Measures of arms in space, as in `READY`."""
 
 READY: Mapping[str, tuple[str, str]] = {
     "peak_force": ("max(norm(plant.F_ext))", "largest force of the wall"),
@@ -74,7 +77,7 @@ READY: Mapping[str, tuple[str, str]] = {
     "rms_torque_1": ("rms(actuator.tau[1])", "root mean square of the torque of the first joint"),
     "rms_torque_2": ("rms(actuator.tau[2])", "root mean square of the torque of the second joint"),
     "share_saturated": ("share(norm(actuator.saturated) > 0)", "share of the ticks at which a torque is limited"),
-    **dict(_in_space()),
+    **IN_SPACE,
 }
 """Formula of each measure, as `orchestration.results.measures.parser.parse_formula` reads it, and what it says."""
 

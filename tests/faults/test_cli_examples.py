@@ -9,9 +9,11 @@ import pytest
 
 from orchestration import System, scenario
 from orchestration.cli.app import app
-from orchestration.paper import report
+from orchestration.paper import report, spatial_report
 from orchestration.paper.report import Report
+from orchestration.paper.spatial_report import SpatialReport
 from tests.faults.cli import Command
+from tests.scenarios.tutorial import blocks
 
 ROOT = Path(__file__).parents[2]
 COMMANDS = [command.name or command.callback.__name__ for command in app.registered_commands if command.callback]
@@ -24,6 +26,7 @@ PAGES_OF_COMMANDS = {
     "docs/doctor.md": 4,
     "docs/install.md": 1,
     "docs/live-page.md": 4,
+    "docs/puma.md": 7,
     "docs/same-bits.md": 1,
     "docs/wrist-sensor.md": 2,
 }
@@ -63,8 +66,15 @@ def prepared(adaptimp: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
         (folder / "claims.json").write_text("[]")
         return Report([], folder / "claims.json", folder / "report.html", [], {}, kept=False)
 
+    def reproduce_in_space(folder: Path, *_: object, **__: object) -> SpatialReport:
+        (folder / "puma-claims.json").write_text("[]")
+        return SpatialReport([], folder / "puma-claims.json", [], kept=False)
+
     monkeypatch.setattr(report, "reproduce", reproduce)
+    monkeypatch.setattr(spatial_report, "reproduce_in_space", reproduce_in_space)
     (tmp_path / "mine.py").write_text(MINE, encoding="utf-8")
+    (arm,) = [block for block in blocks(ROOT / "docs" / "your-robot.md") if block.kind == "xml"]
+    (tmp_path / "arm.urdf").write_text(arm.text, encoding="utf-8")
     assert adaptimp("build", "mine.py", "--out", ".").code == 0
     assert adaptimp("new", "controller", "Mine", "--from", "craig", "--out", "mine").code == 0
     assert adaptimp("build", "mine/Mine.py", "--out", "mine").code == 0

@@ -27,7 +27,9 @@ asked of the PUMA 560 ([puma.md](puma.md)), by the same criteria and the same co
 {runs}
 | the wall, from a to b | the table, from x_2 = {a:.3f} m to {b:.3f} m |
 | (1.5, 0) | where the tool starts |
-| \\|e\\|, \\|s\\|, \\|x_t - x_v\\| | sizes \\|S e\\| of six coordinates, where an angle counts L = 0.15 m ([decision 19](decisions/019-lengths-of-positions-and-angles.md)) |
+| \\|e\\|, \\|s\\|, \\|x_t - x_v\\| | sizes \\|S e\\| of six coordinates, where an angle counts L = 0.15 m |
+
+[Decision 19](decisions/019-lengths-of-positions-and-angles.md) explains S and L.
 
 Limits in mm and in N are {scale:g} of those of the planar arm: K is four times as large, so that the same force takes a
 fourth of the way, and the impact is a fourth, too. All limits and all values of the runs were fixed before the claims

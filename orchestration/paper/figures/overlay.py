@@ -153,7 +153,7 @@ def _paths_in_space(axis: Axes, drawn: Overlay) -> None:
     whole = whole[np.isfinite(whole).all(axis=1)]
     room = AROUND * float(np.ptp(whole, axis=0).max(initial=1e-3)) if len(whole) else 1.0
     low, high = (whole.min(axis=0) - room, whole.max(axis=0) + room) if len(whole) else ((-1, -1), (1, 1))
-    for corners in filter(None, [view.wall(low, high) for view in views]):
+    for corners in filter(None, [view.wall(np.array(low), np.array(high)) for view in views]):
         axis.fill(*np.array(corners).T, color=drawn.theme.wall, lw=0, zorder=0, label="wall")
     _plane(axis, low, high, shown)
 
@@ -170,8 +170,7 @@ def draw_errors(axis: Axes, drawn: Overlay, letter: str) -> None:
             _steps(axis, result, times, 1e3 * lengths(error), **drawn.looks(place, 0))
             continue
         for component, values in enumerate((1e3 * error * scales(SPATIAL)).T):
-            factor = "" if component < POSITIONS else "L"
-            label = f"${factor} e_{component + 1}$"
+            label = f"${'' if component < POSITIONS else 'L '}e_{component + 1}$"
             _steps(axis, result, times, values, label=label, **drawn.looks(place, component))
     what = "e = x - x_t$" if drawn.alone else "\\|S e\\|$"
     _finish(axis, drawn, f"{letter}Tracking error ${what}, $L$ = {LENGTH:g} m", "error (mm)")

@@ -1,6 +1,6 @@
 """Draws the figures of the PUMA 560 that stand beside Figs. 2 to 7 of the paper."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import matplotlib as mpl
@@ -12,13 +12,13 @@ from orchestration.paper.figures.phases import draw_phases, phases
 from orchestration.paper.figures.style import envelope, legend_above, new_figure
 from orchestration.paper.figures.theme import LIGHT_PAGE, Theme
 from orchestration.paper.figures.view import View, wall_of
-from orchestration.paper.measure import at_ticks, contact
+from orchestration.paper.measure import Contact, at_ticks, contact
 from orchestration.paper.task_shape import lengths
 from orchestration.results.picture_file import save
 from orchestration.results.result import Result
 
 LEAST = 1e-5  # mm, the lower end of the logarithmic axis
-NEAR = (0.35, 1.6)  # of the length of the contact, and of the depth of the tip, left free around the contact
+NEAR = (0.35, 0.4, 1.6)  # left free: of the length of the contact at both ends, and of the depth below and above it
 
 
 def draw_in_space(
@@ -70,19 +70,12 @@ def tirt_in_space(result: Result, theme: Theme, title: str) -> Figure:
         (result["plant.x"], ":", theme.curves[1], "tip $x$"),
     ):
         near.plot(*view.seen(points).T, style, color=colour, label=label)
-    ends = view.seen(np.array([touch.enter, touch.leave]))
-    during = (result.time >= touch.first) & (result.time <= touch.last)
-    deep = view.seen(np.concatenate([result["plant.x"][during], x_v[np.ptp(x_v, axis=1) >= 0]]))[:, 1].min()
-    low = np.array([ends[:, 0].min(), deep])
-    span, depth = float(np.ptp(ends[:, 0])), float(ends[:, 1].mean() - deep)
-    window = (
-        low - np.array([NEAR[0] * span, 0.4 * depth]),
-        ends.max(axis=0) + np.array([NEAR[0] * span, NEAR[1] * depth]),
-    )
+    window = _near(view, touch, [result["plant.x"], x_v])
     for corner in filter(None, [view.wall(*window)]):
         near.fill(*np.array(corner).T, color=theme.wall, lw=0, zorder=0, label="table")
     near.set_xlim(window[0][0], window[1][0])
     near.set_ylim(window[0][1], window[1][1])
+    figure.subplots_adjust(left=0.1, wspace=0.24)
     near.set_title("(a) Near the table, stretched")
     near.set_xlabel(f"$x_{view.axes[0] + 1}$ (m)", labelpad=1)
     near.set_ylabel(f"$x_{view.axes[1] + 1}$ (m)", labelpad=1)
@@ -100,10 +93,19 @@ def tirt_in_space(result: Result, theme: Theme, title: str) -> Figure:
     return figure
 
 
+def _near(view: View, touch: Contact, paths: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+    """Lower left and upper right corner of what is shown near the table, m, shape (2,) each."""
+    ends = view.seen(np.array([touch.enter, touch.leave]))
+    deepest = min(float(view.seen(path)[:, 1].min()) for path in paths)
+    span, depth = float(np.ptp(ends[:, 0])), float(ends[:, 1].mean() - deepest)
+    low = np.array([ends[:, 0].min() - NEAR[0] * span, deepest - NEAR[1] * depth])
+    return low, ends.max(axis=0) + np.array([NEAR[0] * span, NEAR[2] * depth])
+
+
 def torques_in_space(results: Mapping[str, Result], theme: Theme) -> Figure:
     """The commanded torques of both algorithms near the contact, a panel for each joint, with the limits of Fig. 6."""
     figure, axes = new_figure(
-        3, 2, "Commanded torques of algorithm 1 (Fig. 5) and algorithm 2 (Fig. 7) in contact", 2.6
+        3, 2, "PUMA 560: commanded torques of algorithms 1 (Fig. 5) and 2 (Fig. 7) in contact", 2.6
     )
     touch = contact(results["fig5"])
     edge = 0.2 * (touch.last - touch.first)
@@ -113,7 +115,7 @@ def torques_in_space(results: Mapping[str, Result], theme: Theme) -> Figure:
             times, torques = result.tick_times("controller.tau_cmd[1]"), at_ticks(result, "controller.tau_cmd")
             shown = (times >= touch.first - edge) & (times <= touch.last + edge)
             looks = {**drawn.looks(place, 0), "ls": "-", "lw": 0.8}
-            axis.plot(times[shown], torques[shown, joint], label=label, **looks)
+            axis.plot(*envelope(times[shown], torques[shown, joint]), label=label, **looks)
         limited = results["fig6"]
         cut = limited[f"actuator.saturated[{joint + 1}]"] > 0
         if cut.any():
