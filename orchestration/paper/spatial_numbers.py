@@ -45,6 +45,8 @@ TABLE_NORMAL = (0.0, 0.0, -1.0)
 TABLE_OFFSET = 0.044  # m below the base: cuts off the ellipse where the paper's wall does
 ELLIPSE = (0.15, 0.2)  # m
 ELLIPSE_CENTER = (0.5, 0.15, 0.1)  # m
+Q_START = (-0.000200006, -1.4145161888, 3.0933945381, 0.0, 1.4627143043, -0.000200006)  # rad, tip on the ellipse
+DQ_START = (-1.2567124664, -0.4377172924, 0.505694161, 0.0, -0.0679768686, -1.2567124664)  # rad/s, moving with it
 DEPTH = 4e-3  # m: K depth = 64 N, 60 N in the plane
 TILT = (0.2, -0.15, 0.3)  # rad, by which the tool has turned at the table: 11, 9 and 17 deg
 
