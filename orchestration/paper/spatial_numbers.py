@@ -60,7 +60,7 @@ DAMPING_RATE = ADAPTIVE_DAMPING / TARGET_INERTIA  # 1/s, V: B/M
 STEP = 5e-5  # s
 NOISE_HOLD = 1e-4  # s
 NOISE_BOUND = 23.25  # N, 15 % of the largest |F_ext| of puma-craig without noise
-TORQUE_LIMITS = (21.5, 120.37, 37.68, 6.82, 8.2, 6.71)  # N.m, 75 % of the largest commands in puma-craig
+TORQUE_LIMITS = (22.75, 129.81, 36.94, 7.81, 7.78, 7.43)  # N.m, 75 % of the largest commands in puma-craig
 EFFORT = (97.6, 186.4, 89.4, 24.2, 20.1, 21.3)
 """Largest torques of the motors of the PUMA 560, N.m: Armstrong, Khatib and Burdick (1986), table of the motors."""
 

@@ -60,7 +60,7 @@ _TABLE = "assumed: a table below the arm, which cuts off the share of the ellips
 _RATE = "assumed: M times the paper's {0} (V), so that time constants are the paper's"
 _SPEED = "assumed: the estimate of the mass settles as fast as with the calibration section-v in the plane"
 _CALIBRATED = "assumed: as in the calibration section-v"
-_SAMPLING = "assumed: practically continuous; with 1e-4 s F_c chatters, and torques are up to 2.3 times as large"
+_SAMPLING = "assumed: practically continuous; with 1e-4 s F_c chatters, and torques are up to 1.8 times as large"
 
 
 def _vector(path: str, numbers: Sequence[float], origin: str, first: int = 1) -> dict[str, Value]:
