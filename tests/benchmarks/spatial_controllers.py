@@ -15,7 +15,7 @@ from tempfile import TemporaryDirectory
 from time import perf_counter
 from typing import Any
 
-from adaptimp_fmu import SampledModel, build
+from adaptimp_fmu import Model, SampledModel, build
 from fmus.craig_adaptive_impedance import craig_adaptive_impedance
 from fmus.hogan_impedance import MOBILITY, hogan_impedance
 from fmus.slotine_li_adaptive_impedance import slotine_li_adaptive_impedance
@@ -43,7 +43,7 @@ def _loop() -> ctypes.CDLL:
         return compile_c([HERE / "steps.c"], Path(folder) / "steps")
 
 
-def microseconds(model: SampledModel, rounds: int = ROUNDS) -> float:
+def microseconds(model: Model, rounds: int = ROUNDS) -> float:
     """Time of a step of the model's FMU, us.
 
     Raises

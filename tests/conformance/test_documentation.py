@@ -20,8 +20,8 @@ from adaptimp_fmu.errors import DefinitionError
 from adaptimp_fmu.icon import SIZE, png
 from fmus.catalog import MODELS
 from tests.conformance.binary import Binary
-from tests.conformance.container import of_models
-from tests.conformance.units import REALS, declared
+from tests.conformance.container import CONTAINER, of_models
+from tests.conformance.units import REALS, UNITS, declared
 
 ROOT = Path(__file__).parents[2]
 VOID = {"img", "meta"}
@@ -230,6 +230,7 @@ def test_page_holds_the_equations_word_for_word(page: Page, identifier: str) -> 
         assert docstring.strip() in page.texts["pre"], title
 
 
+@pytest.mark.parametrize("identifier", [*UNITS, CONTAINER])  # pages of arms in space: test_spatial_pages.py
 def test_page_lists_every_variable_with_its_start(page: Page, binary: Binary) -> None:
     assert {name for name in page.texts["code"] if name in binary.variables} == set(binary.variables)
     cells = page.texts["td"]

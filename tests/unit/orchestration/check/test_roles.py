@@ -6,12 +6,12 @@ from pathlib import Path
 
 import pytest
 
-from orchestration.check import Report, Severity
+from orchestration.check import Candidate, Report, Severity
 from orchestration.check.findings import ROLE
 from orchestration.check.interface import UNITS, interface_is_kept
 from orchestration.check.static.archive_rules import open_package
 from orchestration.paper.built_fmus import built
-from orchestration.paper.closed_loop import LOOP, Loop, judge, paper_loop
+from orchestration.paper.closed_loop import LOOP, Loop, in_loop, judge, paper_loop
 from orchestration.paper.ride import Ride
 from orchestration.paper.roles import ROLES
 from orchestration.system.system import System
@@ -202,9 +202,9 @@ def test_a_joint_of_an_arm_in_space_may_slide(fmu_folder: Path, tmp_path: Path) 
 def test_a_controller_for_another_arm_of_six_joints(tmp_path: Path) -> None:
     """The loop is that of one arm, where a controller of another arm would be judged wrongly."""
     path = edited(built("HoganImpedancePuma560"), tmp_path, swap(r'(name="q\[2\]".*?start=")[^"]*"', r'\g<1>0.3"'))
-    report = check(path, loop=paper_loop)
-    assert report.findings == ()
-    assert report.facts[-1] == "The closed loop of the PUMA 560 was not tried: the controller is for another arm."
+    findings, facts = in_loop(paper_loop)(Candidate(path, ROLES["controller"], 6, 6, {}, failed=False))
+    assert findings == []
+    assert facts == ["The closed loop of the PUMA 560 was not tried: the controller is for another arm."]
 
 
 def test_no_role_is_guessed_without_its_output(fmu_folder: Path, tmp_path: Path) -> None:
