@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from adaptimp_fmu.continuous_model import ContinuousModel
     from adaptimp_fmu.documentation import present
     from adaptimp_fmu.errors import DefinitionError, ToolchainError
-    from adaptimp_fmu.guide import Drawing, Example, Formula, Formulas, Grid, Guide, Signal
+    from adaptimp_fmu.guide import Drawing, Example, Formula, Formulas, Grid, Guide, Numbers, Signal
     from adaptimp_fmu.icon import Icon, Stroke
     from adaptimp_fmu.metadata import Experiment, Ownership
     from adaptimp_fmu.model import ANY, NOT_NEGATIVE, POSITIVE, Limits, Model
@@ -40,6 +40,7 @@ _HOME = {
     "Icon": "icon",
     "Limits": "model",
     "Model": "model",
+    "Numbers": "guide",
     "Ownership": "metadata",
     "ParameterSet": "references",
     "Platform": "toolchain",
@@ -77,6 +78,7 @@ __all__ = [
     "Icon",
     "Limits",
     "Model",
+    "Numbers",
     "Ownership",
     "ParameterSet",
     "Platform",

@@ -136,6 +136,34 @@ class Example:
 
 
 @dataclass(frozen=True)
+class Numbers:
+    """A table of numbers that are fixed in the equations and no parameters, such as where the joints of an arm are.
+
+    Attributes
+    ----------
+    title
+        Heading.
+    text
+        What the numbers are.
+    heads
+        Name and unit of each column after the first, which names the rows; a unit may be empty.
+    rows
+        Name of each row, with its texts.
+
+    Examples
+    --------
+    >>> from adaptimp_fmu import Guide, Numbers
+    >>> where = Numbers("Wheels", "Distance from the axle.", [("distance", "m")], [("left", ["0.4"])])
+    >>> guide = Guide(numbers=[where])
+    """
+
+    title: str
+    text: str
+    heads: Sequence[tuple[str, str]]
+    rows: Sequence[tuple[str, Sequence[str]]]
+
+
+@dataclass(frozen=True)
 class Guide:
     """What the page in an FMU shows besides the declared variables.
 
@@ -155,6 +183,8 @@ class Guide:
         Arrays whose elements stand in tables of several columns.
     examples
         Programs that use the FMU.
+    numbers
+        Tables of numbers that are fixed in the equations.
 
     Examples
     --------
@@ -171,3 +201,4 @@ class Guide:
     topics: Mapping[str, Sequence[str]] = field(default_factory=dict)
     grids: Sequence[Grid] = ()
     examples: Sequence[Example] = ()
+    numbers: Sequence[Numbers] = ()

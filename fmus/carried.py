@@ -1,11 +1,13 @@
-"""The FMUs that the wheel of adaptimp carries, built for all platforms, so that running needs no toolchain.
+"""What the wheel of adaptimp carries, so that running needs no toolchain: FMUs for all platforms, and programs.
 
     fmus/carried/manifest.json    hash of the definitions, and the hash of each file
     fmus/carried/Plant.fmu
+    fmus/carried/IDENTITY.wasm    a system as a module of WebAssembly, which the page of the paper runs
     fmus/carried/scenarios.tar.xz the scenarios as SSP packages, which hold the same FMUs, for other tools
 
 A carried FMU stands for the model of its name as long as the definitions are those that the FMU was built from: all
-files of the packages `fmus` and `adaptimp_fmu`. A checkout carries nothing, and builds.
+files of the packages `fmus` and `adaptimp_fmu`. A carried module stands for the C sources that its identity is a hash
+of. A checkout carries nothing, and builds. `orchestration.paper.carry` says which FMUs the wheel carries.
 """
 
 import hashlib
@@ -41,10 +43,26 @@ def carried_fmu(identifier: str) -> Path | None:
     ChangedFileError
         If the file is not the one that was built.
     """
+    return None if why_not_carried(identifier) else _unchanged(f"{identifier}.fmu")
+
+
+def why_not_carried(identifier: str) -> str:
+    """Return why an FMU must be built, in a sentence; empty if the wheel carries it."""
     known = manifest()
-    if known is None or identifier not in known["fmus"] or known["definitions"] != definitions_hash():
-        return None
-    return _unchanged(f"{identifier}.fmu")
+    if known is None:
+        return f"Without a wheel, {identifier}.fmu is built."
+    if f"{identifier}.fmu" not in known["files"]:
+        return f"The wheel does not carry {identifier}.fmu."
+    if known["definitions"] != definitions_hash():
+        return f"The definitions of the FMUs are not those of the wheel's {identifier}.fmu, so it is outdated."
+    return ""
+
+
+def carried_module(identity: str) -> bytes | None:
+    """Return the carried module of WebAssembly of an identity, None if there is none; errors as of `carried_fmu`."""
+    known = manifest()
+    name = f"{identity}.wasm"
+    return None if known is None or name not in known["files"] else _unchanged(name).read_bytes()
 
 
 def carried_scenarios() -> Path | None:
@@ -53,14 +71,14 @@ def carried_scenarios() -> Path | None:
 
 
 def description(identifier: str) -> str | None:
-    """Return what a carried FMU is, in a line; None if no FMU of the name is carried."""
+    """Return what the FMU of a model identifier is, in a line; None in a checkout, which declares the model."""
     known = manifest()
     return None if known is None else known["fmus"].get(identifier)
 
 
 @cache
 def manifest() -> dict[str, Any] | None:
-    """Return the list of what is carried: ``definitions`` and ``files`` are SHA-256, ``fmus`` descriptions by name."""
+    """Return the list of what is carried: ``definitions`` and ``files`` are SHA-256, ``fmus`` describes all models."""
     path = FOLDER / MANIFEST
     return json.loads(path.read_text(encoding="utf-8")) if path.exists() else None
 

@@ -21,7 +21,6 @@ import casadi as ca
 from adaptimp_fmu import ContinuousModel, DefinitionError, Formula, Formulas
 from fmus.drawings.loop import PLANT
 from fmus.elements import ACCELERATION, ANGLE, LENGTH, RATE, SPACE, along, of_task, of_wrench
-from fmus.environment import contact
 from fmus.environment.contact import Wall, declare_wall
 from fmus.environment.contact_point import ContactPoint
 from fmus.environment.half_space import ordinal, suffix
@@ -31,7 +30,7 @@ from fmus.mechanics.payload import declare_payload, force_on_payload
 from fmus.mechanics.planar_model import PlanarArmModel
 from fmus.mechanics.spatial_model import SpatialArmModel
 from fmus.mechanics.task import Task
-from fmus.project import group_signals, publish, publish_in_space
+from fmus.project import TIP, group_signals, publish, publish_in_space
 from fmus.robots.planar_robot import PlanarRobot
 from fmus.robots.robot import Robot
 from fmus.spatial_plant import MODULES, SpatialPlant
@@ -107,21 +106,21 @@ def plant(robot: Robot | None = None, name: str = "Plant", walls: int = 1, *, wr
         texts = along("Force of the arm on what is beyond the wrist sensor")
         model.output("F_wrist", beyond(F_ext, ddx), unit="N", description=texts)
     _show_walls(model, touched, forces, point)
-    group_signals(model)
+    group_signals(model, None if space is None else TIP)
     return model
 
 
 def _document(model: ContinuousModel, robot: Robot, walls: int, *, wrist: bool) -> None:
     """Give a plant its icon, its drawing, and the modules whose docstrings have its equations."""
-    environment = ["fmus.environment.contact", "fmus.environment.half_space"]
     if robot.task.positions == SPACE:
-        environment += MODULES
-    elif wrist:
-        environment.append("fmus.mechanics.payload")
+        environment = [*MODULES, "fmus.environment.half_space"]
+    else:
+        payload = ["fmus.mechanics.payload"] if wrist else []
+        environment = ["fmus.environment.contact", "fmus.environment.half_space", *payload]
     icon, drawing = robot.icon(corner=walls > 1), robot.drawing(walls)
     publish(model, icon, PLANT, [drawing], __name__, *robot.modules, *environment, "fmus")
     if robot.task.positions == SPACE:
-        publish_in_space(model, PLANT, contact.FORMULAS)
+        publish_in_space(model, PLANT)
 
 
 def _declare_payload(model: ContinuousModel, robot: Robot, arm: ArmModel, p: ca.SX) -> Callable[[ca.SX, ca.SX], ca.SX]:

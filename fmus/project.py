@@ -6,14 +6,13 @@ writes.
 """
 
 import csv
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
 from adaptimp_fmu import (
     Drawing,
     Experiment,
-    Formulas,
     Icon,
     Model,
     Ownership,
@@ -40,6 +39,8 @@ TERMINALS = {
     "drive": ("tau",),  # of the joints
 }
 """Signals of each terminal. An FMU has those terminals of which it has a signal."""
+TIP = {"tip": ("x",)}
+"""A further terminal in space, where the sensor needs the orientation of the tip from the plant."""
 TOPICS = {
     "Start": ("q_start", "dq_start", "p_start"),
     "Arm": ("m", "l", "payload", "viscous", "coulomb", "p", "coulomb_velocity", "gravity", "reference_rpy"),
@@ -92,29 +93,26 @@ def publish(model: Model, icon: Icon, component: str, drawings: Sequence[Drawing
     model.parameter_sets = parameter_sets(folder / f"{model.name}_sets.csv")
 
 
-def publish_in_space(model: Model, component: str, planar: Formulas) -> None:
+def publish_in_space(model: Model, component: str) -> None:
     """Let a published page say what is so in space alone: the sensor needs to know x, how the plant's tip is turned.
 
     Parameters
     ----------
     component
         Name of the component, which is the plant or the sensor.
-    planar
-        Formulas that hold in the plane alone, which the page leaves out.
     """
     guide = model.guide
-    model.guide = replace(
-        guide,
-        formulas=[group for group in guide.formulas if group is not planar],
-        place=[loop(component, also_measured=("x",))],
-        signals={**guide.signals, "x": Signal(PLANT, [SENSOR])},
-    )
+    place, known = [loop(component, also_measured=("x",))], {**guide.signals, "x": Signal(PLANT, [SENSOR])}
+    model.guide = replace(guide, place=place, signals=known)
 
 
-def group_signals(model: Model) -> None:
-    """Give a model of this project its terminals, once its inputs and outputs are declared."""
+def group_signals(model: Model, further: Mapping[str, Sequence[str]] | None = None) -> None:
+    """Give a model of this project its terminals, and further ones, once its inputs and outputs are declared."""
     signals = {variable.name.partition("[")[0] for variable in model.with_role(Role.INPUT, Role.OUTPUT)}
-    present = {terminal: [name for name in names if name in signals] for terminal, names in TERMINALS.items()}
+    present = {
+        terminal: [name for name in names if name in signals]
+        for terminal, names in (TERMINALS | dict(further or {})).items()
+    }
     model.terminals = {terminal: names for terminal, names in present.items() if names}
 
 

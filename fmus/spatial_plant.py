@@ -1,7 +1,7 @@
 """What the plant of an arm in space has beside its arm and its walls.
 
-- A point of its own touches the walls (`fmus.environment.contact_point`). Where the law of contact says tip, it is this
-  point, and the depths `gap` and `penetration` are those of this point.
+- A point of its own touches the walls (`fmus.environment.contact_point`). The depths `gap` and `penetration` are those
+  of this point.
 - The joints have stops (`fmus.environment.joint_stops`). Their torques tau_stop are added to the torques tau.
 - A sensor sits between the arm and its payload. The wrench there is F_wrist (`fmus.mechanics.spatial_payload`).
 

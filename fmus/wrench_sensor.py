@@ -12,6 +12,11 @@ With Q = R S, what it feels of a wrench (f, m), in its own axes and about its ow
 At each tick the following happens to T F_ext, in this order:
 
 1. Bias and noise are added. The noise has the bound `noise_bound` in the norm of (f, m / L), in the axes of the sensor.
+   The six errors of (f, m / L) are drawn in three pairs. A pair has the density of two independent normal components of
+   standard deviation `noise_std`, cut where its norm exceeds b = noise_bound / sqrt(3). With u0, u1 uniform in (0, 1):
+   r = noise_std sqrt(-2 ln(1 - u0 (1 - exp(-(b / noise_std)^2 / 2)))), error = r (cos 2 pi u1, sin 2 pi u1).
+   The draws follow from `seed` and tick, and each is held for `noise_period`. With `contact_gated` there is no noise
+   while F_ext is exactly 0, which the plant's F_wrist never is.
 2. Range and resolution limit and round each component: what the hardware can read.
 3. The weight of the tool, `tool_mass` at `tool_center` in the frame of the tip, is taken off, for the orientation that
    the angles tell. A tool at rest is not felt then. While the arm accelerates, the tool's inertia is felt.
@@ -38,14 +43,14 @@ from dataclasses import dataclass
 import casadi as ca
 
 from adaptimp_fmu import NOT_NEGATIVE, Formula, Formulas, SampledModel, Type
-from fmus import force_sensor, icons
+from fmus import icons
 from fmus.drawings.loop import SENSOR
 from fmus.drawings.spatial_sensor import wrist_sensor
 from fmus.elements import ANGLE, SPACE, along, of_task, of_tip, of_wrench
 from fmus.mechanics.orientation import rotation
 from fmus.mechanics.spatial_model import TASK
 from fmus.metric import declare_metric
-from fmus.project import group_signals, publish, publish_in_space
+from fmus.project import TIP, group_signals, publish, publish_in_space
 from fmus.robots.spatial_robot import GRAVITY, SpatialRobot, declare_reference
 from fmus.sensor_reading import declare_noise, declare_reading
 
@@ -118,8 +123,8 @@ def wrench_sensor(robot: SpatialRobot, name: str = "ForceSensor") -> SampledMode
     ['zero']
     """
     model = SampledModel(name, "Wrist force and moment sensor with noise, filter, zero and weight compensation")
-    publish(model, icons.sensor(), SENSOR, [wrist_sensor()], __name__, "fmus.force_sensor", "fmus")
-    publish_in_space(model, SENSOR, force_sensor.FORMULAS)
+    publish(model, icons.sensor(), SENSOR, [wrist_sensor()], __name__, "fmus")
+    publish_in_space(model, SENSOR)
     F_ext = model.input(
         "F_ext", [0.0] * TASK.size, unit=UNITS, description=of_wrench("Force of the tip", "Moment of the tip", TASK)
     )
@@ -153,7 +158,7 @@ def wrench_sensor(robot: SpatialRobot, name: str = "ForceSensor") -> SampledMode
     F_hat = F_ext + frame.at_tip((filtered - present) - true)
     texts = of_wrench("Measured force", "Measured moment", TASK)
     model.output("F_hat", F_hat, unit=UNITS, description=texts)
-    group_signals(model)
+    group_signals(model, TIP)
     return model
 
 

@@ -37,6 +37,13 @@ GIVES = {
 class MissingPartError(ImportError):
     """A part of adaptimp that is needed is not installed; the message has the command that installs it.
 
+    Parameters
+    ----------
+    package, part
+        The package that is missing, and the part of adaptimp that brings it.
+    what
+        What needs the package: the subject of the message's first sentence, and any sentences before.
+
     Examples
     --------
     >>> from adaptimp_fmu.files.parts import MissingPartError
@@ -44,10 +51,10 @@ class MissingPartError(ImportError):
     This needs pyarrow, which is not installed. The part "files" of adaptimp has it and reads and writes results ...
     """
 
-    def __init__(self, package: str, part: str) -> None:
+    def __init__(self, package: str, part: str, what: str = "This") -> None:
         self.part = part
         super().__init__(
-            f'This needs {package}, which is not installed. The part "{part}" of adaptimp has it and {GIVES[part]};'
+            f'{what} needs {package}, which is not installed. The part "{part}" of adaptimp has it and {GIVES[part]};'
             f' install it: pip install "adaptimp[{part}]"',
             name=package,
         )

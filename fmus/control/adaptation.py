@@ -26,10 +26,10 @@ from fmus.mechanics.task import Metric
 from fmus.metric import declare_metric
 
 UNLIMITED = 1e9  # a bound of p that is none
-# Assumed, of a payload of 5 cm: its first moment per kg, m, and its moment of inertia per kg, m2. A gain goes with the
-# square of its element's size, so that errors of all ten elements count alike. With one gain for all of them, moments
-# are adapted so fast that algorithm 1 is unstable on a UR3 and on a UR10.
-SIZES = {"kg.m": 0.05, "kg.m2": 0.05**2}
+# Assumed, of a payload of 3 cm: its first moment per kg, m, and its moment of inertia per kg, m2. A gain goes with the
+# square of its element's size, so that errors of all ten elements count alike. With one gain for all, algorithm 1
+# is unstable on a UR3 and on a UR10, and with 5 cm the variant of Spong and Ortega on a light arm.
+SIZES = {"kg.m": 0.03, "kg.m2": 0.03**2}
 
 
 FORMULAS = Formulas(

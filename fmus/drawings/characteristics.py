@@ -22,7 +22,7 @@ def sensor() -> Drawing:
     picture.text((276, 104), "error", colour=RUST)
     picture.arrow([origin, noisy], BLUE, 1.6)
     picture.text((180, 92), "F_hat", colour=BLUE, anchor="end")
-    picture.text((318, 150), "radius noise_bound", colour=SOFT, size=12)
+    picture.text((250, 182), "radius noise_bound", anchor="middle", colour=SOFT, size=12, lowered=False)
     return Drawing(
         picture.svg(),
         "The error is within noise_bound of zero, whatever its direction, and its density is that of a normal"

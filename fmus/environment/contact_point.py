@@ -6,8 +6,15 @@ tip, its velocity v and its angular velocity w,
 
     r = R c,   x_c = p + r,   dx_c = v + w x r
 
-A force f of the point on the wall is the wrench F_ext = (f, r x f) at the tip, in the axes of the base. Both have the
-same power, f' dx_c = f' v + (r x f)' w. With c = 0 the tip touches the wall, and there is no moment.
+The wall is the half-space n.x >= wall_offset with the unit normal n pointing into it. While the point is in the wall,
+at the depth gap = n.x_c - wall_offset, and slides along it with the velocity v_s = dx_c - (n.dx_c) n,
+
+    F_n = K_f gap (1 + D_f d(gap)/dt),  never below zero
+    f = F_n (n + mu tanh(|v_s| / friction_velocity) v_s / |v_s|)
+
+is its force on the wall: the normal force by Hunt and Crossley (1975), and friction within the cone of the angle
+atan(mu), in the direction of sliding. At the tip this is the wrench F_ext = (f, r x f), in the axes of the base. Both
+have the same power, f' dx_c = f' v + (r x f)' w. With c = 0 the tip touches the wall, and there is no moment.
 """
 
 from dataclasses import dataclass
@@ -22,6 +29,11 @@ FORMULAS = Formulas(
     "Contact in space",
     [
         Formula(
+            r"r = R\,c, \quad x_c = p + r, \quad \dot{x}_c = v + \omega \times r",
+            "The point that touches the wall is fixed to the tip at c, the contact_point; v and omega are the velocity"
+            " and the angular velocity of the tip.",
+        ),
+        Formula(
             r"d = n^{T} x_c - d_0, \quad F_n = \max\left( 0, \; K_f\,d\,(1 + D_f\,\dot{d}) \right) \quad"
             r" \text{while in contact}",
             "The depth d of the point of contact is positive inside the wall; d0 is wall_offset. The wall pushes and"
@@ -32,10 +44,6 @@ FORMULAS = Formulas(
             r" v_t = \dot{x}_c - n\,n^{T} \dot{x}_c",
             "Friction acts along the surface in the direction of sliding, within the cone of mu; its width is"
             " friction_velocity.",
-        ),
-        Formula(
-            r"r = R\,c, \quad x_c = p + r, \quad \dot{x}_c = v + \omega \times r",
-            "The point that touches the wall is fixed to the tip at c, the contact_point.",
         ),
         Formula(
             r"F_{\text{ext}} = (f, \; r \times f)",

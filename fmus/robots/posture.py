@@ -4,8 +4,9 @@ Postures that fill the ranges of the joints evenly are tried in a fixed order, s
 same way. In each of them the tip is turned until its tool points down, if the arm can: the axis of the tool is that of
 the last joint. An arm that turns about the vertical at its base is turned until the tip is above axis 1 of the base, if
 it can. Postures with the table above the base come first. A posture is taken if no joint from the third one on is below
-the table, and if an ellipse fits (`fmus.robots.table_path`). Among the first of these that are found, the one with the
-largest ellipse is chosen, and among several the one that is farthest from singular configurations.
+the table, and if an ellipse fits (`fmus.robots.table_path`). Of the first ones that are found, those with the largest
+ellipse are kept, and of these the ones that are farthest from singular configurations. The one with the smallest joint
+coordinates is chosen.
 """
 
 import math
@@ -16,8 +17,9 @@ import numpy as np
 from fmus.mechanics.spatial_arm import SPACE
 from fmus.robots.table_path import UPRIGHT, Fitting, NoPathError, TableArm, margins
 
-TRIED, COMPARED = 1000, 12
+TRIED, COMPARED = 1000, 20
 """Number of postures, and how many of those with an ellipse are compared."""
+NEARLY = 0.75  # of the largest singular value, with which a posture is as good
 UNBOUNDED = math.pi  # rad; a joint without limits, or with a longer range, is tried to this angle on both sides
 INNER = 0.8  # of its range in which each joint is tried
 DOWN = np.array([0.0, 0.0, -1.0])
@@ -47,7 +49,10 @@ def chosen_posture(table_arm: TableArm) -> Fitting:
     if not found:
         msg = f"in none of {TRIED} postures an ellipse on a table fits"
         raise NoPathError(msg)
-    return max(found, key=lambda fitting: (fitting.size, fitting.singular_value))
+    largest = max(fitting.size for fitting in found)
+    farthest = max(fitting.singular_value for fitting in found if fitting.size == largest)
+    kept = [one for one in found if one.size == largest and one.singular_value >= NEARLY * farthest]
+    return min(kept, key=lambda fitting: float(fitting.q @ fitting.q))
 
 
 def _candidates(table_arm: TableArm) -> Iterator[np.ndarray]:

@@ -29,8 +29,9 @@ from fmus.mechanics.rigid_body import LOWER, ROUNDING, Body, Placement, RobotErr
 from fmus.mechanics.spatial_arm import PER_JOINT, SPACE, SpatialArm
 from fmus.mechanics.spatial_model import TASK, SpatialArmModel, spatial_parameters
 from fmus.mechanics.task import Task
-from fmus.robots.spatial_page import PRESS, Rest, first_runs, parameter_grid
+from fmus.robots.spatial_page import PRESS, Rest, first_runs, frames, parameter_grid
 from fmus.robots.substep import longest_substep
+from fmus.start import MotionStart
 
 GRAVITY = (0.0, 0.0, -9.81)
 """Acceleration of a falling body in the axes of the base, m/s2: the arm stands upright."""
@@ -88,7 +89,7 @@ class SpatialRobot:
         """Number of joints."""
         return self.chain.n
 
-    @cached_property
+    @property
     def joints(self) -> Joints:
         """Names, units and limits of the joints."""
         return Joints.of(self.chain)
@@ -98,14 +99,19 @@ class SpatialRobot:
         """Task coordinates: position and orientation of the tip."""
         return TASK
 
-    @cached_property
+    @property
     def parameters(self) -> Sequence[ArmParameter]:
         """What the elements of p are, shape (13 n + 10,)."""
         return spatial_parameters(self.chain)
 
-    @cached_property
-    def start(self) -> start.MotionStart:
+    @property
+    def start(self) -> MotionStart:
         """Motion at the start: the tip at the beginning of the ellipse, moving with it."""
+        return self._start
+
+    @cached_property
+    def _start(self) -> MotionStart:
+        """The motion at the start, computed once."""
         path, rate = self.path, 2 * math.pi / start.PERIOD
         axes = rotation_matrix(path.plane)
         x_v = np.array([*(np.array(path.center) + path.semi_axis[0] * axes[:, 0]), 0.0, 0.0, 0.0])
@@ -117,7 +123,7 @@ class SpatialRobot:
         held = self._model.loaded(ca.SX(ca.DM(p)))
         H, bias = self.arm.inertia(q, held), self.arm.bias(q, dq, held, GRAVITY, start.COULOMB_VELOCITY)
         ddq = np.linalg.solve(np.array(ca.evalf(H)), -np.array(ca.evalf(bias))).ravel()
-        return start.MotionStart(
+        return MotionStart(
             **{
                 name: tuple(map(float, np.round(value, DIGITS) + 0.0))
                 for name, value in (
@@ -126,7 +132,7 @@ class SpatialRobot:
             }
         )  # fmt: skip
 
-    @cached_property
+    @property
     def dt_max(self) -> float:
         """Longest sub-step of its plant at the start, s: one at which the friction of the joints is stable."""
         return longest_substep(self.arm, np.array(self.start.q), self.chain.p)
@@ -200,7 +206,7 @@ class SpatialRobot:
             description=[f"{parameter.text[0].upper()}{parameter.text[1:]}" for parameter in known],
         )
         payload = self._declare_payload(model)
-        model.guide = replace(model.guide, examples=first_runs(model.name, self._rest()))
+        model.guide = replace(model.guide, examples=first_runs(model.name, self._rest()), numbers=[frames(self.chain)])
         return self.declare_known(model), ca.vertcat(p, payload)
 
     def _declare_payload(self, model: Model) -> ca.SX:

@@ -127,7 +127,7 @@ class TableArm:
         for size in SIZES:
             path = self.path(q, size)
             try:
-                return Fitting(q, path, size, self._checked(q, path))
+                return Fitting(q, path, size, self.checked(q, path))
             except NoPathError as error:
                 reason = str(error)
         msg = f"at the joint coordinates {_shown(q)} no ellipse fits: even with {SIZES[-1]:g} of its size, {reason}"
@@ -161,8 +161,14 @@ class TableArm:
             q = q + step * min(1.0, 0.5 / max(np.abs(step).max(), 1e-12))
         return None
 
-    def _checked(self, q: np.ndarray, path: SpatialPath) -> float:
-        """The smallest singular value along a path that fits; else an error."""
+    def checked(self, q: np.ndarray, path: SpatialPath) -> float:
+        """The smallest singular value of the Jacobian, positions in reaches, along a path that starts at q, (n,).
+
+        Raises
+        ------
+        NoPathError
+            If the path does not fit.
+        """
         least = np.inf
         for k, (q_k, J, x) in enumerate(self._followed(q, path)):
             self._check_ranges(q_k)

@@ -9,9 +9,8 @@ from orchestration.cli.program import closing
 
 ROBOT = "A robot of your own"
 EPILOG = closing(
-    "adaptimp build -o fmus_built",
     "adaptimp build mine.py -o built --verbose",
-    "adaptimp build --robot arm.urdf --tip tool0 -o arm",
+    "adaptimp build --robot arm.urdf --tip tool -o arm",
 )
 
 

@@ -2,7 +2,8 @@
 
 import json as formats
 
-from fmus.carried import description
+from adaptimp_fmu.files.parts import lacks
+from fmus.carried import description, why_not_carried
 from fmus.catalog import MODELS, VARIANTS, model
 from orchestration.campaigns.measuring.registry import ready_measures
 from orchestration.cli.output import output, width
@@ -33,6 +34,8 @@ def list_all(*, json: bool) -> None:
     if json:
         output.data(formats.dumps(found, indent=2))
         return
+    for kind in ("fmus", "variants"):
+        found[kind] = {name: f"{text}{_needed(name)}" for name, text in found[kind].items()}
     for title, use in USES.items():
         if title != "scenarios":
             output.data("")
@@ -43,6 +46,11 @@ def list_all(*, json: bool) -> None:
 def _described(identifier: str) -> str:
     """What a shipped FMU is, in a line."""
     return description(identifier) or model(identifier).description
+
+
+def _needed(identifier: str) -> str:
+    """What an FMU needs that is not installed, behind what it is."""
+    return '; needs the part "build"' if why_not_carried(identifier) and lacks("build") else ""
 
 
 def list_ready(*, json: bool) -> None:

@@ -1,6 +1,7 @@
 """Builds the FMUs of an arm from its URDF file, and a package that couples them: ``adaptimp build --robot``."""
 
 import math
+import re
 import shlex
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -91,7 +92,7 @@ class RobotRequest:
             msg = f"--robot {self.file}: {error}. {give}: --start Q1,Q2,... in rad or m."
             raise SystemDescriptionError(msg) from error
         except imported("fmus.mechanics.rigid_body").RobotError as error:
-            msg = f"--robot: {error}"
+            msg = f"--robot: {_in_options(str(error))}"
             raise SystemDescriptionError(msg) from error
 
 
@@ -196,7 +197,7 @@ def _facts(robot: "SpatialRobot") -> list[str]:
     """What was read and chosen, in words."""
     chain, path = robot.chain, robot.path
     kinds = [
-        f"{joint.name} {q:.3f} {'rad' if joint.turns else 'm'}"
+        f"{joint.name} {round(q, 3) + 0.0:.3f} {'rad' if joint.turns else 'm'}"
         for joint, q in zip(chain.joints, robot.start.q, strict=True)
     ]
     center, axes = (", ".join(f"{value:g}" for value in values) for values in (path.center, path.semi_axis))
@@ -216,6 +217,13 @@ def _next(package: Path, files: Mapping[str, Path], controller: Path) -> list[li
     return [picture, *([*run, "--controller", str(path)] for path in others[:1])]
 
 
+def _in_options(sentence: str) -> str:
+    """A sentence that names arguments of Python, such as ``locked={'finger': 0.0}``, with options in their place."""
+    return re.sub(
+        r"(locked|rotor)=\{'(.+?)': ([^}]+)\}", lambda found: f"{_OPTIONS[found[1]]} {found[2]}={found[3]}", sentence
+    )
+
+
 def _rotors(texts: Sequence[str]) -> Mapping[str, float] | float:
     """Inertias of rotors by their joints, or one for all."""
     if len(texts) == 1 and "=" not in texts[0]:
@@ -223,6 +231,7 @@ def _rotors(texts: Sequence[str]) -> Mapping[str, float] | float:
     return {name: _number(f"--rotor {name}={text}", text) for name, text in map(_ROTOR, texts)}
 
 
+_OPTIONS = {"locked": "--hold", "rotor": "--rotor"}
 _ROTOR = setting_of("--rotor", "JOINT=INERTIA is needed, or one inertia for all joints, in kg m2 or kg")
 _HOLD = setting_of("--hold", "a joint and where it is held are needed: JOINT=Q, in rad or m")
 

@@ -43,7 +43,8 @@ def built(identifier: str, *, reals: bool = False) -> Path:
     MissingPartError
         If the FMU must be built, and the part ``build`` is not installed.
     """
-    from fmus.carried import ChangedFileError, carried_fmu
+    from adaptimp_fmu.files.parts import MissingPartError
+    from fmus.carried import ChangedFileError, carried_fmu, why_not_carried
     from fmus.catalog import model
 
     try:
@@ -52,7 +53,11 @@ def built(identifier: str, *, reals: bool = False) -> Path:
         raise OrchestrationError(str(error)) from error
     if carried is not None:
         return carried
-    return built_model(model(identifier), reals=reals)
+    try:
+        return built_model(model(identifier), reals=reals)
+    except MissingPartError as error:
+        why = why_not_carried(identifier) or f"The wheel does not carry {identifier}.fmu with Reals only."
+        raise MissingPartError(str(error.name), error.part, f"{why} Building it") from error
 
 
 def built_model(

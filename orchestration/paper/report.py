@@ -5,7 +5,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from adaptimp_fmu.files.parts import lacks
+from adaptimp_fmu.files.parts import MissingPartError
 from adaptimp_fmu.files.temporary_folder import temporary_folder
 from adaptimp_fmu.files.whole_file import write_whole
 from orchestration.paper.built_fmus import fmus
@@ -90,15 +90,16 @@ def reproduce(folder: Path, tell: Tell, image: str = "png", *, fresh: bool = Fal
 
 
 def _page(results: Mapping[str, Result], claims: Sequence[Claim], words: Mapping[str, str], tell: Tell) -> Page:
-    """The page of the paper, with the live part if its programs can be built."""
-    page = paper_page(results, claims, words)
-    if missing := lacks("build"):
-        tell(f'The page runs nothing live, which needs {missing[0]} of the part "build"')
-        return page
+    """The page of the paper, with the live part unless its programs would have to be built and cannot be."""
     from orchestration.paper.page.live import live_parts
     from orchestration.paper.page.live_data import native_hashes
 
-    return live_parts(native_hashes(results)).added_to(page)
+    page = paper_page(results, claims, words)
+    try:
+        return live_parts(native_hashes(results)).added_to(page)
+    except MissingPartError as error:
+        tell(f"The page runs nothing live. {error}")
+        return page
 
 
 def _digests(laboratory: NativeLaboratory, scenarios: Mapping[str, Scenario]) -> dict[str, str]:

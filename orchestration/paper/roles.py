@@ -31,7 +31,7 @@ _MOTION = {"q": _joint("rad", "m"), "dq": _joint("rad/s", "m/s"), "ddq": _joint(
 _TORQUE = _joint("N.m", "N")
 _VIRTUAL = {"x_v": _task("m", "rad"), "dx_v": _task("m/s", "rad/s"), "ddx_v": _task("m/s2", "rad/s2")}
 _SATURATED = {"saturated": Signal("", JOINT, BOOLEAN)}
-_IN_SPACE = {"x": _task("m", "rad"), "zero": Signal("", SCALAR, BOOLEAN)}  # of a sensor whose frame turns with the tip
+_IN_SPACE = {"x": _task("m", "rad")}  # of a sensor whose frame turns with the tip
 
 
 def _role(name: str, defining: str, required: Mapping[str, Signal], **further) -> Role:

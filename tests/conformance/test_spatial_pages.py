@@ -6,8 +6,10 @@ import sys
 import zipfile
 from pathlib import Path
 
+import numpy as np
 import pytest
 from lxml import etree
+from scipy.spatial.transform import Rotation
 
 from adaptimp_fmu import build
 from adaptimp_fmu.documentation import documentation
@@ -18,6 +20,7 @@ from tests.property.spatial_robots import robot
 
 LOOP = ("VirtualTrajectory", "ForceSensor", "HoganImpedance", "Actuator", "Plant")
 NUMBER = re.compile(r"-?\d+\.?\d*")
+COLUMNS = ("p1 m", "p2 m", "p3 m", "roll rad", "pitch rad", "yaw rad", "a1", "a2", "a3")
 ADAPTIVE = "SlotineLiAdaptiveImpedancePuma560"
 
 
@@ -47,6 +50,17 @@ def programs_of(fmu: Path) -> dict[str, str]:
             heading = text
         elif "import" in text and "fmpy" in text:
             found[heading] = text
+    return found
+
+
+def cells_of(page: bytes) -> dict[str, str]:
+    """Texts of the cells of all tables with names on both sides, by row and column."""
+    found = {}
+    for table in etree.fromstring(page).iterfind(".//{*}table[@class='grid']"):
+        heads = [head.xpath("string()").strip() for head in table.iterfind("{*}thead/{*}tr/{*}th")]
+        for row in table.iterfind("{*}tbody/{*}tr"):
+            name, *cells = (cell.xpath("string()").strip() for cell in row)
+            found.update(dict(zip([f"{name}: {head}" for head in heads], cells, strict=True)))
     return found
 
 
@@ -112,13 +126,27 @@ def test_page_has_a_cell_for_each_element(name: str) -> None:
 def test_cells_stand_by_body(folder: Path) -> None:
     """p[11] is the mass of link 2, 17.4 kg; p[75] the inertia of the rotor of joint 3."""
     with zipfile.ZipFile(folder / "PlantPuma560.fmu") as archive:
-        root = etree.fromstring(archive.read("documentation/index.html"))
-    found = {}
-    for table in root.iterfind(".//{*}table[@class='grid']"):
-        heads = [head.xpath("string()").strip() for head in table.iterfind("{*}thead/{*}tr/{*}th")]
-        for row in table.iterfind("{*}tbody/{*}tr"):
-            name, *cells = (cell.xpath("string()").strip() for cell in row)
-            found.update(dict(zip([f"{name}: {head}" for head in heads], cells, strict=True)))
+        found = cells_of(archive.read("documentation/index.html"))
+    found = {place: text for place, text in found.items() if text.startswith("p[")}
     assert found["body link2: m kg"] == "p[11] 17.4"
     assert found["joint 3: rotor inertia kg.m2"].startswith("p[75] 0.8624")
     assert len(found) == 78
+
+
+@pytest.mark.parametrize("name", ["PUMA", "UR5", "Panda"])
+def test_page_tells_where_the_joints_are(name: str) -> None:
+    """Who has the page alone finds the tip by it: ten digits in each of up to nine frames of less than 2 m."""
+    arm = robot(name)
+    found = cells_of(documentation(unit_of_arm("Plant", arm, "Arm"))["index.html"])
+    names = dict.fromkeys(place.partition(": ")[0] for place in found if ": roll rad" in place)
+    q = np.random.default_rng(7).uniform(-3, 3, arm.n)
+    R, p = np.eye(3), np.zeros(3)
+    for row, angle in zip(names, [*q, 0.0], strict=True):
+        number = {head: float(found[f"{row}: {head}"] or 0) for head in COLUMNS}
+        p = p + R @ [number["p1 m"], number["p2 m"], number["p3 m"]]
+        turned = Rotation.from_euler("xyz", [number["roll rad"], number["pitch rad"], number["yaw rad"]])
+        axis = np.array([number["a1"], number["a2"], number["a3"]])
+        R = R @ turned.as_matrix() @ Rotation.from_rotvec(angle * axis).as_matrix()
+    assert list(names)[-1] == "tip"
+    for ours, true in zip((R, p), arm.arm.tip_frame(q), strict=True):
+        np.testing.assert_allclose(ours, np.array(true).reshape(ours.shape), rtol=0, atol=1e-8)

@@ -74,9 +74,10 @@ class SpatialThrow:
 
     @property
     def parameters(self) -> dict[str, float]:
-        """Start values of the FMU."""
+        """Start values of the FMU, whose own p has ten digits only."""
         vectors = ("contact_point", "wall_normal", "q_min", "q_max", "stop_stiffness", "stop_damping", "tau")
         given = {name: getattr(self, name) for name in vectors} | {"q_start": self.q, "dq_start": self.dq}
+        given["p"] = tuple(map(float, PUMA.chain.p))
         values = {f"{name}[{i + 1}]": value for name, vector in given.items() for i, value in enumerate(vector)}
         scalars = {name: getattr(self, name) for name in ("K_f", "D_f", "mu", "friction_velocity")}
         return values | scalars | {"wall_offset": self.offset}

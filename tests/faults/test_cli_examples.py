@@ -13,6 +13,7 @@ from orchestration.paper import report, spatial_report
 from orchestration.paper.report import Report
 from orchestration.paper.spatial_report import SpatialReport
 from tests.faults.cli import Command
+from tests.scenarios.tutorial import blocks
 
 ROOT = Path(__file__).parents[2]
 COMMANDS = [command.name or command.callback.__name__ for command in app.registered_commands if command.callback]
@@ -72,6 +73,8 @@ def prepared(adaptimp: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
     monkeypatch.setattr(report, "reproduce", reproduce)
     monkeypatch.setattr(spatial_report, "reproduce_in_space", reproduce_in_space)
     (tmp_path / "mine.py").write_text(MINE, encoding="utf-8")
+    (arm,) = [block for block in blocks(ROOT / "docs" / "your-robot.md") if block.kind == "xml"]
+    (tmp_path / "arm.urdf").write_text(arm.text, encoding="utf-8")
     assert adaptimp("build", "mine.py", "--out", ".").code == 0
     assert adaptimp("new", "controller", "Mine", "--from", "craig", "--out", "mine").code == 0
     assert adaptimp("build", "mine/Mine.py", "--out", "mine").code == 0

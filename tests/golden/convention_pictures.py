@@ -12,10 +12,12 @@ from pathlib import Path
 import numpy as np
 
 from adaptimp_fmu.svg import BLUE, FAINT, GREEN, INK, RUST, SOFT, Picture
+from fmus.drawings.spatial_arm import Wall, spatial_arm
 from fmus.drawings.spatial_sensor import wrist_sensor
 from fmus.drawings.view import Labels, View, sampled
 from fmus.mechanics.rigid_body import Placement
-from fmus.robots.puma560 import PUMA
+from fmus.mechanics.spatial_arm import SpatialArm
+from fmus.robots.puma560 import TOOL, puma560
 
 FOLDER = Path(__file__).parents[2] / "docs" / "images"
 TURN = math.radians(118.0)
@@ -24,6 +26,8 @@ PANEL, HEIGHT = 240.0, 290.0  # pixels
 RPY = np.radians([40.0, 35.0, 50.0])
 """Roll, pitch and yaw that are drawn."""
 PITCHES = (0, 60, 90)  # deg
+TOOL_DOWN, TABLE = (0.0, -1.4, 3.1, 0.0, 1.44, 0.0), Wall((0.0, 0.0, -1.0), 0.04)
+"""Joint angles of the drawn arm, rad, with its tool down, and the wall of the scenario."""
 NAMES = ("roll", "pitch", "yaw")
 Pictures = dict[str, Callable[[], str]]
 
@@ -103,7 +107,7 @@ def contact() -> str:
 
 
 PICTURES: Pictures = {
-    "conventions-arm.svg": lambda: on_paper(PUMA.drawing().svg),
+    "conventions-arm.svg": lambda: on_paper(spatial_arm(SpatialArm(puma560(TOOL)), TOOL_DOWN, TABLE).svg),
     "conventions-sensor.svg": lambda: on_paper(wrist_sensor().svg),
     "conventions-contact.svg": contact,
     "conventions-angles.svg": angles,

@@ -64,6 +64,10 @@ def test_what_is_there_is_listed_and_examined(adaptimp: Adaptimp, carried: Path)
     listed = json.loads(adaptimp("list", "--json").stdout)
     assert listed["fmus"]["Plant"].startswith("Planar arm")
     assert "FailingForceSensor" in listed["variants"]
+    lines = adaptimp("list").stdout.splitlines()
+    lacking = [line.split()[0] for line in lines if line.endswith('; needs the part "build"')]
+    assert "HoganImpedanceFull" in lacking
+    assert not {"Plant3R", "FailingForceSensor"} & {*lacking}
     assert json.loads(adaptimp("info", "HoganImpedance", "--json").stdout)["runs_here"] is True
     assert "no findings" in adaptimp("check", carried / "Actuator.fmu").stdout
 
@@ -97,6 +101,28 @@ def test_a_missing_part_is_named(adaptimp: Adaptimp, command: tuple[str, ...], p
     adaptimp(*command, fails=[f"This needs {package}", f'pip install "adaptimp[{part}]"'])
 
 
+@pytest.mark.parametrize(
+    ("command", "why"),
+    [
+        (("info", "HoganImpedanceFull"), "The wheel does not carry HoganImpedanceFull.fmu."),
+        (("run", "fig2", "--controller", "HoganImpedanceMobility"), "does not carry HoganImpedanceMobility.fmu."),
+        (("export", "fig2", "--reals", "-o", "fig2.ssp"), "The wheel does not carry VirtualTrajectory.fmu with Reals"),
+    ],
+)
+def test_what_is_not_carried_needs_the_part_that_builds(adaptimp: Adaptimp, command: tuple[str, ...], why: str) -> None:
+    adaptimp(*command, fails=[why, "Building it needs casadi", 'pip install "adaptimp[build]"'])
+
+
+def test_every_scenario_is_ready_to_run(core: Path) -> None:
+    code = (
+        "from orchestration import scenario\n"
+        "from orchestration.paper.scenarios import ALL_SCENARIOS\n"
+        "print(all(scenario(name).stop_time for name in ALL_SCENARIOS))"
+    )
+    said = subprocess.run([program(core, "python"), "-I", "-c", code], capture_output=True, text=True, check=True)
+    assert said.stdout == "True\n"
+
+
 def test_a_changed_file_is_refused(adaptimp: Adaptimp, carried: Path) -> None:
     file = carried / "Plant.fmu"
     content = bytearray(file.read_bytes())
@@ -109,7 +135,7 @@ def test_a_changed_file_is_refused(adaptimp: Adaptimp, carried: Path) -> None:
 def test_other_definitions_are_built(adaptimp: Adaptimp, carried: Path) -> None:
     file = carried.parent / "plant.py"
     with changed(file, file.read_bytes() + b"# changed\n"):
-        adaptimp("run", "fig2", fails=["This needs casadi"])
+        adaptimp("run", "fig2", fails=["are not those of the wheel's", "Building it needs casadi"])
 
 
 def test_the_version_is_that_of_the_project(adaptimp: Adaptimp, wheel: Path) -> None:

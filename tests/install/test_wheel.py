@@ -6,14 +6,18 @@ import json
 import tarfile
 import tempfile
 import zipfile
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
 from adaptimp_fmu import PLATFORMS, build
+from fmus import carried
 from fmus.carried import definitions_hash
 from fmus.catalog import MODELS, VARIANTS
-from orchestration.paper.scenarios import SCENARIOS
+from orchestration.errors import OrchestrationError
+from orchestration.paper.page.live_data import programs
+from orchestration.paper.scenarios import ALL_SCENARIOS, SCENARIOS
 from orchestration.paper.scenarios import VARIANTS as COMPARED
 
 ROOT = Path(__file__).parents[2]
@@ -34,8 +38,11 @@ def test_it_holds_the_packages_and_no_tests(contents: Contents) -> None:
     assert {"adaptimp_fmu/runtime/step.c", "orchestration/py.typed"} <= set(contents)
 
 
-def test_every_fmu_has_binaries_for_all_platforms(contents: Contents) -> None:
-    for identifier in MODELS | VARIANTS:
+def test_every_carried_fmu_has_binaries_for_all_platforms(contents: Contents) -> None:
+    names = sorted(name.partition("fmus/carried/")[2] for name in contents if name.endswith(".fmu"))
+    needed = {identifier for scenario in ALL_SCENARIOS.values() for identifier in scenario.models.values()}
+    assert names == sorted(f"{identifier}.fmu" for identifier in {*MODELS, *needed})
+    for identifier in (name.removesuffix(".fmu") for name in names):
         with zipfile.ZipFile(io.BytesIO(contents[f"fmus/carried/{identifier}.fmu"])) as fmu:
             assert fmu.testzip() is None
             binaries = {name for name in fmu.namelist() if name.startswith("binaries/")}
@@ -57,6 +64,40 @@ def test_the_manifest_has_the_hash_of_each_file(contents: Contents) -> None:
     assert known["files"] == {name: hashlib.sha256(text).hexdigest() for name, text in files.items()}
     assert known["definitions"] == definitions_hash()
     assert set(known["fmus"]) == set(MODELS | VARIANTS)
+
+
+@pytest.fixture
+def without_a_compiler(contents: Contents, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
+    """The folder that the wheel carries, in the place of the compiler and the cache."""
+
+    def refused(*arguments: object) -> None:
+        raise AssertionError(arguments)
+
+    folder = tmp_path / "carried"
+    folder.mkdir()
+    for name, text in contents.items():
+        if name.startswith("fmus/carried/"):
+            (folder / Path(name).name).write_bytes(text)
+    monkeypatch.setattr(carried, "FOLDER", folder)
+    monkeypatch.setattr("adaptimp_fmu.binary.compile_library", refused)
+    monkeypatch.setenv("ADAPTIMP_CACHE", str(tmp_path / "cache"))
+    carried.manifest.cache_clear()
+    yield folder
+    carried.manifest.cache_clear()
+
+
+def test_the_carried_modules_are_those_that_the_checkout_compiles(contents: Contents) -> None:
+    modules = {name: text for name, text in contents.items() if name.endswith(".wasm")}
+    made = {program.record["description"]["identity"]: program.module for program in programs().values()}
+    assert modules == {f"fmus/carried/{identity}.wasm": module for identity, module in made.items()}
+
+
+def test_the_live_page_needs_no_compiler(without_a_compiler: Path) -> None:
+    assert len(programs()) == len(list(without_a_compiler.glob("*.wasm")))
+    module = sorted(without_a_compiler.glob("*.wasm"))[0]
+    module.write_bytes(module.read_bytes() + b"\0")
+    with pytest.raises(OrchestrationError, match=f"{module.name} is not the file that the wheel of adaptimp brought"):
+        programs()
 
 
 def test_the_archive_holds_the_scenarios(contents: Contents) -> None:

@@ -7,6 +7,7 @@ gains have axes of their own. All vectors of the task are in the axes of the gai
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
+from typing import Any
 
 import numpy as np
 
@@ -14,7 +15,6 @@ from adaptimp_fmu import SampledModel
 from fmus.craig_adaptive_impedance import craig_adaptive_impedance
 from fmus.hogan_impedance import hogan_impedance
 from fmus.robots.planar_robot import PlanarRobot
-from fmus.robots.robot import Robot
 from fmus.slotine_li_adaptive_impedance import slotine_li_adaptive_impedance
 from fmus.spong_ortega_adaptive_impedance import spong_ortega_adaptive_impedance
 from tests.property.chains import Chains
@@ -41,7 +41,7 @@ DRAWN = {6: 12, 7: 30}
 TASK = 6  # coordinates of a task in space
 LENGTH = 0.15  # m: what is 1 m of a position is 1/0.15 rad of an angle
 Columns = dict[str, np.ndarray]
-LAWS: dict[str, Callable[[Robot], SampledModel]] = {
+LAWS: dict[str, Callable[[Any], SampledModel]] = {
     HOGAN: lambda arm: hogan_impedance(arm, "Law"),
     CRAIG: lambda arm: craig_adaptive_impedance("Law", arm),
     SLOTINE_LI: lambda arm: slotine_li_adaptive_impedance("Law", arm),

@@ -39,20 +39,20 @@ class TaskSpace(ABC):
     def size_of_p(self) -> int:
         """Number r of parameters."""
 
-    @property
-    @abstractmethod
+    @cached_property
     def x(self) -> np.ndarray:
         """Task coordinates, m and rad."""
+        raise NotImplementedError
 
-    @property
-    @abstractmethod
+    @cached_property
     def J(self) -> np.ndarray:
         """Jacobian of x, shape (size, m, n)."""
+        raise NotImplementedError
 
-    @property
-    @abstractmethod
+    @cached_property
     def dJ(self) -> np.ndarray:
         """Rate of the Jacobian."""
+        raise NotImplementedError
 
     @abstractmethod
     def H(self, p: np.ndarray) -> np.ndarray:

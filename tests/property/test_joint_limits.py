@@ -33,7 +33,7 @@ def torque() -> ca.Function:
     repulsion = declare_repulsion(model, JOINTS)
     given = {"limit_margin": MARGIN, "limit_stiffness": STIFFNESS, "limit_damping": DAMPING}
     names = [variable.name.partition("[")[0] for variable in model.variables]
-    starts = [float(given.get(name, variable.start)) for name, variable in zip(names, model.variables, strict=True)]
+    starts = [given.get(name, variable.start) or 0.0 for name, variable in zip(names, model.variables, strict=True)]
     value = repulsion.torque(Measured(q, dq, ca.SX(0, 1)))
     return ca.Function("torque", [q, dq], [ca.substitute(value, ca.vertcat(*model.parameter_symbols), starts)])
 
@@ -97,7 +97,7 @@ def test_a_controller_adds_the_torque_and_pauses_its_adaptation(law: str) -> Non
     np.testing.assert_allclose((pushed["tau_cmd"] - free["tau_cmd"])[0], expected, rtol=0, atol=1e-11)
     away = {name: values for name, values in given.items() if name != "q_max"}
     bits = [run(**away, **more)["tau_cmd"] for more in ({}, stiffness)]
-    np.testing.assert_array_equal(*bits)  # inside the ranges of the robot nothing is added
+    np.testing.assert_array_equal(bits[0], bits[1])  # inside the ranges of the robot nothing is added
     if law != HOGAN:
         assert np.any(free["p_hat_next"] != state["p_hat"].T)
         np.testing.assert_array_equal(pushed["p_hat_next"], state["p_hat"].T)

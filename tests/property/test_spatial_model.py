@@ -179,9 +179,10 @@ def test_an_arm_with_too_few_joints_is_refused() -> None:
 FORMS = (torque_operational, torque_mobility, torque_resolved)
 
 
-def test_three_forms_of_the_impedance_law_agree_for_six_coordinates() -> None:
-    """Eqs. (4) to (7) for the PUMA, with one impedance for positions and one for angles."""
-    model = arm("PUMA")
+@pytest.mark.parametrize("name", ["PUMA", "UR5", "Z1"])
+def test_three_forms_of_the_impedance_law_agree_for_six_coordinates(name: str) -> None:
+    """Eqs. (4) to (7) with one impedance for positions and one for angles."""
+    model = arm(name)
     q, dq, *_ = symbols(6)
     F, p, x_v, dx_v, ddx_v = (ca.SX.sym(name, k) for name, k in (("F", 6), ("p", 88), ("x", 6), ("d", 6), ("dd", 6)))
     diagonals = [[m] * 3 + [i] * 3 for m, i in ((10.0, 0.3), (200.0, 4.0), (1000.0, 20.0))]
@@ -189,7 +190,7 @@ def test_three_forms_of_the_impedance_law_agree_for_six_coordinates() -> None:
     measured, estimate = Measured(q, dq, F), ArmEstimate(model, p)
     torques = [form(measured, estimate, (x_v, dx_v, ddx_v), impedance) for form in FORMS]
     rng = np.random.default_rng(18)
-    columns = [*states(6)[:2], rng.normal(0, 20, (6, STATES)), np.tile(numbers("PUMA")[:, None], STATES)]
+    columns = [*states(6)[:2], rng.normal(0, 20, (6, STATES)), np.tile(numbers(name)[:, None], STATES)]
     columns += [rng.normal(0, 0.3, (6, STATES)) for _ in range(3)]
     J = values([q], model.jacobian(q), columns[0])
     H = values([q, p], model.inertia(q, p), columns[0], columns[3])

@@ -92,6 +92,7 @@ class TwinRobot:
     n = 6
     task = TwinModel.task
     joints = Joints.numbered(6)
+    dt_max = ONE.dt_max
     parameters: Sequence[ArmParameter] = (*ONE.parameters, *ONE.parameters)
     p_start: Sequence[float] = (*ONE.p_start, *ONE.p_start)
     uncertain: Sequence[bool] = (*ONE.uncertain, *ONE.uncertain)

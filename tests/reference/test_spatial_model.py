@@ -9,12 +9,32 @@ from tests.reference.segment import Solver
 
 from .spatial.arm import JOINTS, LOWER, TOOL, hold, moved, pin, puma, symmetric, ten_of_body
 from .spatial.laws import HOGAN, Kinematics
-from .spatial.loop import Plant, Setup, virtual_trajectory
+from .spatial.loop import Plant, Setup, sensor_noise, virtual_trajectory
 from .spatial.segment import Segment
 
 Q = np.array([0.1, -1.2, 2.8, 0.4, 1.3, -0.6])
 DQ = np.array([0.5, -0.4, 0.7, 1.0, -0.8, 0.6])
-SETUP = Setup(HOGAN, tuple(Q), tuple(DQ))
+NONE3, NONE6 = (0.0,) * 3, (0.0,) * 6
+
+
+def setup(**changed):
+    """A setup of the arm at Q, moving with DQ, whose other numbers are plain ones; the wall is a table below it."""
+    numbers = {
+        "controller": HOGAN, "q_start": tuple(Q), "dq_start": tuple(DQ), "sample_time": 1e-4, "stop_time": 2.0,
+        "gravity": (0.0, 0.0, -9.81), "reference_rpy": (np.pi, 0.0, np.pi), "coulomb_velocity": 1e-2,
+        **dict.fromkeys(("viscous", "coulomb", "assumed_viscous", "assumed_coulomb"), NONE6),
+        "payload_mass": 1.0, "payload_center": (0.02, 0.0, -0.05), "payload_inertia": (2e-3, 0, 2e-3, 0, 0, 1e-3),
+        **dict.fromkeys(("contact_point", "orientation", "tilt", "sensor_position", "sensor_rpy", "task_rpy"), NONE3),
+        "wall_normal": (0.0, 0.0, -1.0), "wall_offset": 0.04, "K_f": 1e5, "D_f": 0.0, "mu": 0.0,
+        "friction_velocity": 1e-2, "center": (0.5, 0.15, 0.1), "plane_rpy": (np.pi, -np.pi / 2, 0.0),
+        "semi_axis": (0.15, 0.2), "period": 2.0, "depth": 0.01, "noise_std": 0.0, "noise_bound": 0.0,
+        "noise_period": 0.0, "contact_gated": 1.0, "seed": 0.0, "sensor_L": 0.15, "tau_max": (1e9,) * 6,
+        "M": (2.0,) * 6, "B": (340.0,) * 6, "K": (4000.0,) * 6, "p_hat": (0.0,) * 10,
+    }  # fmt: skip
+    return Setup(**(numbers | changed))
+
+
+SETUP = setup()
 BODY = (1.3, (0.02, -0.01, 0.05), (2.2e-3, 3e-4, 2e-3, -2e-4, 1e-4, 1.2e-3))  # kg, m, kg.m2
 
 
@@ -62,9 +82,9 @@ def test_a_wrench_has_the_power_of_its_force():
 def start_above(depth_rate):
     """A plant whose contact point is 0.5 mm before the wall, and moves into it at `depth_rate`, m/s; and its state."""
     options = {"contact_point": (0.01, -0.02, 0.03), "D_f": 0.5, "mu": 0.3, "viscous": (0.5,) * 6}
-    plant = Plant(Setup(HOGAN, tuple(Q), tuple(DQ), **options))
+    plant = Plant(setup(**options))
     place, _ = plant.touching(Q, DQ)
-    plant = Plant(Setup(HOGAN, tuple(Q), tuple(DQ), wall_offset=-place[2] + 5e-4, **options))
+    plant = Plant(setup(wall_offset=-place[2] + 5e-4, **options))
     J = pin.computeFrameJacobian(plant.model, plant.data, Q, plant.touch, pin.LOCAL_WORLD_ALIGNED)[:3]
     dq = np.linalg.lstsq(J, np.array([0.2, 0.1, -depth_rate]), rcond=None)[0]
     return plant, np.concatenate([Q, dq])
@@ -97,9 +117,7 @@ def test_a_bounce_agrees_with_solve_ivp(rate):
 def test_energy_is_conserved_without_friction():
     """Kinetic, gravity's and the spring's energy stay what they were, through a bounce without damping."""
     plant, y = start_above(0.3)
-    plant = Plant(
-        Setup(HOGAN, tuple(Q), tuple(DQ), wall_offset=plant.setup.wall_offset, contact_point=plant.setup.contact_point)
-    )
+    plant = Plant(setup(wall_offset=plant.setup.wall_offset, contact_point=plant.setup.contact_point))
     segment, energies, touched = Segment(plant, Solver()), [], False
     segment.begin(y)
     for _ in range(300):
@@ -118,11 +136,11 @@ def test_energy_is_conserved_without_friction():
 
 def test_the_virtual_trajectory_is_clipped_and_tilts():
     """Derivatives are those of the path, which stays within `depth` of the wall; the angles come back."""
-    setup = Setup(HOGAN, tuple(Q), tuple(DQ), depth=0.004, tilt=(0.2, -0.3, 0.25), orientation=(0.1, 0.0, 0.0))
+    given = setup(depth=0.004, tilt=(0.2, -0.3, 0.25), orientation=(0.1, 0.0, 0.0))
     h = 1e-4
-    path = virtual_trajectory(setup, np.arange(20001) * h)
-    deepest = setup.wall_offset + setup.depth
-    depth = path[:, 0, :3] @ setup.wall_normal
+    path = virtual_trajectory(given, np.arange(20001) * h)
+    deepest = given.wall_offset + given.depth
+    depth = path[:, 0, :3] @ given.wall_normal
     assert depth.max() <= deepest + 1e-15
     inside = depth >= deepest - 1e-12
     assert 1000 < np.count_nonzero(inside) < 2000
@@ -132,6 +150,18 @@ def test_the_virtual_trajectory_is_clipped_and_tilts():
         difference = (path[2:, order - 1] - path[:-2, order - 1]) / (2 * h)
         # h^2/6 of the third derivative, pi^3 times 0.2 m
         assert_allclose(difference[smooth], path[1:-1, order][smooth], rtol=0, atol=1e-7)
-    assert_allclose(path[0, 0, 3:], setup.orientation)
-    assert_allclose(path[10000, 0, 3:], np.add(setup.orientation, setup.tilt), atol=1e-15)
-    assert_allclose(path[-1, 0, 3:], setup.orientation, atol=1e-15)
+    assert_allclose(path[0, 0, 3:], given.orientation)
+    assert_allclose(path[10000, 0, 3:], np.add(given.orientation, given.tilt), atol=1e-15)
+    assert_allclose(path[-1, 0, 3:], given.orientation, atol=1e-15)
+
+
+def test_the_noise_is_bounded_and_held():
+    """No error (f, m / L) exceeds the bound, all six elements vary alike, and a draw serves its ticks."""
+    noise = sensor_noise(setup(noise_std=5.0, noise_bound=30.0, noise_period=2e-4, seed=3.0), 20000)
+    newtons = noise / np.array([1.0] * 3 + [0.15] * 3)
+    assert np.linalg.norm(newtons, axis=1).max() <= 30.0
+    # bound / sqrt(3) is 3.5 deviations, which takes less than 2 % from them; 10,000 draws scatter by 0.7 %.
+    assert_allclose(newtons.std(axis=0), 5.0, rtol=0.05)
+    assert_allclose(np.corrcoef(newtons.T), np.eye(6), atol=0.05)
+    assert np.array_equal(noise[::2], noise[1::2])
+    assert not np.array_equal(noise[0], noise[2])

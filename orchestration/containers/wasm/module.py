@@ -6,6 +6,7 @@ The module is made of the same C as the other forms of a system. `templates/expo
 import hashlib
 import importlib.resources
 import re
+from collections.abc import Callable
 from pathlib import Path
 
 from adaptimp_fmu.binary import binary
@@ -29,7 +30,12 @@ _UNDEFINED = re.compile(r"([^/\\\s]+)\.o(?:bj)?: undefined symbol: (\S+)")
 
 
 def write_wasm(
-    system: System, path: str | Path, algorithm: str | Algorithm = GAUSS_SEIDEL, *, variable_step: bool = False
+    system: System,
+    path: str | Path,
+    algorithm: str | Algorithm = GAUSS_SEIDEL,
+    *,
+    variable_step: bool = False,
+    known: Callable[[str], bytes | None] | None = None,
 ) -> Path:
     """Write a system as a module of WebAssembly.
 
@@ -46,6 +52,9 @@ def write_wasm(
         ``gauss-seidel`` or ``jacobi``.
     variable_step
         Whether a run may have another step than the system. The module then exports ``set_step``, too.
+    known
+        Gives the module of an identity, if it was compiled before and kept; an identity is a hash of all C sources.
+        Default: the module is compiled, or taken from the cache.
 
     Returns
     -------
@@ -75,7 +84,8 @@ def write_wasm(
     _require_own(target)
     plan = plan_of(system, algorithm)
     sources, identity = _sources(plan, variable_step=variable_step)
-    module = _module(plan, sources)
+    kept = known(identity) if known else None
+    module = kept or _module(plan, sources)
     stated = description(plan, identity, target.name, module, variable_step=variable_step)
     files = {
         target: module,

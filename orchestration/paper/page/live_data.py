@@ -9,6 +9,7 @@ from typing import Any
 
 from adaptimp_fmu.files.temporary_folder import temporary_folder
 from orchestration.containers.wasm.module import DESCRIPTION, write_wasm
+from orchestration.errors import OrchestrationError
 from orchestration.master.simulate import simulate
 from orchestration.paper.page.live_claims import live_claims
 from orchestration.paper.page.live_settings import FIGURES, live_settings
@@ -70,7 +71,10 @@ def _figure(name: str, hashes: Mapping[str, str] | None) -> dict[str, Any]:
 
 
 def programs() -> dict[str, Program]:
-    """The paper's loop with each controller, by model identifier; modules that are not in the cache are compiled."""
+    """The paper's loop with each controller, by model identifier.
+
+    A module that the wheel does not carry is taken from the cache, or compiled, which needs the part ``build``.
+    """
     return {identifier: _program(identifier) for identifier in HOMES}
 
 
@@ -79,7 +83,7 @@ def _program(identifier: str) -> Program:
     system = replace(scenario(home), name="loop")
     bare = _without_numbers(system)
     with temporary_folder() as folder:
-        path = write_wasm(bare, folder / "loop.wasm", variable_step=True)
+        path = write_wasm(bare, folder / "loop.wasm", variable_step=True, known=_carried)
         described = json.loads(path.with_suffix(DESCRIPTION).read_text(encoding="utf-8"))
         module = path.read_bytes()
         package = system.write(folder / "loop.ssp")
@@ -88,6 +92,16 @@ def _program(identifier: str) -> Program:
     kept["variables"] = [{key: v[key] for key in _KEPT} for v in described["variables"]]
     structure = _structure(structure, described["variables"])
     return Program(module, {"label": label, "description": kept, "structure": structure})
+
+
+def _carried(identity: str) -> bytes | None:
+    """The module of an identity that the wheel carries."""
+    from fmus.carried import ChangedFileError, carried_module
+
+    try:
+        return carried_module(identity)
+    except ChangedFileError as error:
+        raise OrchestrationError(str(error)) from error
 
 
 def _structure(structure: str, variables: Sequence[Mapping[str, Any]]) -> str:

@@ -16,7 +16,7 @@ from orchestration.paper.measure import RECOVERED, SETTLED
 from orchestration.paper.numbers import TIP_START
 from orchestration.results.measures.elements import scalar
 from orchestration.results.measures.expression import (
-    COMPARISONS,
+    ARITHMETIC,
     Binary,
     Column,
     Expression,
@@ -34,6 +34,8 @@ SAMPLED = ("trajectory", "sensor", "controller", "actuator")
 """Components whose row k + 1 holds what they computed at time[k]; each of them ticks at every row of the page."""
 PAIRS = ("F_ext", "x", "e", "x_t", "x_v", "saturated")
 """Variables of two elements that formulas name as a whole."""
+_COMPARISONS = ("<", "<=", ">", ">=")
+_REDUCTIONS = ("max", "min", "mean", "share", "initial", "final")
 
 TOUCHING = "norm(plant.F_ext) > 0"
 SATURATED = "norm(actuator.saturated) > 0"
@@ -130,6 +132,8 @@ class Formulas:
         ------
         FormulaError
             If the text is no formula.
+        TypeError
+            If the script cannot compute a part of it.
         """
         reader = _PageReader(text)
         tree = scalar(reader.inner(ast.parse(text, mode="eval").body), _elements)
@@ -140,19 +144,10 @@ class Formulas:
         return self._add("number", value)
 
     def compared(self, left: int, comparison: str, right: int) -> int:
-        """The place of a comparison of two parts, 1 or 0; ``<`` and ``<=`` are turned round.
-
-        Raises
-        ------
-        ValueError
-            If the comparison is none of the four.
-        """
-        if comparison in (">", ">="):
+        """The place of a comparison (``<``, ``<=``, ``>``, ``>=``) of two parts; the first two are turned round."""
+        if comparison.startswith(">"):
             return self._add(comparison, left, right)
-        if comparison in ("<", "<="):
-            return self._add(comparison.replace("<", ">"), right, left)
-        msg = f"{comparison} is no comparison of the page; it has <, <=, > and >=."
-        raise ValueError(msg)
+        return self._add(comparison.replace("<", ">"), right, left)
 
     def both(self, one: int, two: int) -> int:
         """The place of whether two conditions hold: their product, as they are 1 or 0."""
@@ -174,9 +169,9 @@ class Formulas:
                 return self._add(op, placed(of))
             case Binary("and", left, right):
                 return self.both(placed(left), placed(right))
-            case Binary(op, left, right) if op in COMPARISONS:
+            case Binary(op, left, right) if op in _COMPARISONS:
                 return self.compared(placed(left), op, placed(right))
-            case Binary(op, left, right):
+            case Binary(op, left, right) if op in ARITHMETIC:
                 return self._add(op, placed(left), placed(right))
             case Norm((one, two)):
                 return self._add("norm", placed(one), placed(two))
@@ -184,7 +179,7 @@ class Formulas:
                 return self._add("sqrt", placed(Reduction("mean", Binary("*", value, value), where)))
             case Reduction("first_time" | "last_time" as kind, value, None):
                 return self._add("initial" if kind == "first_time" else "final", placed(Time()), placed(value))
-            case Reduction(kind, value, where):
+            case Reduction(kind, value, where) if kind in _REDUCTIONS:
                 chosen = [] if where is None else [placed(where)]
                 return self._add("mean" if kind == "share" else kind, placed(value), *chosen)
         msg = f"{tree!r} is no part of a formula of the page."

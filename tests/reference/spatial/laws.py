@@ -10,9 +10,11 @@ the turns that carry it with the column itself. A wrench (f, m) is the force F =
     SlotineLiAdaptiveImpedance   tau = Y(q, dq, dq_r, ddq_r) p_hat + J' (F_hat - K_d s)                     (36)
                                  dp_hat/dt = -Gamma Y' J^-1 s                                               (33)
 
-S = diag(1, 1, 1, L, L, L) turns radians into metres. Coriolis torques of two velocities come from those of one by
-polarization: C(q, dq) v = (c(dq + v) - c(dq - v)) / 4 with c(u) = C(q, u) u. So no law has an equation of the project.
-p_hat are the ten parameters of the payload at the tip.
+With the rotation T = diag(R_c, R_c) of `task_rpy`, x is T' (p, phi) and F is T' (f, E' m): gains are diagonal along
+the turned axes. S = diag(1, 1, 1, L, L, L) turns radians into metres. Coriolis torques of two velocities come from
+those of one by polarization: C(q, dq) v = (c(dq + v) - c(dq - v)) / 4 with c(u) = C(q, u) u. So no law has an equation
+of the project. The ten parameters p_hat are those of the
+payload at the tip.
 """
 
 from dataclasses import dataclass
@@ -45,6 +47,10 @@ class Tip:
     def force(self, wrench):
         """Return F = (f, E' m) of a wrench (f, m) in the axes of the base, shape (6,)."""
         return np.concatenate([wrench[:3], self.E.T @ wrench[3:]])
+
+    def turned(self, turn):
+        """Return the tip in coordinates T' x, for a rotation T, shape (6, 6), of the axes of the task."""
+        return Tip(self.R, turn.T @ self.x, turn.T @ self.dx, turn.T @ self.J, turn.T @ self.dJ, self.E)
 
 
 @dataclass(frozen=True)
@@ -104,7 +110,8 @@ class Law:
         self.M, self.B, self.K, self.Psi, self.K_d = (
             np.array(gain) for gain in (setup.M, setup.B, setup.K, setup.Psi, setup.K_d)
         )
-        self.Gamma = np.array(setup.Gamma)
+        self.Gamma, self.turn = np.array(setup.Gamma), np.zeros((6, 6))
+        self.turn[:3, :3] = self.turn[3:, 3:] = Rotation.from_euler("xyz", setup.task_rpy).as_matrix()
         self.weights = np.array([1.0] * 3 + [setup.L**2] * 3)
         self.viscous, self.coulomb = np.array(setup.assumed_viscous), np.array(setup.assumed_coulomb)
 

@@ -1,9 +1,9 @@
 """Monolithic reference of the loop of the PUMA 560: trajectory, force sensor, controller, actuator, plant.
 
-At each tick t_k = k Ts, in this order: the virtual trajectory at t_k; F_hat = F_ext(t_k); the controller's torque from
-the state at t_k, held on [t_k, t_k+1); the plant, with events, to t_k+1. Row 0 is the initial state with the outputs of
-tick 0. Row k + 1 holds the sampled values of tick k and the plant at t_k+1. ``plant.ddq`` is the left limit there. The
-rules are those of `tests.reference.monolithic`, which has the planar arm.
+At each tick t_k = k Ts, in this order: the virtual trajectory at t_k; F_hat = F_ext(t_k) + noise; the controller's
+torque from the state at t_k, clipped, and held on [t_k, t_k+1); the plant, with events, to t_k+1. Row 0 is the initial
+state with the outputs of tick 0. Row k + 1 holds the sampled values of tick k and the plant at t_k+1. ``plant.ddq`` is
+the left limit there. The rules are those of `tests.reference.monolithic`, which has the planar arm.
 """
 
 from dataclasses import dataclass, replace
@@ -27,56 +27,69 @@ SAMPLED = (
     ("sensor.F_hat", AXES), ("trajectory.x_v", AXES), ("trajectory.dx_v", AXES), ("trajectory.ddx_v", AXES),
     ("controller.tau_cmd", JOINTS), ("controller.x_t", AXES), ("controller.dx_t", AXES), ("controller.e", AXES),
     ("controller.p_hat", 10), ("actuator.tau", JOINTS),
+    ("actuator.saturated", JOINTS),
 )  # fmt: skip
 WIDTHS = OF_PLANT + SAMPLED
 PAYLOAD = 13 * JOINTS  # elements of p before those of the payload
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Setup:
     """All numbers of one run, in SI units (rad, m, s, N, kg); the names are those of the FMUs' parameters.
 
-    `assumed_viscous` and `assumed_coulomb` are the friction that the controller assumes. `payload_*` is the plant's
-    payload in the frame of the tip; the controller starts with the ten parameters `p_hat`.
+    `viscous` and `coulomb` are friction in the plant, `assumed_viscous` and `assumed_coulomb` that which the controller
+    assumes. `payload_*` is the plant's payload in the frame of the tip; the controller starts with the ten parameters
+    `p_hat` and adapts them with the gains `Gamma`, both of shape (10,). Gains of six elements act along the axes of
+    the base, turned by `task_rpy`. `noise_*`, `seed` and the frame `sensor_*` belong to the sensor.
     """
 
     controller: str
     q_start: tuple[float, ...]
     dq_start: tuple[float, ...]
-    sample_time: float = 1e-4
-    stop_time: float = 2.0
-    gravity: tuple[float, ...] = (0.0, 0.0, -9.81)
-    reference_rpy: tuple[float, ...] = (np.pi, 0.0, np.pi)
-    viscous: tuple[float, ...] = (0.0,) * 6
-    coulomb: tuple[float, ...] = (0.0,) * 6
-    assumed_viscous: tuple[float, ...] = (0.0,) * 6
-    assumed_coulomb: tuple[float, ...] = (0.0,) * 6
-    coulomb_velocity: float = 1e-2
-    payload_mass: float = 1.0
-    payload_center: tuple[float, ...] = (0.02, 0.0, -0.05)
-    payload_inertia: tuple[float, ...] = (2e-3, 0.0, 2e-3, 0.0, 0.0, 1e-3)
-    contact_point: tuple[float, ...] = (0.0, 0.0, 0.0)
-    wall_normal: tuple[float, ...] = (0.0, 0.0, -1.0)
-    wall_offset: float = 0.04
-    K_f: float = 1e5
-    D_f: float = 0.0
-    mu: float = 0.0
-    friction_velocity: float = 1e-2
-    center: tuple[float, ...] = (0.5, 0.15, 0.1)
-    plane_rpy: tuple[float, ...] = (np.pi, -np.pi / 2, 0.0)
-    semi_axis: tuple[float, ...] = (0.15, 0.2)
-    period: float = 2.0
-    depth: float = 0.01
-    orientation: tuple[float, ...] = (0.0, 0.0, 0.0)
-    tilt: tuple[float, ...] = (0.0, 0.0, 0.0)
-    M: tuple[float, ...] = (2.0,) * 3 + (0.045,) * 3
-    B: tuple[float, ...] = (340.0,) * 3 + (7.65,) * 3
-    K: tuple[float, ...] = (4000.0,) * 3 + (90.0,) * 3
-    L: float = 0.15
-    Psi: tuple[float, ...] = (100.0,) * 6
-    K_d: tuple[float, ...] = (100.0,) * 3 + (2.25,) * 3
+    sample_time: float
+    stop_time: float
+    gravity: tuple[float, ...]
+    reference_rpy: tuple[float, ...]
+    coulomb_velocity: float
+    viscous: tuple[float, ...]
+    coulomb: tuple[float, ...]
+    assumed_viscous: tuple[float, ...]
+    assumed_coulomb: tuple[float, ...]
+    payload_mass: float
+    payload_center: tuple[float, ...]
+    payload_inertia: tuple[float, ...]
+    contact_point: tuple[float, ...]
+    wall_normal: tuple[float, ...]
+    wall_offset: float
+    K_f: float
+    D_f: float
+    mu: float
+    friction_velocity: float
+    center: tuple[float, ...]
+    plane_rpy: tuple[float, ...]
+    semi_axis: tuple[float, ...]
+    period: float
+    depth: float
+    orientation: tuple[float, ...]
+    tilt: tuple[float, ...]
+    noise_std: float
+    noise_bound: float
+    noise_period: float
+    contact_gated: float
+    seed: float
+    sensor_L: float
+    sensor_position: tuple[float, ...]
+    sensor_rpy: tuple[float, ...]
+    tau_max: tuple[float, ...]
+    task_rpy: tuple[float, ...]
+    M: tuple[float, ...]
+    B: tuple[float, ...]
+    K: tuple[float, ...]
+    p_hat: tuple[float, ...]
+    L: float = 1.0
+    Psi: tuple[float, ...] = (0.0,) * 6
+    K_d: tuple[float, ...] = (0.0,) * 6
     Gamma: tuple[float, ...] = (0.0,) * 10
-    p_hat: tuple[float, ...] = (0.0,) * 10
 
 
 def simulate_reference(setup, solver=Solver()):  # noqa: B008 - a tuple of numbers
@@ -96,7 +109,7 @@ def simulate_reference(setup, solver=Solver()):  # noqa: B008 - a tuple of numbe
     ticks = round(setup.stop_time / setup.sample_time)
     time = np.arange(ticks + 1) * setup.sample_time
     rows = {name: np.empty((ticks + 1, max(width, 1))) for name, width in WIDTHS}
-    _run(setup, solver, virtual_trajectory(setup, time[:-1]), rows)
+    _run(setup, solver, (virtual_trajectory(setup, time[:-1]), sensor_noise(setup, ticks)), rows)
     columns = {"time": time}
     for name, width in WIDTHS:
         first = PAYLOAD if name == "controller.p_hat" else 0
@@ -119,6 +132,46 @@ def virtual_trajectory(setup, time):
     turned = np.stack([one - c, w * s, w * w * c], 1)[:, :, None] * np.array(setup.tilt) / 2.0
     turned += np.stack([one, zero, zero], 1)[:, :, None] * np.array(setup.orientation)
     return np.concatenate([path, turned], axis=2)
+
+
+def sensor_noise(setup, ticks):
+    """Return the errors of the sensor in its own axes, N and N.m, shape (ticks, 6).
+
+    Draw n is block n of Philox4x64-10 with the key (seed, 0), and serves all ticks of a `noise_period`, or one. Its
+    four uniform numbers, and what is left of them behind 26 binary digits, make three pairs of truncated normal numbers
+    whose bound is noise_bound / sqrt(3). The last three numbers times L are moments.
+    """
+    if setup.noise_std == 0.0:
+        return np.zeros((ticks, AXES))
+    held = max(round(setup.noise_period / setup.sample_time), 1)
+    draws = -(-ticks // held)
+    key = np.array([setup.seed, 0], dtype=np.uint64)
+    words = np.random.Philox(key=key, counter=2**256 - 1).random_raw(4 * draws).reshape(draws, 4)
+    u = ((words >> np.uint64(11)).astype(np.float64) + 0.5) * 2.0**-53
+    u = np.concatenate([u, np.modf(u * 2.0**26)[0]], axis=1)[:, :6].reshape(draws, 3, 2)
+    bound = setup.noise_bound / np.sqrt(3.0)
+    reach = np.expm1(-((bound / setup.noise_std) ** 2) / 2.0)
+    radius = setup.noise_std * np.sqrt(-2.0 * np.log1p(u[:, :, 0] * reach))
+    angle = 2.0 * np.pi * u[:, :, 1]
+    pairs = np.stack([radius * np.cos(angle), radius * np.sin(angle)], axis=2).reshape(draws, AXES)
+    lengths = np.array([1.0] * 3 + [setup.sensor_L] * 3)
+    return np.repeat(pairs * lengths, held, axis=0)[:ticks]
+
+
+class Sensor:
+    """A force and moment sensor, which is turned by `sensor_rpy` at `sensor_position` in the frame of the tip."""
+
+    def __init__(self, setup):
+        self.axes = Rotation.from_euler("xyz", setup.sensor_rpy).as_matrix()
+        self.place, self.gated = np.array(setup.sensor_position), bool(setup.contact_gated)
+
+    def measured(self, wrench, error, R):
+        """Return F_hat at the tip in the axes of the base: the wrench, and an error of the sensor carried there."""
+        if self.gated and not wrench.any():
+            return wrench
+        turned = R @ self.axes
+        force = turned @ error[:3]
+        return wrench + np.concatenate([force, turned @ error[3:] + np.cross(R @ self.place, force)])
 
 
 class Plant:
@@ -184,28 +237,35 @@ class Plant:
         return np.concatenate([force, np.cross(R @ np.array(self.setup.contact_point), force)])
 
 
-def _run(setup, solver, virtual, rows):
-    """Fill `rows` tick by tick."""
+def _run(setup, solver, signals, rows):
+    """Fill `rows` tick by tick; `signals` are the virtual trajectory and the errors of the sensor."""
+    virtual, noise = signals
     plant, bare = Plant(setup), puma(setup.gravity)
     law, kinematics, segment = Law(setup, bare), Kinematics(bare, setup.reference_rpy), Segment(plant, solver)
+    sensor, limit = Sensor(setup), np.array(setup.tau_max)
     transition = reference_transition(setup.M, setup.B, setup.K, setup.sample_time)
     y, p_hat, ddq = np.array([*setup.q_start, *setup.dq_start]), np.array(setup.p_hat), np.zeros(JOINTS)
-    x_t, dx_t = virtual[0, 0], virtual[0, 1]
+    turn = law.turn
+    x_t, dx_t = virtual[0, 0] @ turn, virtual[0, 1] @ turn  # in the axes of the task, as all that the law knows
     segment.begin(y)
     tip = kinematics.tip(y[:JOINTS], y[JOINTS:])
     wrench = plant.wrench(y[:JOINTS], y[JOINTS:], tip.R)
     for n in range(len(virtual)):
-        seen = Sample(y[:JOINTS], y[JOINTS:], ddq, tip, tip.force(wrench), virtual[n], x_t, dx_t)
-        tau = law.torque(seen, p_hat)
+        F_hat = sensor.measured(wrench, noise[n], tip.R)
+        of_task = tip.turned(turn)
+        seen = Sample(y[:JOINTS], y[JOINTS:], ddq, of_task, tip.force(F_hat) @ turn, virtual[n] @ turn, x_t, dx_t)
+        command = law.torque(seen, p_hat)
+        tau = np.clip(command, -limit, limit)
         if n == 0:
             ddq = plant.flow(y, tau, segment.loaded)[JOINTS:]
             seen = replace(seen, ddq=ddq)
             _write_plant(plant, y, ddq, (tip, wrench), rows, 0)
-        sampled = (wrench, *virtual[n], tau, x_t, dx_t, tip.x - x_t, p_hat, tau)
+        e = turn @ (of_task.x - x_t)
+        sampled = (F_hat, *virtual[n], command, turn @ x_t, turn @ dx_t, e, p_hat, tau, np.abs(command) > limit)
         for (name, _), value in zip(SAMPLED, sampled, strict=True):
             rows[name][n + 1] = value
         p_hat = p_hat + setup.sample_time * law.adaptation_rate(seen, p_hat)
-        x_t, dx_t = _advance_reference(setup.sample_time, transition, virtual[n], seen.F, x_t, dx_t)
+        x_t, dx_t = _advance_reference(setup.sample_time, transition, seen.virtual, seen.F, x_t, dx_t)
         y = segment.advance(y, tau, setup.sample_time)
         ddq = plant.flow(y, tau, segment.loaded)[JOINTS:]
         tip = kinematics.tip(y[:JOINTS], y[JOINTS:])

@@ -7,10 +7,11 @@ from typing import Any
 
 import pytest
 
-from fmus.catalog import MODELS, VARIANTS, model
+from fmus.catalog import MODELS, UNITS_OF_ARM, VARIANTS, model
 from tests.unit.examples import failures, has_example
 
-MODULES = sorted({declare.args[0] for declare in (MODELS | VARIANTS).values() if isinstance(declare, partial)})
+_FIRST = {declare.args[0] for declare in (MODELS | VARIANTS).values() if isinstance(declare, partial)}
+MODULES = sorted({UNITS_OF_ARM.get(name, name) for name in _FIRST})
 """Modules that the catalog imports when a model is declared; each has a function of its name."""
 FUNCTIONS: dict[str, Any] = {name: getattr(import_module(f"fmus.{name}"), name) for name in MODULES} | {"model": model}
 
