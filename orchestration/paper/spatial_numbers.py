@@ -45,6 +45,8 @@ TABLE_NORMAL = (0.0, 0.0, -1.0)
 TABLE_OFFSET = 0.044  # m below the base: cuts off the ellipse where the paper's wall does
 ELLIPSE = (0.15, 0.2)  # m
 ELLIPSE_CENTER = (0.5, 0.15, 0.1)  # m
+Q_START = (-0.000200006, -1.4145161888, 3.0933945381, 0.0, 1.4627143043, -0.000200006)  # rad, tip on the ellipse
+DQ_START = (-1.2567124664, -0.4377172924, 0.505694161, 0.0, -0.0679768686, -1.2567124664)  # rad/s, moving with it
 DEPTH = 4e-3  # m: K depth = 64 N, 60 N in the plane
 TILT = (0.2, -0.15, 0.3)  # rad, by which the tool has turned at the table: 11, 9 and 17 deg
 
@@ -58,7 +60,7 @@ DAMPING_RATE = ADAPTIVE_DAMPING / TARGET_INERTIA  # 1/s, V: B/M
 STEP = 5e-5  # s
 NOISE_HOLD = 1e-4  # s
 NOISE_BOUND = 23.25  # N, 15 % of the largest |F_ext| of puma-craig without noise
-TORQUE_LIMITS = (21.5, 120.37, 37.68, 6.82, 8.2, 6.71)  # N.m, 75 % of the largest commands in puma-craig
+TORQUE_LIMITS = (22.75, 129.81, 36.94, 7.81, 7.78, 7.43)  # N.m, 75 % of the largest commands in puma-craig
 EFFORT = (97.6, 186.4, 89.4, 24.2, 20.1, 21.3)
 """Largest torques of the motors of the PUMA 560, N.m: Armstrong, Khatib and Burdick (1986), table of the motors."""
 

@@ -20,6 +20,7 @@ from orchestration.paper.spatial_numbers import (
     BELIEVED_PAYLOAD,
     DAMPING_RATE,
     DEPTH,
+    DQ_START,
     ELLIPSE,
     ELLIPSE_CENTER,
     FIRST_OF_PAYLOAD,
@@ -36,6 +37,7 @@ from orchestration.paper.spatial_numbers import (
     PAYLOAD_INERTIA,
     PSI_1,
     PSI_2,
+    Q_START,
     STEP,
     STIFFNESS_RATE,
     TABLE_NORMAL,
@@ -58,7 +60,7 @@ _TABLE = "assumed: a table below the arm, which cuts off the share of the ellips
 _RATE = "assumed: M times the paper's {0} (V), so that time constants are the paper's"
 _SPEED = "assumed: the estimate of the mass settles as fast as with the calibration section-v in the plane"
 _CALIBRATED = "assumed: as in the calibration section-v"
-_SAMPLING = "assumed: practically continuous; with 1e-4 s F_c chatters, and torques are up to 2.3 times as large"
+_SAMPLING = "assumed: practically continuous; with 1e-4 s F_c chatters, and torques are up to 1.8 times as large"
 
 
 def _vector(path: str, numbers: Sequence[float], origin: str, first: int = 1) -> dict[str, Value]:
@@ -67,6 +69,8 @@ def _vector(path: str, numbers: Sequence[float], origin: str, first: int = 1) ->
 
 _SIX = by_coordinate(INERTIA, ANGULAR_INERTIA)
 _PLACE = {
+    **_vector("plant.q_start", Q_START, "assumed: the tip starts on the ellipse, the tool points down, elbow up"),
+    **_vector("plant.dq_start", DQ_START, "assumed: the tip starts with the velocity of the virtual trajectory"),
     "plant.payload_mass": Value(TRUE_PAYLOAD, "V: m2"),
     **_vector("plant.payload_center", PAYLOAD_CENTER, "assumed: the payload is held beside the tip"),
     **_vector("plant.payload_inertia", PAYLOAD_INERTIA, "assumed: a body of 1 kg and 0.15 m"),

@@ -60,11 +60,20 @@ def test_a_run_tells_its_task(result: Result) -> None:
 def test_numbers_are_those_of_the_robot_that_the_fmus_have() -> None:
     """The scenarios state plain numbers, for they must be readable where CasADi is not installed."""
     assert space.payload_parameters() == pytest.approx(tuple(PUMA.payload.parameters), rel=1e-15)
-    assert (space.ELLIPSE, space.ELLIPSE_CENTER) == (PATH.semi_axis, PATH.center)
     assert space.TABLE_NORMAL == PATH.wall_normal
+    assert PUMA.payload.mass == space.TRUE_PAYLOAD
     assert space.JOINTS == PUMA.n
     assert sum(PUMA.uncertain[: space.FIRST_OF_PAYLOAD - 1]) == 0
     assert PUMA.parameters[space.FIRST_OF_PAYLOAD - 1].text == "payload: mass"
+
+
+def test_the_tip_starts_on_the_ellipse_and_moves_with_it() -> None:
+    """Ten digits of the joints are 1e-10 rad, and so 1e-10 m of an arm that is a metre long."""
+    place, J = (np.array(value) for value in PUMA._place(space.Q_START))
+    x, y, z = space.ELLIPSE_CENTER
+    assert place.ravel() == pytest.approx([x, y, z + space.ELLIPSE[0], 0, 0, 0], abs=2e-10)
+    speed = space.ELLIPSE[1] * np.pi  # once around in 2 s
+    assert J @ space.DQ_START == pytest.approx([0, -speed, 0, 0, 0, 0], abs=1e-9)
 
 
 def test_the_numbers_follow_their_rules() -> None:
