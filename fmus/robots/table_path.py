@@ -40,12 +40,8 @@ POINTS = 60  # around the ellipse: 6 deg apart
 MARGIN = 0.05  # of a range, from each of its ends
 SINGULAR_VALUE = 0.04
 SHARE = 0.8  # of the largest rates and torques
-M, B, K, K_F = (
-    2.0,
-    340.0,
-    4000.0,
-    1e5,
-)  # kg, N.s/m, N/m: gains of the controllers and stiffness of the wall at the start
+M, B, K, K_F = 2.0, 340.0, 4000.0, 1e5
+"""Gains of the controllers and stiffness of the wall at the start, kg, N.s/m, N/m and N/m."""
 IMPACT_STEP, IMPACT_STEPS = 5e-5, 800  # s; 40 ms
 NEWTON_STEPS = 30
 CLOSE = 1e-10  # m and rad

@@ -55,11 +55,9 @@ def robot_of_urdf(
 
     Examples
     --------
-    >>> from fmus.catalog import unit_of_arm
     >>> from fmus.robots.urdf_robot import robot_of_urdf
-    >>> robot = robot_of_urdf("docs/objects/../../arm.urdf", "tool0")  # doctest: +SKIP
-    >>> unit_of_arm("Plant", robot, "Arm").name  # doctest: +SKIP
-    'PlantArm'
+    >>> robot = robot_of_urdf("arm.urdf", "tool0", payload=0.5)  # doctest: +SKIP
+    >>> robot.joints.labels, robot.start.q, robot.path.center  # doctest: +SKIP
     """
     chain = _with_rotors(read_urdf(path, tip, base=base, locked=locked), rotor)
     _check(chain, Path(path).name)

@@ -119,3 +119,10 @@ def test_rounded_moments_are_accepted() -> None:
     assert Body("rod", 1.0, inertia=(0.100000, 0, 0.0, 0, 0, 0.1000001)).mass == 1
     with pytest.raises(RobotError, match="two of them make at least the third"):
         Body("rod", 1.0, inertia=(0.100000, 0, 0.0, 0, 0, 0.100001))
+
+
+def test_moments_that_are_only_rounding_are_those_of_a_point() -> None:
+    """The parts of iCub's head, put into one frame, leave 2e-35 kg m2 of both signs."""
+    assert Body("head", 1.0, inertia=(-2.4e-35, 0.0, 0.0, 0.0, 0.0, 2.4e-35)).mass == 1
+    with pytest.raises(RobotError, match="none can be negative"):
+        Body("head", 1.0, inertia=(-1e-12, 0.0, 0.0, 0.0, 0.0, 1e-12))

@@ -11,7 +11,7 @@ from fmus.catalog import MODELS, UNITS_OF_ARM, VARIANTS, model
 from tests.unit.examples import failures, has_example
 
 _FIRST = {declare.args[0] for declare in (MODELS | VARIANTS).values() if isinstance(declare, partial)}
-MODULES = sorted({UNITS_OF_ARM.get(name, name) for name in _FIRST})
+MODULES = sorted({UNITS_OF_ARM[name] if name in UNITS_OF_ARM else name for name in _FIRST})
 """Modules that the catalog imports when a model is declared; each has a function of its name."""
 FUNCTIONS: dict[str, Any] = {name: getattr(import_module(f"fmus.{name}"), name) for name in MODULES} | {"model": model}
 
