@@ -12,13 +12,13 @@ import pytest
 
 from orchestration import System
 from orchestration.containers.fmu.write import write_fmu
-from tests.conformance.units import UNITS
+from tests.conformance.units import SPATIAL, UNITS
 
 CONTAINER = "ActuatedArm"
-FMUS = [*UNITS, CONTAINER]
+FMUS = [*UNITS, *SPATIAL, CONTAINER]
 """Names of all FMUs that are tested, the container last."""
 of_models = pytest.mark.parametrize("identifier", UNITS)
-"""Marks a test of each FMU but the container, which has no equations, no derivatives and no reference of its own."""
+"""Marks a test of each FMU of the catalog's models: the others have no reference and no table of declarations here."""
 PARTS = {"actuator": "Actuator", "plant": "Plant", "sensor": "ForceSensor"}
 STEP, STOP = 1e-4, 1.0  # s
 

@@ -19,8 +19,8 @@ from adaptimp_fmu.toolchain import compile_library, fmi_headers
 from fmus.catalog import MODELS
 from tests.conformance import elf
 from tests.conformance.binary import FUNCTIONS, Binary
-from tests.conformance.container import CONTAINER, of_models
-from tests.conformance.units import declared
+from tests.conformance.container import of_models
+from tests.conformance.units import UNITS, declared
 
 ROOT = Path(__file__).parents[2]
 INCLUDE = re.compile(r'^\s*#\s*include\s+(["<])([^">]+)[">]', re.MULTILINE)
@@ -85,7 +85,7 @@ def test_07_entries_have_one_order_and_date(entries: list[zipfile.ZipInfo], iden
     names = [entry.filename for entry in entries]
     assert len(set(names)) == len(names)
     assert names[0] == "modelDescription.xml"
-    extra = set() if identifier == CONTAINER else {"extra"}
+    extra = {"extra"} if identifier in UNITS else set()
     assert {PurePosixPath(name).parts[0] for name in names[1:]} == extra | {
         "model.png",
         "binaries",

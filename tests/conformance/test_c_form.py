@@ -14,7 +14,7 @@ import pytest
 
 from orchestration import Result, System, simulate
 from orchestration.paper.built_fmus import fmus
-from orchestration.paper.scenarios import SCENARIOS
+from orchestration.paper.scenarios import ALL_SCENARIOS, SCENARIOS
 from tests.untested import needs
 
 ZIG = (sys.executable, "-m", "ziglang", "cc")
@@ -121,6 +121,20 @@ def test_make_builds_the_example_and_says_its_sizes(folder: Path) -> None:
     assert said("--steps", "2.5", code=1) == "--steps: 2.5 is not a whole number.\n"
     assert "a number of at least 0 is needed" in said("--stop", "soon", code=1)
     assert said("plant.wall_normal[1]=3", code=1).startswith("plant: wall_normal must have length 1 (value -")
+
+
+@needs_make
+def test_an_arm_in_space_gives_the_rows_of_the_master(tmp_path: Path) -> None:
+    """Two thirds of the run of the PUMA 560, so that its tool has met the table."""
+    scenario = ALL_SCENARIOS["puma"]
+    system, stop = scenario.system(fmus(scenario.models.values())), "1.3"
+    folder = system.to_c(tmp_path / "puma")
+    subprocess.run(["make"], cwd=folder, capture_output=True, check=True)
+    result = simulate(system, stop_time=float(stop))
+    assert (result["plant.gap"] > 0).any()
+    command = [folder / "puma", "--stop", stop, "--hash"]
+    said = subprocess.run(command, capture_output=True, text=True, check=True).stdout
+    assert said == f"{hashlib.sha256(np.ascontiguousarray(result.rows).tobytes()).hexdigest()}\n"
 
 
 @needs_make

@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from tests.conformance.binary import OK, Binary, Instance
+from tests.conformance.binary import OK, Binary, Instance, kind
 from tests.conformance.calls import assert_refused
 from tests.conformance.scenes import H, scene
 
@@ -66,7 +66,8 @@ def test_12_every_tunable_acts(binary: Binary, create: Create) -> None:
     tunables = binary.names("parameter", variability="tunable")
     start = scene(binary)
     for name in tunables:
-        value = 1.5 * (start | binary.starts("parameter"))[name] + 0.25
+        before = (start | binary.starts("parameter"))[name]
+        value = 1 - before if kind(binary.variables[name]) == "Boolean" else 1.5 * before + 0.25
         changed = create(binary, start=start).initialize()
         assert changed.set({name: value}) == OK
         assert changed.get(name)[0] == value

@@ -13,7 +13,7 @@ import fmpy
 import numpy as np
 import pytest
 
-from orchestration import Fmu, Options, Result, System, simulate
+from orchestration import Fmu, Options, Result, System, scenario, simulate
 from orchestration.paper.scenarios import SCENARIOS
 from tests.interop.peers import run_ecospy, run_libcosim, unavailable
 from tests.sharing import made_once
@@ -89,6 +89,27 @@ def test_our_master_gets_every_row(
     step = SCENARIOS[figure].step
     found = alone(container(figure, algorithm), inner * step, (len(expected.time) - 1) // inner)
     assert_same_rows(found, expected, inner)
+
+
+def test_an_arm_in_space_gets_every_row_in_our_master_and_in_fmpy(tmp_path: Path) -> None:
+    """The whole run of the PUMA 560 as one FMU: noise, saturation, contact and adaptation in six coordinates."""
+    puma = scenario("puma")
+    expected, step, inner = simulate(puma), puma.run_step(), 7
+    path = puma.to_fmu(tmp_path / "puma.fmu")
+    assert_same_rows(alone(path, inner * step, (len(expected.time) - 1) // inner), expected, inner)
+    assert any(expected[f"actuator.saturated[{i}]"].any() for i in range(1, 7))
+    assert np.abs(expected["plant.F_ext[3]"]).max() > 10  # N
+    span = inner * step
+    found = fmpy.simulate_fmu(
+        str(path),
+        start_time=0.0,
+        stop_time=span * (FEW // inner),
+        step_size=span,
+        output_interval=span,
+        output=list(expected.names),
+    )
+    for j, name in enumerate(expected.names):
+        np.testing.assert_array_equal(found[name].astype(float), expected.rows[: FEW + 1 : inner, j], err_msg=name)
 
 
 def test_what_is_compared_is_worth_it(run_of: Callable[[str, str], Result]) -> None:

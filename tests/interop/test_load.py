@@ -5,6 +5,7 @@ the two engines exactly what our own master shows.
 """
 
 import warnings
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -12,15 +13,28 @@ import pytest
 from fmpy import extract, read_model_description, simulate_fmu
 from fmpy.fmi2 import FMU2Slave
 
-from fmus.catalog import MODELS
+from fmus.catalog import MODELS, VARIANTS
 from orchestration import Component, Result, System, UnconnectedInputWarning, simulate
 from orchestration.fmi.description import read_description
+from orchestration.paper.built_fmus import built
 from tests.interop.peers import run_ecospy, run_libcosim, unavailable
 
 STEP, STEP_NS = 1e-4, 100_000
 STEPS = 20
 
-pytestmark = pytest.mark.parametrize("identifier", list(MODELS))
+SPATIAL = [name for name in VARIANTS if name.endswith("Puma560")]
+
+
+@cache
+def spatial(identifier: str) -> Path:
+    """The file of an FMU of the arm in space; to find it in the cache takes a second."""
+    return built(identifier)
+
+
+@pytest.fixture(params=[*MODELS, *SPATIAL])
+def fmu(request: pytest.FixtureRequest, fmu_folder: Path) -> Path:
+    """The file of each FMU in turn; those of the arm in space are variants."""
+    return spatial(request.param) if request.param in SPATIAL else fmu_folder / f"{request.param}.fmu"
 
 
 def alone(fmu: Path) -> System:
@@ -37,8 +51,7 @@ def ours(system: System, times: np.ndarray | None = None) -> Result:
         return simulate(system, STEPS * STEP, STEP, "jacobi", times=times)
 
 
-def test_fmpy_simulates(fmu_folder: Path, identifier: str) -> None:
-    fmu = fmu_folder / f"{identifier}.fmu"
+def test_fmpy_simulates(fmu: Path) -> None:
     result = simulate_fmu(str(fmu), stop_time=STEPS * STEP, output_interval=STEP, step_size=STEP)
     columns = [name for name in result.dtype.names or () if name != "time"]
     outputs = [v.name for v in read_model_description(str(fmu)).modelVariables if v.causality == "output"]
@@ -47,8 +60,7 @@ def test_fmpy_simulates(fmu_folder: Path, identifier: str) -> None:
     assert all(np.isfinite(result[name].astype(float)).all() for name in columns)
 
 
-def test_fmpy_steps_one_instance(fmu_folder: Path, identifier: str, tmp_path: Path) -> None:
-    fmu = fmu_folder / f"{identifier}.fmu"
+def test_fmpy_steps_one_instance(fmu: Path, tmp_path: Path) -> None:
     folder = extract(str(fmu), unzipdir=str(tmp_path))
     description = read_model_description(folder)
     assert description.coSimulation is not None
@@ -77,8 +89,8 @@ def test_fmpy_steps_one_instance(fmu_folder: Path, identifier: str, tmp_path: Pa
 
 
 @pytest.mark.skipif(bool(unavailable("ecospy")), reason=str(unavailable("ecospy")))
-def test_ecos_steps(fmu_folder: Path, identifier: str, tmp_path: Path) -> None:
-    system = alone(fmu_folder / f"{identifier}.fmu")
+def test_ecos_steps(fmu: Path, tmp_path: Path) -> None:
+    system = alone(fmu)
     result = ours(system)
     values = run_ecospy(system.write(tmp_path / "alone.ssp"), STEP, STEPS, result.names)
     assert values.shape == result.rows.shape
@@ -86,8 +98,8 @@ def test_ecos_steps(fmu_folder: Path, identifier: str, tmp_path: Path) -> None:
 
 
 @pytest.mark.skipif(bool(unavailable("libcosimpy")), reason=str(unavailable("libcosimpy")))
-def test_libcosim_steps(fmu_folder: Path, identifier: str, tmp_path: Path) -> None:
-    system = alone(fmu_folder / f"{identifier}.fmu")
+def test_libcosim_steps(fmu: Path, tmp_path: Path) -> None:
+    system = alone(fmu)
     result = ours(system, np.array([(k * STEP_NS) / 1e9 for k in range(STEPS + 1)]))
     values = run_libcosim(system.write(tmp_path / "alone.ssp"), STEP_NS, STEPS, result.names)
     np.testing.assert_array_equal(values, result.rows[1:])
