@@ -1,11 +1,14 @@
 """Tests of formulas as MathML, of drawings as SVG, and of what descriptions have in common."""
 
+import html
+import re
 from collections.abc import Callable
 
 import pytest
 from lxml import etree
 
 from adaptimp_fmu import Grid, Guide, Model, SampledModel
+from adaptimp_fmu.documentation import documentation
 from adaptimp_fmu.errors import DefinitionError
 from adaptimp_fmu.grids import laid_out, legends
 from adaptimp_fmu.mathml import mathml
@@ -107,3 +110,19 @@ def test_grid_with_fewer_places_than_elements_is_an_error() -> None:
     model.guide = Guide(grids=[Grid(["p"], [("a", "f")], "friction")])
     with pytest.raises(DefinitionError, match=r"p has 2 elements, but its grid has places for 1"):
         laid_out(model, model.variables)
+
+
+def test_demands_that_many_elements_share_stand_once() -> None:
+    """Up to nine sentences that differ in an index alone, and up to three that are the same, stand as they are."""
+    model = SampledModel("Arm", "Many joints")
+    p = model.parameter("p", [1.0] * 10, description=[f"Of joint {i + 1}" for i in range(10)])
+    for i in range(10):
+        model.require(p[i] + 2, f"p[{i + 1}] must exceed -2")
+    for i in range(9):
+        model.require(p[i] + 3, f"p[{i + 1}] must exceed -3")
+    for times, sentence in ((4, "often"), (3, "thrice")):
+        for i in range(times):
+            model.require(p[i] + 4, sentence)
+    found = re.findall(r"<li>Demand: (.*?)\.</li>", documentation(model)["index.html"].decode())
+    expected = ["p[i] must exceed -2, for each i", *(f"p[{i}] must exceed -3" for i in range(1, 10)), "often"]
+    assert [html.unescape(sentence) for sentence in found] == [*expected, *["thrice"] * 3]
