@@ -26,7 +26,7 @@ PAGES_OF_COMMANDS = {
     "docs/doctor.md": 4,
     "docs/install.md": 1,
     "docs/live-page.md": 4,
-    "docs/puma.md": 7,
+    "docs/puma.md": 6,
     "docs/same-bits.md": 1,
     "docs/wrist-sensor.md": 2,
 }

@@ -75,7 +75,7 @@ def test_two_seeds_agree_with_thirty(name: str, evidence: Evidence, monkeypatch:
 
 
 def test_the_bound_of_the_noise_is_a_share_of_the_peak(laboratory: Laboratory) -> None:
-    quiet = dict.fromkeys(("sensor.noise_bound", "sensor.noise_std", "controller.noise_bound"), 0.0)
+    quiet = {f"{name}.noise_bound": 0.0 for name in ("sensor", "controller")} | {"sensor.noise_std": 0.0}
     result = laboratory.run(Job("puma-craig", quiet), PUMA_CASE.columns("plant.F_ext", "plant.x"))
     assert space.NOISE_BOUND == pytest.approx(NOISE_SHARE * contact(result).peak, abs=ROUNDED)
 

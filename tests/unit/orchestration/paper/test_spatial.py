@@ -134,7 +134,7 @@ def test_numbers_of_a_run_join_no_metres_and_radians(result: Result) -> None:
         name: "rad" if "angle" in name else "m" for name in IN_SPACE if "angle" in name or "position" in name
     }
     e = result.at_ticks("controller.e")
-    largest = max(numbers["max_position_free"].value, numbers["max_position_contact"].value)
+    largest = max(numbers[f"max_position_{where}"].value or 0.0 for where in ("free", "contact"))
     assert largest == pytest.approx(np.linalg.norm(e[:, :3], axis=1).max(), rel=1e-12)
     said = "\n".join(sentences(numbers))
     assert "estimate of the payload's mass at the end: 1.0" in said
@@ -166,9 +166,12 @@ def test_four_panels_show_six_coordinates_and_no_legend_covers_another(result: R
         figure.draw_without_rendering()
     _, estimate, error, force = figure.axes
     assert "payload" in estimate.get_title(loc="left")
-    labels = [text.get_text() for text in error.get_legend().get_texts()]
+    legends = error.get_legend(), force.get_legend()
+    assert legends[0] is not None
+    assert legends[1] is not None
+    labels = [text.get_text() for text in legends[0].get_texts()]
     assert labels == ["$e_1$", "$e_2$", "$e_3$", "$L e_4$", "$L e_5$", "$L e_6$"]
-    left, right = (axis.get_legend().get_window_extent() for axis in (error, force))
+    left, right = legends[0].get_window_extent(), legends[1].get_window_extent()
     assert left.x1 < right.x0
     rows = np.array(error.get_lines()[5].get_ydata(), float)
     assert rows.max() == pytest.approx(1e3 * L * result["controller.e[6]"].max(), rel=1e-9)
@@ -179,9 +182,9 @@ def test_several_runs_show_the_size_of_their_errors(result: Result) -> None:
         figure = overlay_figure({"one": result, "two": result}, LIGHT_PAGE, "both")
     error = figure.axes[2]
     assert r"\|S e\|" in error.get_title(loc="left")
-    assert max(line.get_ydata().max() for line in error.get_lines() if len(line.get_xdata()) > 9) == pytest.approx(
-        1e3 * lengths(result.at_ticks("controller.e")).max(), rel=1e-9
-    )
+    curves = [np.array(line.get_ydata(), float) for line in error.get_lines()]
+    size = 1e3 * lengths(result.at_ticks("controller.e"))
+    assert max(curve.max() for curve in curves if curve.size > 9) == pytest.approx(size.max(), rel=1e-9)
 
 
 def test_a_page_shows_errors_of_positions_and_of_angles(result: Result) -> None:
