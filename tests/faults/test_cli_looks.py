@@ -139,7 +139,7 @@ def test_info_of_a_result(adaptimp: Command, suffix: str) -> None:
     ("name", "said"),
     [
         ("fig22", r"fig22 is neither an \.fmu, .* did you mean fig2"),
-        ("Hogan", r"did you mean HoganImpedance"),
+        ("HoganImp", r"did you mean HoganImpedance"),
         ("x.csv", r"x\.csv: there is no such file of a result"),
         ("x.fmu", r"x\.fmu: there is no such FMU"),
         ("x.ssp", r"x\.ssp: there is no such package"),
