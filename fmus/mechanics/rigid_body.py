@@ -8,6 +8,7 @@ for each order of the moments (the triangle inequality). The limits themselves a
 inertia, and a thin rod has none about its axis.
 """
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -17,6 +18,8 @@ ROUNDING = 1e-6
 """Part of the largest principal moment by which the others may miss the conditions: files have six digits or so."""
 NOTHING = 1e-15
 """kg m2, a moment that is only the rounding of turned frames: a body without moments keeps none of them exactly."""
+SINGULAR = 1e-9
+"""cos(pitch) of a frame that is taken for one at the singularity of its angles."""
 SYMBOLS = ("m", "mc1", "mc2", "mc3", "I11", "I12", "I22", "I13", "I23", "I33")
 """The ten parameters of a body in the order of Pinocchio; the moments are about the origin of the body's frame."""
 LOWER = ((0, 0), (0, 1), (1, 1), (0, 2), (1, 2), (2, 2))
@@ -71,6 +74,19 @@ class Placement:
     def p(self) -> np.ndarray:
         """Origin in the parent, m, shape (3,)."""
         return np.array(self.translation)
+
+    @property
+    def rpy(self) -> tuple[float, float, float]:
+        """Roll, pitch and yaw, rad, that make this rotation, also at a pitch of 90 deg; the pitch is within 90 deg.
+
+        At 90 deg roll and yaw turn about one axis. All of this turn is called yaw then.
+        """
+        R = self.R
+        cosine = math.hypot(R[2, 1], R[2, 2])
+        roll = math.atan2(R[2, 1], R[2, 2]) if cosine > SINGULAR else 0.0
+        # Axis 2 of the frame with its roll taken off is (-sin yaw, cos yaw, 0), whatever the pitch is.
+        axis = R[:, 1] * math.cos(roll) - R[:, 2] * math.sin(roll)
+        return roll, math.atan2(-R[2, 0], cosine), math.atan2(0.0 - axis[0], axis[1])
 
     def __matmul__(self, other: "Placement") -> "Placement":
         """Where a frame stands in this frame's parent, if it stands at `other` in this frame."""

@@ -3,7 +3,6 @@
 The programs need FMPy alone. `tests/conformance/test_spatial_pages.py` runs them as they stand on the page.
 """
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -13,7 +12,6 @@ from adaptimp_fmu import Example, Grid, Numbers
 from fmus.elements import TURNS
 from fmus.mechanics.arm import ArmParameter
 from fmus.mechanics.chain import Chain
-from fmus.mechanics.rigid_body import Placement
 
 ARRAYS = ("p", "p_start", "p_hat", "p_min", "p_max", "Gamma")
 """Arrays with an element for each of the arm's parameters."""
@@ -23,8 +21,6 @@ LEGEND = (
     " of the frame: the frame of the joint that moves the body, and for the payload the frame of the tip. With a centre"
     " of mass c and moments J about it, mc = m c and I = J + m (c'c 1 - c c')."
 )
-ROUNDING = 1e-9
-"""cos(pitch) of a frame that is taken for one at the singularity of its angles."""
 PRESS = 20.0
 """Force with which the tip of an example presses on the wall, N."""
 BANDWIDTH = 20.0
@@ -63,7 +59,7 @@ def frames(chain: Chain) -> Numbers:
     """Where the joints and the tip of an arm are, which is fixed in its equations."""
     placements = [(f"{joint.label}, {joint.kind}", joint.placement, joint.axis) for joint in chain.joints]
     rows = [
-        (name, [_number(value) for value in (*placement.p, *_angles(placement), *axis)])
+        (name, [_number(value) for value in (*placement.p, *placement.rpy, *axis)])
         for name, placement, axis in (*placements, ("tip", chain.tip, ()))
     ]
     heads = [
@@ -248,15 +244,6 @@ for unit in units:
         " the payload of the plant, if there is one; put an adaptive controller in its place, which finds the payload."
     )
     return Example("The whole loop", text, code)
-
-
-def _angles(placement: Placement) -> tuple[float, float, float]:
-    """Roll, pitch and yaw of a placement, rad, whose pitch is within a quarter turn."""
-    R = placement.R
-    pitch = math.atan2(-R[2, 0], math.hypot(R[2, 1], R[2, 2]))
-    if math.hypot(R[2, 1], R[2, 2]) > ROUNDING:
-        return math.atan2(R[2, 1], R[2, 2]), pitch, math.atan2(R[1, 0], R[0, 0])
-    return 0.0, pitch, math.atan2(-R[0, 1], R[1, 1])  # roll and yaw turn about one axis: all of it is called yaw
 
 
 def _list(values: np.ndarray) -> str:

@@ -45,6 +45,7 @@ M, B, K, K_F = 2.0, 340.0, 4000.0, 1e5
 IMPACT_STEP, IMPACT_STEPS = 5e-5, 800  # s; 40 ms
 NEWTON_STEPS = 30
 CLOSE = 1e-10  # m and rad
+HALF_TURN = 1e-8  # rad, by which a rotation that is taken for a half turn may miss it
 DIGITS = 4  # decimals of the path's numbers
 
 
@@ -140,7 +141,7 @@ class TableArm:
             center=center,
             plane=(math.pi, -math.pi / 2, *rounded([azimuth])),
             semi_axis=(upright, across),
-            reference=rounded(rpy(R)),
+            reference=rounded(Placement.of(R, top).rpy),
             wall_normal=(0.0, 0.0, -1.0),
             wall_offset=rounded([upright - center[2] - bottom])[0],
             depth=depth,
@@ -273,17 +274,16 @@ def rounded(values: Sequence[float] | np.ndarray) -> tuple[float, ...]:
     return tuple(round(float(value), DIGITS) + 0.0 for value in values)
 
 
-def rpy(R: np.ndarray) -> tuple[float, float, float]:
-    """Roll, pitch and yaw, rad, of a rotation matrix, shape (3, 3)."""
-    pitch = math.atan2(-R[2, 0], math.hypot(R[0, 0], R[1, 0]))
-    return math.atan2(R[2, 1], R[2, 2]), pitch, math.atan2(R[1, 0], R[0, 0])
-
-
 def rotation_vector(R: np.ndarray) -> np.ndarray:
     """A vector along the axis of a rotation, shape (3,), whose length is the sine of the angle, and 1 beyond 90 deg."""
     axis = np.array([R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]]) / 2
+    if np.trace(R) >= 1:
+        return axis
     sine = np.linalg.norm(axis)
-    return axis / sine if np.trace(R) < 1 and sine > 0 else axis
+    if sine < HALF_TURN:  # R + I is twice the product of the axis with itself, and `axis` is rounding
+        axis = (R + np.eye(SPACE))[:, np.argmax(np.diag(R))]
+        sine = np.linalg.norm(axis)
+    return axis / sine
 
 
 def _place(k: int) -> str:

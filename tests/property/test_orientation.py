@@ -6,6 +6,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from fmus.mechanics import orientation
+from fmus.mechanics.rigid_body import SINGULAR, Placement
 from fmus.mechanics.spatial_arm import SpatialArm
 from tests.property.robots import NAMES, chain
 from tests.property.samples import EPS, evaluate
@@ -33,6 +34,19 @@ def test_angles_of_a_rotation_are_the_angles() -> None:
     found = evaluate(ca.Function("phi", [PHI], [orientation.angles(orientation.rotation(PHI))]), phi)[:, :, 0]
     # The angles of a matrix that is rounded to EPS are uncertain by EPS / cos(pitch), which is at least 0.07 here.
     np.testing.assert_allclose(found.T, phi, rtol=0, atol=10 * EPS / np.cos(1.5))
+
+
+@pytest.mark.parametrize("to_the_pole", [0.0, 1e-16, 1e-12, 1e-9, 1e-6, 1.0])
+def test_angles_of_a_placement_make_its_rotation_at_the_singularity_too(to_the_pole: float) -> None:
+    """Below `SINGULAR` the roll is left out, which errs by cos(pitch)."""
+    rolls, yaws = random_angles()[[0, 2]]
+    for sign in (-1, 1):
+        for roll, yaw in zip(rolls, yaws, strict=True):
+            turned = Placement.from_rpy(np.zeros(3), (roll, sign * (np.pi / 2 - to_the_pole), yaw))
+            found = Placement.from_rpy(np.zeros(3), turned.rpy)
+            np.testing.assert_allclose(found.R, turned.R, rtol=0, atol=2 * SINGULAR)
+            if to_the_pole > SINGULAR:
+                np.testing.assert_allclose(found.R, turned.R, rtol=0, atol=10 * EPS)
 
 
 def test_rates_give_the_angular_velocity() -> None:

@@ -9,9 +9,9 @@ import pytest
 
 from fmus.catalog import model
 from fmus.control.adaptation import SIZES
-from fmus.mechanics.rigid_body import Body, RobotError
+from fmus.mechanics.rigid_body import Body, Placement, RobotError
 from fmus.robots import posture, table_path
-from fmus.robots.puma560 import PUMA
+from fmus.robots.puma560 import PUMA, puma560
 from fmus.robots.spatial_robot import SpatialRobot
 from fmus.robots.substep import STABLE, STEPS, friction_rate
 from fmus.robots.table_path import MARGIN, Fitting, NoPathError, TableArm, motion
@@ -96,6 +96,25 @@ def test_limits_hold_all_along_the_ellipse(name: str, request: pytest.FixtureReq
             assert np.all(np.abs(tau) <= one.joints.efforts)
         q = q + dt * dq
     assert np.abs(motion(one.path, 0)[0] - np.array(arm.tip_frame(q)[1]).ravel()).max() < 0.01  # it came round
+
+
+def test_a_tip_whose_axis_1_points_up_keeps_its_orientation() -> None:
+    """Roll and yaw turn about one axis there: the angles of the reference are still those of the tip."""
+    near = np.array([0.3, -1.335, 3.355, 0.0, np.pi / 2 - (3.355 - 1.335) + np.pi / 2, 0.2])
+    chain = puma560(Placement.from_rpy((0.0, 0.0, 0.15), (0.0, np.pi / 2, 0.0)))
+    table = TableArm(chain, Body("payload", 0.5))
+    R = np.array(table.at(near)[0])
+    assert abs(R[2, 0]) == pytest.approx(1.0, abs=1e-15)
+    path = table.path(near, 0.3)
+    np.testing.assert_allclose(Placement.from_rpy(np.zeros(3), path.reference).R, R, rtol=0, atol=1e-4)  # 4 decimals
+    np.testing.assert_allclose(SpatialRobot(chain, tuple(near), path).start.q, near, rtol=0, atol=1e-3)
+
+
+@pytest.mark.parametrize("axis", [(1.0, 0.0, 0.0), (0.0, -0.6, 0.8), (0.36, 0.48, 0.8)])
+def test_an_orientation_half_a_turn_away_is_not_taken_for_the_same(axis: tuple[float, ...]) -> None:
+    """At a half turn the antisymmetric part of the rotation, whose length is the sine, vanishes."""
+    half = 2 * np.outer(axis, axis) - np.eye(3)
+    assert abs(np.dot(table_path.rotation_vector(half), axis)) == pytest.approx(1.0, abs=1e-14)
 
 
 def test_the_path_of_the_puma_fits_by_the_same_rule() -> None:
