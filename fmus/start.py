@@ -27,7 +27,8 @@ class MotionStart:
     Attributes
     ----------
     q, dq, ddq
-        rad, rad/s and rad/s2, shape (n,); ddq = -H^-1 C dq is the acceleration without torque.
+        rad, rad/s and rad/s2, shape (n,); m, m/s and m/s2 of joints that slide. ddq is the acceleration without torque
+        and contact, -H^-1 (C dq + g + f).
     x_v, dx_v, ddx_v
         m, m/s and m/s2, of angles rad, rad/s and rad/s2, shape (m,).
     """

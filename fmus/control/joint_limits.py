@@ -100,12 +100,14 @@ def declare_repulsion(model: SampledModel, joints: Joints) -> Repulsion:
             unit=joints.each(*units),
             limits=NOT_NEGATIVE,
             tunable=True,
-            description=[f"{text}; {special}" for text in joints.texts(f"{what} of the repulsion")],
+            description=[
+                f"{text}; {special}" for text in joints.texts(*(f"{what} of the repulsion" for what in whats))
+            ],
         )
-        for name, values, units, what, special in (
-            ("limit_stiffness", [0.0] * joints.n, ("N.m/rad", "N/m"), "Stiffness", "0 = none"),
-            ("limit_damping", [0.0] * joints.n, ("N.m.s/rad", "N.s/m"), "Damping", "0 = none"),
-            ("limit_torque", joints.efforts, ("N.m", "N"), "Largest torque", "1e9 = no limit"),
+        for name, values, units, whats, special in (
+            ("limit_stiffness", [0.0] * joints.n, ("N.m/rad", "N/m"), ("Stiffness",), "0 = none"),
+            ("limit_damping", [0.0] * joints.n, ("N.m.s/rad", "N.s/m"), ("Damping",), "0 = none"),
+            ("limit_torque", joints.efforts, ("N.m", "N"), ("Largest torque", "Largest force"), "1e9 = no limit"),
         )
     )
     model.require(0.5 - ca.sum1(lower > upper), "q_min must not exceed q_max for any joint; exchange or correct them")

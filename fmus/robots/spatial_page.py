@@ -12,6 +12,7 @@ from adaptimp_fmu import Example, Grid, Numbers
 from fmus.elements import TURNS
 from fmus.mechanics.arm import ArmParameter
 from fmus.mechanics.chain import Chain
+from fmus.mechanics.joints import Joints
 
 ARRAYS = ("p", "p_start", "p_hat", "p_min", "p_max", "Gamma")
 """Arrays with an element for each of the arm's parameters."""
@@ -33,6 +34,8 @@ class Rest:
 
     Attributes
     ----------
+    joints
+        What the joints are, n in number. Units below are those of joints that turn.
     holding
         Torques that carry the weight of arm and payload, N.m, shape (n,).
     pressing
@@ -43,6 +46,7 @@ class Rest:
         The wall_offset at which the surface of the wall is at the tip, m.
     """
 
+    joints: Joints
     holding: np.ndarray
     pressing: np.ndarray
     inertias: np.ndarray
@@ -86,10 +90,11 @@ def first_runs(name: str, rest: Rest) -> list[Example]:
 
 def _held(name: str, rest: Rest) -> Example:
     """Hold the arm, and let it go."""
+    torque = _unit(rest.joints, "N.m", "N")
     code = f"""\
 from fmpy import simulate_fmu
 
-hold = {_list(rest.holding)}  # N.m
+hold = {_list(rest.holding)}  # {torque}
 at_rest = {{f"dq_start[{{i}}]": 0.0 for i in range(1, {len(rest.holding) + 1})}}
 held = at_rest | {{f"tau[{{i}}]": torque for i, torque in enumerate(hold, 1)}}
 position = ["x[1]", "x[2]", "x[3]"]  # m, in the axes of the base
@@ -114,6 +119,7 @@ for what, values in (("held", held), ("let go", at_rest)):
 def _own_controller(name: str, rest: Rest) -> Example:
     """A joint controller that presses on the wall."""
     stiffness, damping = BANDWIDTH**2 * rest.inertias, 2 * BANDWIDTH * rest.inertias
+    torque = _unit(rest.joints, "N.m", "N")
     code = f"""\
 import shutil
 
@@ -121,10 +127,10 @@ from fmpy import extract, read_model_description
 from fmpy.fmi2 import FMU2Slave
 
 STEP = 1e-3  # s
-HOLD = {_list(rest.holding)}  # N.m
-PRESS = {_list(rest.pressing)}  # N.m: J' f for a force of {PRESS:g} N along the normal
-STIFFNESS = {_list(stiffness)}  # N.m/rad
-DAMPING = {_list(damping)}  # N.m.s/rad
+HOLD = {_list(rest.holding)}  # {torque}
+PRESS = {_list(rest.pressing)}  # {torque}: J' f for a force of {PRESS:g} N along the normal
+STIFFNESS = {_list(stiffness)}  # {_unit(rest.joints, "N.m/rad", "N/m")}
+DAMPING = {_list(damping)}  # {_unit(rest.joints, "N.m.s/rad", "N.s/m")}
 
 description = read_model_description("{name}.fmu")
 reference = {{variable.name: variable.valueReference for variable in description.modelVariables}}
@@ -249,6 +255,12 @@ for unit in units:
 def _list(values: np.ndarray) -> str:
     """Numbers as a list in Python, to four digits."""
     return f"[{', '.join(f'{float(value) + 0.0:.4g}' if abs(value) > 1e-9 else '0' for value in values)}]"
+
+
+def _unit(joints: Joints, turning: str, sliding: str) -> str:
+    """The unit of a list with a number for each joint, as a comment in a program."""
+    units = joints.each(turning, sliding)
+    return units[0] if len(set(units)) == 1 else ", ".join(units)
 
 
 def _number(value: float) -> str:

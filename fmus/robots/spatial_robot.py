@@ -186,13 +186,14 @@ class SpatialRobot:
         gravity = model.parameter(
             "gravity", GRAVITY, unit="m/s2", description=along("Acceleration of a falling body", SPACE)
         )
+        of_slides = "" if all(self.joints.turns) else "; in m/s for joints that slide"
         velocity = model.parameter(
             "coulomb_velocity",
             start.COULOMB_VELOCITY,
             unit="rad/s",
             display_unit=RATE,
             limits=POSITIVE,
-            description="Joint rate over which Coulomb friction changes sign (tanh)",
+            description=f"Joint rate over which Coulomb friction changes sign (tanh){of_slides}",
         )
         return SpatialArmModel(self.arm, gravity, velocity, rotation(declare_reference(model, self.path)))
 
@@ -238,7 +239,7 @@ class SpatialRobot:
         holding = np.array(self.arm.gravity_torque(q, held, GRAVITY)).ravel()
         pressing = J[:SPACE].T @ np.array(path.wall_normal) * PRESS
         touching = float(np.dot(path.wall_normal, np.array(self.arm.tip_frame(q)[1]).ravel()))
-        return Rest(holding, pressing, np.diag(H), touching)
+        return Rest(self.joints, holding, pressing, np.diag(H), touching)
 
     @cached_property
     def _model(self) -> SpatialArmModel:

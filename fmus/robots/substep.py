@@ -58,12 +58,12 @@ def longest_substep(arm: SpatialArm, q: np.ndarray, p: np.ndarray) -> float:
         if fastest.rate * step <= STABLE:
             return step
     joint, body = arm.chain.joints[fastest.joint], arm.chain.joints[fastest.joint].body
-    unit = "N.m" if joint.turns else "N"
+    viscous, coulomb = ("N.m.s/rad", "N.m") if joint.turns else ("N.s/m", "N")
     msg = (
-        f"Robot {arm.chain.name}: {joint.label} has damping {joint.damping:g} and friction {joint.friction:g} {unit} "
-        f"against the small inertia of {body.name}, which would stop it within {1 / fastest.rate:.1g} s; an integrator "
-        f"would need steps of {_shown(STABLE / fastest.rate)} s, and the shortest is {STEPS[-1]:g} s. A URDF has no "
-        "rotor inertia, which is the larger part in a geared joint; give it in kg m2 as seen at the joint, such as "
+        f"Robot {arm.chain.name}: {joint.label} has damping {joint.damping:g} {viscous} and friction "
+        f"{joint.friction:g} {coulomb} against the small inertia of {body.name}, which would stop it within "
+        f"{1 / fastest.rate:.1g} s; an integrator would need steps of {_shown(STABLE / fastest.rate)} s, and the "
+        f"shortest is {STEPS[-1]:g} s. A URDF has no rotor inertia, which is the larger part in a geared joint; give it in kg m2 as seen at the joint, such as "
         f"rotor={{'{joint.name}': 0.05}}, or correct <dynamics>."
     )
     raise RobotError(msg)

@@ -29,10 +29,9 @@ from fmus import start
 from fmus.mechanics.chain import Chain
 from fmus.mechanics.rigid_body import Body, Placement, RobotError, merged
 from fmus.mechanics.spatial_arm import SPACE, SpatialArm
+from fmus.robots.spatial_robot import GRAVITY, rotation_matrix
 from fmus.start import SpatialPath
 
-GRAVITY = (0.0, 0.0, -9.81)
-"""Acceleration of a falling body in the axes of the base, m/s2: the arm stands upright."""
 UPRIGHT, ACROSS, BOTTOM, DEPTH = 0.06, 0.16, 0.008, 0.004
 """Semi-axes, and depths of the ellipse's bottom and of its segment below the table, in reaches of the arm."""
 SIZES = (1.0, 0.7, 0.45, 0.3, 0.2)
@@ -262,7 +261,7 @@ def margins(lower: float, upper: float) -> tuple[float, float]:
 
 def motion(path: SpatialPath, angle: float) -> np.ndarray:
     """Position m, velocity m/s and acceleration m/s2 on an ellipse, shape (3, 3), at an angle of its run, rad."""
-    first, second, _ = Placement.from_rpy((0.0, 0.0, 0.0), path.plane).R.T
+    first, second, _ = rotation_matrix(path.plane).T
     a, b, rate = path.semi_axis[0] * first, path.semi_axis[1] * second, 2 * math.pi / start.PERIOD
     cosine, sine = math.cos(angle), math.sin(angle)
     around = a * cosine + b * sine

@@ -65,6 +65,20 @@ def test_plant_and_controller_of_a_slide_agree_on_its_units() -> None:
     assert controller["tau_cmd[1]"][0] == "N"
 
 
+def test_texts_of_an_arm_with_a_slide_have_its_units() -> None:
+    robot = _with_slide()
+    plant, controller = (unit_of_arm(unit, robot, "Lifted") for unit in ("Plant", "HoganImpedance"))
+    found = variables(controller)
+    assert found["limit_torque[1]"] == ("N", "", "Largest force of the repulsion of joint lift; 1e9 = no limit")
+    assert found["limit_torque[2]"] == ("N.m", "", "Largest torque of the repulsion of joint 1; 1e9 = no limit")
+    for one in (variables(plant), found):
+        assert one["coulomb_velocity"][2].endswith("(tanh); in m/s for joints that slide")
+    held, pressed, _ = (example.code for example in plant.guide.examples)
+    assert held.count("# N, N.m, N.m, N.m, N.m, N.m, N.m\n") == 1
+    assert "# N/m, N.m/rad, N.m/rad," in pressed
+    assert variables(model("PlantPuma560"))["coulomb_velocity"][2].endswith("(tanh)")
+
+
 def test_actuators_of_the_puma_start_at_its_largest_torques() -> None:
     """Armstrong, Khatib and Burdick (1986), table of motors."""
     starts = {one.name: one.start for one in model("ActuatorPuma560").variables}

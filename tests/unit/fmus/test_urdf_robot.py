@@ -198,7 +198,7 @@ def test_arms_with_too_few_joints_or_without_drive_are_refused(arm6: Path, tmp_p
 def test_stiff_friction_asks_for_a_rotor_and_is_integrated_with_it(arm6: Path, tmp_path: Path) -> None:
     stiff = edited(arm6, tmp_path, '<dynamics damping="0.1"/>', '<dynamics damping="1" friction="2"/>')
     with pytest.raises(
-        RobotError, match=r"joint flange_roll has damping 1 and friction 2 N\.m against the small inert"
+        RobotError, match=r"joint flange_roll has damping 1 N\.m\.s/rad and friction 2 N\.m against the small inert"
     ):
         robot_of_urdf(stiff, "tool", start=(0, 0.25, 1.56, 0, 1.33, 0))
     given = robot_of_urdf(stiff, "tool", start=(0, 0.25, 1.56, 0, 1.33, 0), rotor={"flange_roll": 0.02})
