@@ -63,8 +63,8 @@ def longest_substep(arm: SpatialArm, q: np.ndarray, p: np.ndarray) -> float:
         f"Robot {arm.chain.name}: {joint.label} has damping {joint.damping:g} {viscous} and friction "
         f"{joint.friction:g} {coulomb} against the small inertia of {body.name}, which would stop it within "
         f"{1 / fastest.rate:.1g} s; an integrator would need steps of {_shown(STABLE / fastest.rate)} s, and the "
-        f"shortest is {STEPS[-1]:g} s. A URDF has no rotor inertia, which is the larger part in a geared joint; give it in kg m2 as seen at the joint, such as "
-        f"rotor={{'{joint.name}': 0.05}}, or correct <dynamics>."
+        f"shortest is {STEPS[-1]:g} s. A URDF has no rotor inertia, which is the larger part in a geared "
+        f"joint; give it in kg m2 as seen at the joint, such as rotor={{'{joint.name}': 0.05}}, or correct <dynamics>."
     )
     raise RobotError(msg)
 
