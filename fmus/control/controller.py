@@ -20,6 +20,7 @@ from fmus.elements import ACCELERATION, ANGLE, LENGTH, RATE, of_axes, of_task, o
 from fmus.mechanics.algebra import factors_spd
 from fmus.mechanics.arm import ArmModel
 from fmus.mechanics.orientation import rotation
+from fmus.mechanics.spatial_model import SpatialArmModel
 from fmus.mechanics.task import Task
 from fmus.mechanics.turned_task import TurnedTask
 from fmus.project import group_signals
@@ -174,7 +175,8 @@ def declare_controller(name: str, description: str, robot: Robot | None = None, 
     virtual = _declare_virtual(model, robot)
     impedance = _impedance(model, robot.task, full=full)
     arm = robot.declare_known(model)
-    if robot.task.in_space:
+    if isinstance(arm, SpatialArmModel):
+        arm = replace(arm, wanted=virtual[0][robot.task.positions :])  # else e jumps by a full turn at 180 deg
         arm = TurnedTask(arm, rotation(_declare_task_axes(model)))
         virtual = arm.in_task(virtual[0]), arm.in_task(virtual[1]), arm.in_task(virtual[2])
     measured = replace(measured, F_hat=arm.wrench_force(measured.q, measured.F_hat))

@@ -11,9 +11,12 @@ moment in the axes of the base, at the tip,
 
     dx = J_a dq,   J_a = diag(I, E^-1) J_g,   F = (f, E' m),   dx' F = v' f + w' m
 
-E is singular at pitch = +-90 deg, where roll and yaw turn about one axis: det E = cos(pitch). Roll and yaw jump by a
-full turn at +-180 deg. A reference orientation near those that the task needs keeps both far away.
+E is singular at pitch = +-90 deg, where roll and yaw turn about one axis: det E = cos(pitch). A reference orientation
+near those that the task needs keeps it far away. Roll and yaw of a matrix jump by a full turn at +-180 deg. A law that
+compares them with wanted angles takes the ones nearest to these (`nearest`).
 """
+
+import math
 
 import casadi as ca
 
@@ -59,6 +62,15 @@ def rotation(phi: ca.SX) -> ca.SX:
 def angles(R: ca.SX) -> ca.SX:
     """Roll, pitch and yaw, rad, shape (3,), of a rotation matrix: roll and yaw within a half turn, pitch a quarter."""
     return ca.vertcat(ca.atan2(R[2, 1], R[2, 2]), ca.atan2(-R[2, 0], pitch_cosine(R)), ca.atan2(R[1, 0], R[0, 0]))
+
+
+def nearest(phi: ca.SX, wanted: ca.SX) -> ca.SX:
+    """Angles of the same orientation, rad, shape (3,), with roll and yaw at most a half turn from the wanted ones.
+
+    Angles that are there already keep every bit.
+    """
+    turns = ca.floor((wanted - phi) / (2 * math.pi) + 0.5)
+    return ca.vertcat(phi[0] + 2 * math.pi * turns[0], phi[1], phi[2] + 2 * math.pi * turns[2])
 
 
 def pitch_cosine(R: ca.SX) -> ca.SX:

@@ -16,7 +16,7 @@ from adaptimp_fmu import Formula, Formulas
 from fmus.mechanics.algebra import gram_determinant
 from fmus.mechanics.arm import ArmParameter, Demand
 from fmus.mechanics.chain import Chain
-from fmus.mechanics.orientation import analytic_jacobian, angles, generalized_force, pitch_cosine
+from fmus.mechanics.orientation import analytic_jacobian, angles, generalized_force, nearest, pitch_cosine
 from fmus.mechanics.recursions import TEN, Inertia
 from fmus.mechanics.rigid_body import SYMBOLS, RobotError
 from fmus.mechanics.spatial_arm import PER_JOINT, SpatialArm
@@ -55,6 +55,8 @@ class SpatialArmModel:
         Joint rate over which Coulomb friction changes sign, rad/s.
     reference
         Orientation R_0 of the tip at which roll, pitch and yaw are 0, shape (3, 3).
+    wanted
+        Angles, rad, shape (3,), from which roll and yaw of x are at most a half turn away; by default 0.
 
     Raises
     ------
@@ -66,6 +68,7 @@ class SpatialArmModel:
     gravity: ca.SX
     coulomb_velocity: ca.SX
     reference: ca.SX
+    wanted: ca.SX | None = None
 
     def __post_init__(self) -> None:
         """Refuse arms whose Jacobian never has full rank."""
@@ -94,7 +97,8 @@ class SpatialArmModel:
     def forward_kinematics(self, q: ca.SX) -> ca.SX:
         """Task coordinates x = (p, phi), m and rad, shape (6,)."""
         R, position = self._tip(q)
-        return ca.vertcat(position, angles(R))
+        phi = angles(R) if self.wanted is None else nearest(angles(R), self.wanted)
+        return ca.vertcat(position, phi)
 
     def jacobian(self, q: ca.SX) -> ca.SX:
         """Analytic Jacobian J_a, shape (6, n): dx = J_a dq."""

@@ -1,4 +1,6 @@
-"""Gains along axes that are turned from those of the base: `task_rpy` of the controllers in space."""
+"""Coordinates of controllers in space: gains along axes that are turned from those of the base (`task_rpy`), and angles
+beyond a half turn.
+"""
 
 import numpy as np
 import pytest
@@ -87,3 +89,22 @@ def test_axes_that_are_not_turned_change_no_bit(law: str, monkeypatch: pytest.Mo
     for name, values in plain.items():
         np.testing.assert_array_equal(turned[name], values, err_msg=name)
     assert at.size == len(plain["tau_cmd"])
+
+
+@pytest.mark.parametrize("law", [HOGAN, CRAIG, SLOTINE_LI, SPONG_ORTEGA])
+def test_whole_turns_of_the_virtual_angles_change_no_torque(law: str) -> None:
+    """The orientation is the same, and the tip's angles, which a matrix gives within a half turn, follow."""
+    loop = closed_loop(PUMA, law)
+    given = {name: values.T for name, values in loop.given.items()}
+    states = {"a_f": loop.ddq.T, "ddq": loop.ddq.T} if law == SPONG_ORTEGA else {"ddq": loop.ddq.T}
+    evaluate = evaluator(LAWS[law](robot(PUMA)))
+    expected = evaluate(**given, **states)
+    turns = np.zeros((6, given["x_v"].shape[1]))
+    turns[3], turns[5] = 2 * np.pi, -4 * np.pi
+    axes = Rotation.from_euler("xyz", loop.given["task_rpy"]).as_matrix()
+    turned = np.concatenate([turns[:3], apply(axes.transpose(0, 2, 1), turns[3:].T).T])  # x_t has the axes of the gains
+    moved = {"x_v": given["x_v"] + turns, "x_t": given["x_t"] + turned}
+    found = evaluate(**(given | moved), **states)
+    # Angles of up to 16 rad are rounded to 2e-15 rad, by which e and the torques differ as they do for such an angle.
+    for name in ("tau_cmd", "e"):
+        np.testing.assert_allclose(found[name], expected[name], rtol=0, atol=1e-9 * np.abs(expected[name]).max())
