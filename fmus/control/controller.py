@@ -255,6 +255,10 @@ def _declare_measurements(model: SampledModel, robot: Robot) -> tuple[Measured, 
 def _declare_virtual(model: SampledModel, robot: Robot) -> tuple[ca.SX, ca.SX, ca.SX]:
     """Declare the inputs x_v, dx_v and ddx_v."""
     begin, task = robot.start, robot.task
+    # The rates of roll, pitch and yaw are no angular velocity.
+    rate, second = (
+        ("rate", "acceleration of the angle") if task.in_space else ("angular velocity", "angular acceleration")
+    )
     x_v, dx_v, ddx_v = (
         model.input(
             name,
@@ -264,8 +268,8 @@ def _declare_virtual(model: SampledModel, robot: Robot) -> tuple[ca.SX, ca.SX, c
         )
         for name, value, per, text, turning in (
             ("x_v", begin.x_v, "", "position", "angle"),
-            ("dx_v", begin.dx_v, "/s", "velocity", "angular velocity"),
-            ("ddx_v", begin.ddx_v, "/s2", "acceleration", "angular acceleration"),
+            ("dx_v", begin.dx_v, "/s", "velocity", rate),
+            ("ddx_v", begin.ddx_v, "/s2", "acceleration", second),
         )
     )
     return x_v, dx_v, ddx_v

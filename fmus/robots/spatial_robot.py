@@ -225,7 +225,7 @@ class SpatialRobot:
             "payload_inertia",
             self.payload.inertia,
             unit="kg.m2",
-            description=[f"Moment of inertia {i + 1}{j + 1} of the payload about its centre" for j, i in LOWER],
+            description=[f"Moment of inertia {i + 1}{j + 1} of the payload about its centre" for i, j in LOWER],
         )
         about_origin = [six[k] + m * ((ca.dot(c, c) if i == j else 0) - c[i] * c[j]) for k, (i, j) in enumerate(LOWER)]
         _require_moments(model, six)

@@ -1,6 +1,4 @@
-"""Coordinates of controllers in space: gains along axes that are turned from those of the base (`task_rpy`), and angles
-beyond a half turn.
-"""
+"""Coordinates of controllers in space: axes of the gains (`task_rpy`), and angles beyond a half turn."""
 
 import numpy as np
 import pytest

@@ -79,6 +79,14 @@ def test_texts_of_an_arm_with_a_slide_have_its_units() -> None:
     assert variables(model("PlantPuma560"))["coulomb_velocity"][2].endswith("(tanh)")
 
 
+def test_trajectory_and_controllers_say_the_same_of_the_virtual_motion() -> None:
+    """The rates of roll, pitch and yaw are no angular velocity."""
+    given, taken = variables(model("VirtualTrajectoryPuma560")), variables(model("CraigAdaptiveImpedancePuma560"))
+    for name in (f"{vector}[{i}]" for vector in ("x_v", "dx_v", "ddx_v") for i in range(1, 7)):
+        assert given[name] == taken[name]
+    assert taken["dx_v[4]"][2] == "Virtual rate of the tip in roll"
+
+
 def test_actuators_of_the_puma_start_at_its_largest_torques() -> None:
     """Armstrong, Khatib and Burdick (1986), table of motors."""
     starts = {one.name: one.start for one in model("ActuatorPuma560").variables}
