@@ -168,7 +168,7 @@ class Model:
         unit: PerElement = "",
         display_unit: PerElement = "",
         description: PerElement,
-        limits: Limits = ANY,
+        limits: Limits | Sequence[Limits] = ANY,
         tunable: bool = False,
         type: Type = Type.REAL,
     ) -> ca.SX:
@@ -183,6 +183,8 @@ class Model:
         display_unit
             Unit in which tools show the value, such as ``deg``; one for all elements, or one each. The value
             itself is in `unit`.
+        limits
+            Range of all elements, or one each.
         tunable
             Whether it may change between steps.
 
@@ -196,12 +198,20 @@ class Model:
         DefinitionError
             If a name, a unit, a start value or its range cannot be declared.
         """
-        if not isinstance(limits, Limits):
-            msg = f"{self.name}.{name}: limits {limits!r} are not a range; give one, as Limits(0.0, 1.0)."
+        ranges = limits if isinstance(limits, Sequence) else [limits]
+        if not all(isinstance(one, Limits) for one in ranges):
+            msg = (
+                f"{self.name}.{name}: limits {limits!r} are not a range; give one, as Limits(0.0, 1.0), or one for each"
+                " element."
+            )
             raise DefinitionError(msg)
         role = Role.TUNABLE_PARAMETER if tunable else Role.FIXED_PARAMETER
-        if type is Type.INTEGER and limits.maximum == float("inf"):
-            limits = Limits(max(limits.minimum, -INTEGER_LIMIT), INTEGER_LIMIT)
+        if type is Type.INTEGER:
+            ranges = [
+                Limits(max(one.minimum, -INTEGER_LIMIT), INTEGER_LIMIT) if one.maximum == float("inf") else one
+                for one in ranges
+            ]
+        limits = ranges if isinstance(limits, Sequence) else ranges[0]
         symbol = self._declare(Declaration(name, role, type, limits), start, (unit, display_unit, description))
         self.parameter_symbols.append(symbol)
         return symbol
@@ -385,6 +395,9 @@ class Model:
         what = ("units", "display units", "descriptions")
         each = zip(*(per_element(text, names, w) for text, w in zip(texts, what, strict=True)), strict=True)
         ranges = [declared.limits] * len(names) if isinstance(declared.limits, Limits) else declared.limits
+        if len(ranges) != len(names):
+            msg = f"{names[0]}: {len(names)} elements but {len(ranges)} limits; give one for all, or one for each."
+            raise DefinitionError(msg)
         for element, start, limits, (unit, shown, text) in zip(names, starts, ranges, each, strict=True):
             least, most = limits.minimum, limits.maximum
             self.variables.append(Variable(element, role, type, unit, text, start, least, most, shown))

@@ -15,7 +15,7 @@ from functools import cached_property
 import casadi as ca
 import numpy as np
 
-from adaptimp_fmu import NOT_NEGATIVE, POSITIVE, Drawing, Icon, Model
+from adaptimp_fmu import ANY, NOT_NEGATIVE, POSITIVE, Drawing, Icon, Model
 from fmus import icons, start
 from fmus.drawings.spatial_arm import Wall as DrawnWall
 from fmus.drawings.spatial_arm import spatial_arm as drawn_arm
@@ -199,10 +199,15 @@ class SpatialRobot:
 
     def declare_true(self, model: Model) -> tuple[ArmModel, ca.SX]:
         """Declare the numbers of a plant and of its payload; returns the arm and p, shape (13 n + 10,)."""
-        known = self.parameters[: PER_JOINT * self.n]
+        known, start_of_p = self.parameters[: PER_JOINT * self.n], self.p_start[: PER_JOINT * self.n]
         p = model.parameter(
             "p",
-            self.p_start[: PER_JOINT * self.n],
+            start_of_p,
+            # The rounding of a file may leave a moment of inertia below 0 by a millionth.
+            limits=[
+                ANY if parameter.signed or value < 0 else NOT_NEGATIVE
+                for parameter, value in zip(known, start_of_p, strict=True)
+            ],
             unit=[parameter.unit for parameter in known],
             description=[f"{parameter.text[0].upper()}{parameter.text[1:]}" for parameter in known],
         )

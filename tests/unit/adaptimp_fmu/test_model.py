@@ -164,6 +164,28 @@ def test_noise_is_declared_once_with_a_seed_that_exists() -> None:
         definition(model)
 
 
+# Ranges
+
+
+def test_elements_of_an_array_may_have_ranges_of_their_own() -> None:
+    model = sampled()
+    model.parameter("p", [1.0, -2.0], limits=[NOT_NEGATIVE, Limits(maximum=0.5)], description="Mass and moment")
+    found = {variable.name: (variable.minimum, variable.maximum) for variable in model.variables}
+    assert (found["p[1]"], found["p[2]"]) == ((0.0, math.inf), (-math.inf, 0.5))
+
+
+@pytest.mark.parametrize(
+    ("limits", "sentence"),
+    [
+        ([NOT_NEGATIVE], r"p\[1\]: 2 elements but 1 limits; give one for all, or one for each\."),
+        ((0.0, 1.0), r"p: limits \(0\.0, 1\.0\) are not a range; give one, as Limits\(0\.0, 1\.0\), or one for each"),
+    ],
+)
+def test_limits_that_are_not_those_of_the_elements_are_refused(limits: Any, sentence: str) -> None:
+    with pytest.raises(DefinitionError, match=sentence):
+        sampled().parameter("p", [1.0, 2.0], limits=limits, description="Mass")
+
+
 # What the runtime divides by, and what keys its noise
 
 

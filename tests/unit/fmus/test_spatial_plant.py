@@ -13,7 +13,7 @@ from fmus.plant import plant as declare_plant
 from fmus.robots.puma560 import PUMA
 from orchestration.paper.built_fmus import built
 from tests.convergence.spatial_truth import AXES, GRAVITY, pin
-from tests.driver import Driver
+from tests.driver import Driver, RefusedError
 from tests.property.samples import EPS
 from tests.reference.spatial.arm import hold, puma, symmetric, ten_of_body
 
@@ -125,3 +125,18 @@ def test_two_walls_feel_the_same_point() -> None:
     assert [event.name for event in corner.events] == [f"stop{i + 1}" for i in range(N)] + [
         "contact", "pushing", "contact2", "pushing2",
     ]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("element", "sentence"),
+    [
+        (11, r"p\[11\] = -0\.5 must be at least 0 kg\."),
+        (17, r"p\[17\] = -0\.5 must be at least 0 kg\.m2\."),
+        (61, r"p\[61\] = -0\.5 must be at least 0 N\.m\.s/rad\."),
+        (78, r"p\[78\] = -0\.5 must be at least 0 kg\.m2\."),
+    ],
+)
+def test_what_no_arm_has_less_than_nothing_of_is_refused(plant: Driver, element: int, sentence: str) -> None:
+    """Masses, moments about an axis, friction and rotors; first moments and products of inertia have both signs."""
+    with pytest.raises(RefusedError, match=sentence):
+        plant.initialize({f"p[{element}]": -0.5})
