@@ -1,7 +1,6 @@
 """Controllers' variants: which matrices they refuse, names and start values, what tunes, form (5) and no C_x s."""
 
 import re
-from collections.abc import Callable, Iterator
 
 import numpy as np
 import pytest
@@ -10,15 +9,14 @@ from fmus.catalog import VARIANTS
 from orchestration import scenario, simulate
 from orchestration.check import Severity
 from orchestration.paper.built_fmus import built
-from tests.driver import Driver, Value
+from tests.driver import Value
 from tests.property.pose import Pose
 from tests.property.samples import EPS
 from tests.reference import arm as closed
 from tests.unit.fmus.test_controllers import TAU, moving, require_refused
+from tests.unit.fmus.variants import TS, Open, require_finite_outputs
 from tests.unit.orchestration.checked import check
 
-Open = Callable[[str], Driver]
-TS = 1e-4  # s
 FULL = [name for name in VARIANTS if name.endswith("Full")]
 CRAIG, SLOTINE_LI, SPONG_ORTEGA, HOGAN = (
     "CraigAdaptiveImpedanceFull",
@@ -35,29 +33,10 @@ def mirrored(values: dict[str, Value]) -> dict[str, Value]:
     return values | across
 
 
-@pytest.fixture
-def open_variant() -> Iterator[Open]:
-    """Opens a variant by its identifier; everything opened is freed after the test."""
-    drivers: list[Driver] = []
-
-    def open_one(name: str) -> Driver:
-        drivers.append(Driver(built(name)))
-        return drivers[-1]
-
-    yield open_one
-    for driver in drivers:
-        driver.close()
-
-
 @pytest.mark.parametrize("name", OURS)
 def test_a_variant_breaks_no_rule_and_shows_finite_outputs(open_variant: Open, name: str) -> None:
     assert [finding for finding in check(built(name)).findings if finding.severity is not Severity.NOTE] == []
-    driver = open_variant(name)
-    driver.initialize()
-    for k in range(3):
-        driver.step(k * TS, TS)
-        assert all(np.isfinite(value) for value in driver.outputs().values())
-    assert not driver.messages
+    require_finite_outputs(open_variant(name))
 
 
 @pytest.mark.parametrize("name", FULL)

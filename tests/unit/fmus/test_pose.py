@@ -1,6 +1,6 @@
 """FMUs of a task of position and angle: rules and loop; start values, units, noise, trajectory, what is refused."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 
 import numpy as np
 import pytest
@@ -21,33 +21,13 @@ from tests.driver import Driver
 from tests.property.samples import EPS
 from tests.unit.fmus.test_controllers import require_refused
 from tests.unit.fmus.test_start import PRINTED, starts
+from tests.unit.fmus.variants import SIGNALS, TS, Open, require_finite_outputs, require_one_start, vector
 from tests.unit.orchestration.checked import check
 
-Open = Callable[[str], Driver]
-TS = 1e-4  # s
 POSE = [name for name in VARIANTS if name.endswith("Pose")]
 ADAPTIVE = [name for name in POSE if "Adaptive" in name]
 ROBUST = [name for name in ADAPTIVE if "Slotine" not in name]
 REDUNDANT = PlanarRobot(3)
-
-
-@pytest.fixture
-def open_variant() -> Iterator[Open]:
-    """Opens a variant by its identifier; everything opened is freed after the test."""
-    drivers: list[Driver] = []
-
-    def open_one(name: str) -> Driver:
-        drivers.append(Driver(built(name)))
-        return drivers[-1]
-
-    yield open_one
-    for driver in drivers:
-        driver.close()
-
-
-def vector(values: dict[str, float], name: str) -> np.ndarray:
-    """The three elements of a vector."""
-    return np.array([values[f"{name}[{i}]"] for i in (1, 2, 3)])
 
 
 @pytest.mark.parametrize("name", POSE)
@@ -57,29 +37,18 @@ def test_a_variant_breaks_no_rule_and_shows_finite_outputs(open_variant: Open, n
     assert [finding for finding in report.findings if finding.severity is not Severity.NOTE] == []
     assert report.role is not None
     assert any(fact.startswith("Closed loop") for fact in report.facts) == ("Craig" in name)
-    driver = open_variant(name)
-    driver.initialize()
-    for k in range(3):
-        driver.step(k * TS, TS)
-        assert all(np.isfinite(value) for value in driver.outputs().values())
-    assert not driver.messages
+    require_finite_outputs(open_variant(name))
 
 
 def test_plant_trajectory_and_controllers_start_at_one_place(open_variant: Open) -> None:
-    shown: dict[str, float] = {}
-    for name in ("Plant3RPose", "VirtualTrajectoryPose"):
-        driver = open_variant(name)
-        driver.initialize()
-        shown |= driver.outputs()
-    np.testing.assert_allclose(vector(shown, "x"), vector(shown, "x_v"), rtol=0, atol=PRINTED)
-    np.testing.assert_allclose(vector(shown, "dx"), vector(shown, "dx_v"), rtol=0, atol=PRINTED)
-    for name in POSE:
-        if "Impedance" in name:
-            inputs = starts(open_variant(name))
-            for signal in ("q", "dq", "x_v", "dx_v", "ddx_v"):
-                np.testing.assert_array_equal(vector(inputs, signal), vector(shown, signal))
-            np.testing.assert_allclose(vector(inputs, "ddq"), vector(shown, "ddq"), rtol=0, atol=PRINTED)
-            np.testing.assert_array_equal(vector(inputs, "p_start"), start.POSE_ARM.masses)
+    controllers = [name for name in POSE if "Impedance" in name]
+    places = ("Plant3RPose", "VirtualTrajectoryPose")
+    exact = [signal for signal in SIGNALS if signal != "ddq"]
+    require_one_start(open_variant, places, controllers, 0.0, exact)
+    require_one_start(open_variant, places, controllers, PRINTED, ["ddq"])
+    for name in controllers:
+        masses = vector(starts(open_variant(name)), "p_start")[:3]
+        np.testing.assert_array_equal(masses, start.POSE_ARM.masses)
 
 
 def test_the_wrist_stays_within_reach_along_the_whole_ellipse() -> None:
