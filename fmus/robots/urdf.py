@@ -17,6 +17,9 @@ from fmus.mechanics.chain import Chain, Joint, JointKind, JointLimits
 from fmus.mechanics.rigid_body import Body, Placement, RobotError, merged
 from fmus.robots.urdf_elements import UrdfJoint, UrdfRobot, robot_of_xml
 
+OTHER_KINDS = ("floating", "planar")
+"""Joints of several degrees of freedom, which URDF has and a serial arm cannot have."""
+
 
 def read_urdf(
     path: Path | str, tip: str, *, base: str | None = None, locked: Mapping[str, float] | None = None
@@ -105,7 +108,7 @@ def _parsed(text: bytes, name: str) -> etree._Element:
 
 def _check_held(robot: UrdfRobot, held: Mapping[str, float]) -> None:
     """Refuse joints that are not there, and positions that a joint cannot have."""
-    robot.known("locked joint", held, robot.joints)
+    robot.known("joint", held, robot.joints)
     for name, value in held.items():
         joint = robot.joints[name]
         if not math.isfinite(value) or (value != 0 and joint.kind not in set(JointKind)):
@@ -172,6 +175,13 @@ def _check_drive(robot: UrdfRobot, joint: UrdfJoint) -> None:
         msg = (
             f"{robot.file}, line {joint.line}: joint {joint.name} mimics joint {joint.mimics}, but each joint of the "
             f"chain needs a drive of its own; remove <mimic>, or hold the joint: locked={{'{joint.name}': 0.0}}."
+        )
+        raise RobotError(msg)
+    if joint.kind not in {*JointKind, *OTHER_KINDS}:
+        given = f'the type "{joint.kind}", which URDF does not know' if joint.kind else "no type"
+        msg = (
+            f"{robot.file}, line {joint.line}: joint {joint.name} has {given}; a joint of the chain is fixed, "
+            f"{', '.join(JointKind)}, in small letters."
         )
         raise RobotError(msg)
     if joint.kind not in set(JointKind):

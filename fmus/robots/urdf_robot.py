@@ -5,6 +5,7 @@ one that is chosen (`fmus.robots.posture`). The ellipse follows from it (`fmus.r
 """
 
 import re
+import unicodedata
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -72,6 +73,8 @@ def robot_of_urdf(
 def suffix_of(name: str) -> str:
     """What the names of a robot's models end with: the words of its name, each with a capital letter.
 
+    A letter with a mark, such as an umlaut, loses the mark.
+
     Raises
     ------
     RobotError
@@ -80,10 +83,11 @@ def suffix_of(name: str) -> str:
     Examples
     --------
     >>> from fmus.robots.urdf_robot import suffix_of
-    >>> suffix_of("ur5_robot"), suffix_of("PUMA 560")
-    ('Ur5Robot', 'PUMA560')
+    >>> suffix_of("ur5_robot"), suffix_of("PUMA 560"), suffix_of("Großer Ärmel")
+    ('Ur5Robot', 'PUMA560', 'GrosserArmel')
     """
-    words = re.findall(r"[A-Za-z0-9]+", name)
+    plain = unicodedata.normalize("NFKD", name.replace("ß", "ss"))
+    words = re.findall(r"[A-Za-z0-9]+", re.sub(r"[\u0300-\u036f]", "", plain))
     if not words:
         msg = f"Robot {name!r}: the name has no letter from A to Z and no digit; FMUs need one, so rename the robot."
         raise RobotError(msg)

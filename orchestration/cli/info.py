@@ -136,7 +136,7 @@ def _whole(
 
 
 def _values(texts: Sequence[str]) -> str:
-    """The values of a variable or of an array: one if they agree, and else each of them in the order of the elements."""
+    """The values of a variable or of an array: one if they agree, else each of them in the order of the elements."""
     if len(set(texts)) == 1:
         return texts[0]
     return ", ".join(texts[:MOST_VALUES]) + (", ..." if len(texts) > MOST_VALUES else "")
