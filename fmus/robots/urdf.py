@@ -8,7 +8,7 @@ A document type, entities and inclusion are refused. Meshes, materials, collisio
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 from lxml import etree
@@ -214,7 +214,22 @@ def _carried(
                 f"link {link}; hold it, locked={{'{joint.name}': 0.0}}, so that what it carries becomes part of the "
                 "link."
             )
+            ends = [one.child for one in sorted(moving, key=lambda one: one.line)]
+            others = [name for end in ends for name in _branches(robot, end, state) if name != joint.name]
+            if others:
+                msg += f" Hold these, too, each where it is to be: {', '.join(others)}."
             raise RobotError(msg)
         there = placement @ joint.origin @ joint.shifted(held.get(joint.name, 0.0))
         bodies += _carried(robot, joint.child, state, there, links)
     return bodies
+
+
+def _branches(robot: UrdfRobot, link: str, state: tuple[set[UrdfJoint], Mapping[str, float]]) -> Iterator[str]:
+    """Names of the joints on a link, and on all that hangs on it up to the chain's next joint, that nobody holds."""
+    moving, held = state
+    for joint in robot.children.get(link, ()):
+        if joint in moving:
+            continue
+        if joint.kind != "fixed" and joint.name not in held:
+            yield joint.name
+        yield from _branches(robot, joint.child, state)

@@ -178,6 +178,17 @@ def test_arms_with_too_few_joints_or_without_drive_are_refused(arm6: Path, tmp_p
         robot_of_urdf(still, "tool")
 
 
+def test_all_joints_that_branch_off_are_named_at_once() -> None:
+    """A hand has twenty of them; nobody wants to read twenty messages."""
+    with pytest.raises(RobotError, match=r"locked=\{'panda_finger_joint1': 0\.0\}, .* too, .*: panda_finger_joint2\.$"):
+        robot_of_urdf(PANDA, "panda_hand_tcp")
+    deep = ROBOTS / "talos_data" / "robots" / "talos_full_v2.urdf"
+    with pytest.raises(RobotError, match="gripper_left_inner_double_joint, gripper_left_fingertip_1_joint, "):
+        robot_of_urdf(deep, "arm_left_7_link", base="torso_2_link")
+    with pytest.raises(RobotError, match=r"panda_finger_joint2 .* part of the link\.$"):
+        robot_of_urdf(PANDA, "panda_hand_tcp", locked={"panda_finger_joint1": 0.0})
+
+
 def test_stiff_friction_asks_for_a_rotor_and_is_integrated_with_it(arm6: Path, tmp_path: Path) -> None:
     stiff = edited(arm6, tmp_path, '<dynamics damping="0.1"/>', '<dynamics damping="1" friction="2"/>')
     with pytest.raises(
