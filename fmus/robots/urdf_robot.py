@@ -20,6 +20,9 @@ from fmus.robots.spatial_robot import SpatialRobot
 from fmus.robots.table_path import TableArm
 from fmus.robots.urdf import read_urdf
 
+LONGEST_NAME = 100
+"""Characters of a robot's name in those of its FMUs; a file may have 255, with the unit's name and endings."""
+
 
 def robot_of_urdf(
     path: Path | str,
@@ -78,7 +81,7 @@ def suffix_of(name: str) -> str:
     Raises
     ------
     RobotError
-        If the name has no letter or digit of ASCII.
+        If the name has no letter or digit of ASCII, or is longer than files may be named.
 
     Examples
     --------
@@ -91,7 +94,14 @@ def suffix_of(name: str) -> str:
     if not words:
         msg = f"Robot {name!r}: the name has no letter from A to Z and no digit; FMUs need one, so rename the robot."
         raise RobotError(msg)
-    return "".join(word[0].upper() + word[1:] for word in words)
+    suffix = "".join(word[0].upper() + word[1:] for word in words)
+    if len(suffix) > LONGEST_NAME:
+        msg = (
+            f"Robot {name[:20]}...: the name has {len(suffix)} letters and digits, and the names of files and functions "
+            f"of FMUs take {LONGEST_NAME}; shorten it."
+        )
+        raise RobotError(msg)
+    return suffix
 
 
 def _check(chain: Chain, file: str) -> None:

@@ -212,6 +212,8 @@ def test_names_of_models_are_identifiers() -> None:
     assert [suffix_of(name) for name in ("Ärmchen Grün 6", "bras-élevé")] == ["ArmchenGrun6", "BrasEleve"]
     with pytest.raises(RobotError, match="no letter from A to Z"):
         suffix_of("机器人")
+    with pytest.raises(RobotError, match=r"Robot a{20}\.\.\.: the name has 300 letters and digits, .* take 100"):
+        suffix_of("a" * 300)
 
 
 def test_gains_of_a_payload_go_with_the_square_of_the_sizes() -> None:
