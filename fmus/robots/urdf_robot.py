@@ -97,7 +97,7 @@ def suffix_of(name: str) -> str:
     suffix = "".join(word[0].upper() + word[1:] for word in words)
     if len(suffix) > LONGEST_NAME:
         msg = (
-            f"Robot {name[:20]}...: the name has {len(suffix)} letters and digits, and files and functions of FMUs take "
+            f"Robot {name[:20]}...: the name has {len(suffix)} letters and digits, and files of FMUs take "
             f"{LONGEST_NAME}; shorten it."
         )
         raise RobotError(msg)
