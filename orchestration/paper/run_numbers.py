@@ -57,11 +57,14 @@ class RunNumber:
 
 def columns_needed(names: Sequence[str] = CHOSEN) -> tuple[str, ...]:
     """Return the names of the columns and arrays that some numbers are computed from, by default those in the plane."""
-    found = [column for name in names for column in parse_formula(READY[name][0]).columns]
-    if PAYLOAD in names:
-        arms = range(SPATIAL, MOST_JOINTS + 1)
-        found += [COMMAND, *(f"{ESTIMATES}[{payload_number(joints)}]" for joints in arms)]
-    return tuple(dict.fromkeys(found))
+    formulas = [parse_formula(READY[name][0]) for name in names]
+    return tuple(dict.fromkeys(column for formula in formulas for column in formula.columns))
+
+
+def columns_to_read() -> tuple[str, ...]:
+    """Return the names of all that the numbers of any arm may be computed from; a file has some of them."""
+    estimates = (f"{ESTIMATES}[{payload_number(joints)}]" for joints in range(SPATIAL, MOST_JOINTS + 1))
+    return (*columns_needed(), *columns_needed(IN_SPACE), COMMAND, *estimates)
 
 
 def run_numbers(result: Result) -> dict[str, RunNumber]:

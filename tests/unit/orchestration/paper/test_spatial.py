@@ -18,7 +18,7 @@ from orchestration.paper.figures.spatial import draw_in_space
 from orchestration.paper.figures.theme import LIGHT_PAGE
 from orchestration.paper.figures.view import View, wall_of
 from orchestration.paper.page.panels import paper_panels
-from orchestration.paper.run_numbers import IN_SPACE, columns_needed, run_numbers, sentences
+from orchestration.paper.run_numbers import IN_SPACE, columns_needed, columns_to_read, run_numbers, sentences
 from orchestration.paper.spatial_scenarios import SPATIAL
 from orchestration.paper.spatial_theory import kinetic_energy
 from orchestration.paper.task_shape import forces, lengths, norms, scales, shape_of
@@ -67,8 +67,7 @@ def test_the_estimate_of_seven_joints_is_that_of_the_payload(tmp_path: Path) -> 
     made = Result(np.arange(3) * 1e-4, names, rows, units=dict.fromkeys(p_hat, "kg"))
     assert sentences(run_numbers(made)) == ["estimate of the payload's mass at the end: 0.8 kg"]
     made.write_parquet(tmp_path / "seven.parquet")
-    needed = (*columns_needed(), *columns_needed(IN_SPACE))
-    assert run_numbers(read_some_columns(tmp_path / "seven.parquet", needed)) == run_numbers(made)
+    assert run_numbers(read_some_columns(tmp_path / "seven.parquet", columns_to_read())) == run_numbers(made)
 
 
 def test_numbers_are_those_of_the_robot_that_the_fmus_have() -> None:
