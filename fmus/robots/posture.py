@@ -34,20 +34,23 @@ def chosen_posture(table_arm: TableArm) -> Fitting:
     Raises
     ------
     NoPathError
-        If no posture was found.
+        If no posture was found; the message has what is in the way of the most promising one.
     """
     found: list[Fitting] = []
+    reason = ""
     for q in _candidates(table_arm):
         try:
             fitting = table_arm.fitting(q)
-        except NoPathError:
+        except NoPathError as error:
+            reason = reason or str(error)
             continue
         if _is_above_table(table_arm, fitting):
             found.append(fitting)
         if len(found) == COMPARED:
             break
     if not found:
-        msg = f"in none of {TRIED} postures an ellipse on a table fits"
+        why = f"the most promising one: {reason}" if reason else "they have joints below the table"
+        msg = f"in none of {TRIED} postures an ellipse on a table fits; {why}"
         raise NoPathError(msg)
     largest = max(fitting.size for fitting in found)
     farthest = max(fitting.singular_value for fitting in found if fitting.size == largest)

@@ -8,7 +8,7 @@ A document type, entities and inclusion are refused. Meshes, materials, collisio
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 from lxml import etree
@@ -16,6 +16,9 @@ from lxml import etree
 from fmus.mechanics.chain import Chain, Joint, JointKind, JointLimits
 from fmus.mechanics.rigid_body import Body, Placement, RobotError, merged
 from fmus.robots.urdf_elements import UrdfJoint, UrdfRobot, robot_of_xml
+
+OTHER_KINDS = ("floating", "planar")
+"""Joints of several degrees of freedom, which URDF has and a serial arm cannot have."""
 
 
 def read_urdf(
@@ -105,7 +108,7 @@ def _parsed(text: bytes, name: str) -> etree._Element:
 
 def _check_held(robot: UrdfRobot, held: Mapping[str, float]) -> None:
     """Refuse joints that are not there, and positions that a joint cannot have."""
-    robot.known("locked joint", held, robot.joints)
+    robot.known("joint", held, robot.joints)
     for name, value in held.items():
         joint = robot.joints[name]
         if not math.isfinite(value) or (value != 0 and joint.kind not in set(JointKind)):
@@ -174,6 +177,13 @@ def _check_drive(robot: UrdfRobot, joint: UrdfJoint) -> None:
             f"chain needs a drive of its own; remove <mimic>, or hold the joint: locked={{'{joint.name}': 0.0}}."
         )
         raise RobotError(msg)
+    if joint.kind not in {*JointKind, *OTHER_KINDS}:
+        given = f'the type "{joint.kind}", which URDF does not know' if joint.kind else "no type"
+        msg = (
+            f"{robot.file}, line {joint.line}: joint {joint.name} has {given}; a joint of the chain is fixed, "
+            f"{', '.join(JointKind)}, in small letters."
+        )
+        raise RobotError(msg)
     if joint.kind not in set(JointKind):
         msg = (
             f"{robot.file}, line {joint.line}: joint {joint.name} is {joint.kind}, but joints of the chain are fixed, "
@@ -204,7 +214,22 @@ def _carried(
                 f"link {link}; hold it, locked={{'{joint.name}': 0.0}}, so that what it carries becomes part of the "
                 "link."
             )
+            ends = [one.child for one in sorted(moving, key=lambda one: one.line)]
+            others = [name for end in ends for name in _branches(robot, end, state) if name != joint.name]
+            if others:
+                msg += f" Hold these, too, each where it is to be: {', '.join(others)}."
             raise RobotError(msg)
         there = placement @ joint.origin @ joint.shifted(held.get(joint.name, 0.0))
         bodies += _carried(robot, joint.child, state, there, links)
     return bodies
+
+
+def _branches(robot: UrdfRobot, link: str, state: tuple[set[UrdfJoint], Mapping[str, float]]) -> Iterator[str]:
+    """Names of the joints on a link, and on all that hangs on it up to the chain's next joint, that nobody holds."""
+    moving, held = state
+    for joint in robot.children.get(link, ()):
+        if joint in moving:
+            continue
+        if joint.kind != "fixed" and joint.name not in held:
+            yield joint.name
+        yield from _branches(robot, joint.child, state)

@@ -229,7 +229,7 @@ def _joint(file: str, element: Element, name: str) -> UrdfJoint:
             msg = f"{file}, line {element.sourceline}: joint {name} needs <{tag} link=...>; add it."
             raise RobotError(msg)
         ends.append(link)
-    return UrdfJoint(name, element.get("type", "?"), ends[0], ends[1], _origin(file, element), file, element)
+    return UrdfJoint(name, element.get("type", ""), ends[0], ends[1], _origin(file, element), file, element)
 
 
 def _origin(file: str, element: Element) -> Placement:

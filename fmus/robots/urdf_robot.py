@@ -5,6 +5,7 @@ one that is chosen (`fmus.robots.posture`). The ellipse follows from it (`fmus.r
 """
 
 import re
+import unicodedata
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -18,6 +19,9 @@ from fmus.robots.posture import chosen_posture
 from fmus.robots.spatial_robot import SpatialRobot
 from fmus.robots.table_path import TableArm
 from fmus.robots.urdf import read_urdf
+
+LONGEST_NAME = 100
+"""Characters of a robot's name in those of its FMUs; a file may have 255, with the unit's name and endings."""
 
 
 def robot_of_urdf(
@@ -72,22 +76,32 @@ def robot_of_urdf(
 def suffix_of(name: str) -> str:
     """What the names of a robot's models end with: the words of its name, each with a capital letter.
 
+    A letter with a mark, such as an umlaut, loses the mark.
+
     Raises
     ------
     RobotError
-        If the name has no letter or digit of ASCII.
+        If the name has no letter or digit of ASCII, or is longer than files may be named.
 
     Examples
     --------
     >>> from fmus.robots.urdf_robot import suffix_of
-    >>> suffix_of("ur5_robot"), suffix_of("PUMA 560")
-    ('Ur5Robot', 'PUMA560')
+    >>> suffix_of("ur5_robot"), suffix_of("PUMA 560"), suffix_of("Großer Ärmel")
+    ('Ur5Robot', 'PUMA560', 'GrosserArmel')
     """
-    words = re.findall(r"[A-Za-z0-9]+", name)
+    plain = unicodedata.normalize("NFKD", name.replace("ß", "ss"))
+    words = re.findall(r"[A-Za-z0-9]+", re.sub(r"[\u0300-\u036f]", "", plain))
     if not words:
         msg = f"Robot {name!r}: the name has no letter from A to Z and no digit; FMUs need one, so rename the robot."
         raise RobotError(msg)
-    return "".join(word[0].upper() + word[1:] for word in words)
+    suffix = "".join(word[0].upper() + word[1:] for word in words)
+    if len(suffix) > LONGEST_NAME:
+        msg = (
+            f"Robot {name[:20]}...: the name has {len(suffix)} letters and digits, and files of FMUs take "
+            f"{LONGEST_NAME}; shorten it."
+        )
+        raise RobotError(msg)
+    return suffix
 
 
 def _check(chain: Chain, file: str) -> None:

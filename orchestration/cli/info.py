@@ -32,6 +32,8 @@ ABILITIES = {
     DIFFERENTIATES: "give directional derivatives",
     VARIES_STEP: "take steps of different lengths",
 }
+MOST_VALUES = 12
+"""Values of an array that are shown if they differ; JSON has all."""
 LONGEST = 200
 """Characters of a text of metadata that is shown; JSON has all."""
 
@@ -110,7 +112,7 @@ def _variables(variables: Sequence[Mapping[str, Any]]) -> list[tuple[str, str, s
         (
             name,
             of[0]["unit"],
-            ", ".join(dict.fromkeys(map(_value, of))),
+            _values([_value(v) for v in of]),
             common_beginning([v["description"] for v in of]),
         )
         for name, of in _whole(variables, ("unit", "type"))
@@ -131,6 +133,13 @@ def _whole(
         elif base not in done:
             done.add(base)
             yield f"{base}{list(found[base].shape)}", elements
+
+
+def _values(texts: Sequence[str]) -> str:
+    """The values of a variable or of an array: one if they agree, else each of them in the order of the elements."""
+    if len(set(texts)) == 1:
+        return texts[0]
+    return ", ".join(texts[:MOST_VALUES]) + (", ..." if len(texts) > MOST_VALUES else "")
 
 
 def _value(variable: Mapping[str, Any]) -> str:
@@ -171,7 +180,7 @@ def _start_values(facts: Mapping[str, Any]) -> list[tuple[str, str, str, str]]:
     """Name, unit, numbers and whether they are assumed; elements of an array that agree in this are one row."""
     values = [{**v, "remark": "assumed" if v["name"] in facts["assumptions"] else ""} for v in facts["start_values"]]
     return [
-        (name, of[0]["unit"], ", ".join(dict.fromkeys(f"{v['value']:.6g}" for v in of)), of[0]["remark"])
+        (name, of[0]["unit"], _values([f"{v['value']:.6g}" for v in of]), of[0]["remark"])
         for name, of in _whole(values, ("unit", "remark"))
     ]
 

@@ -131,18 +131,22 @@ class PictureRequest:
 
     def _figure(self, results: Mapping[str, Result]) -> "Figure":
         """The panels of the paper, or else panels by unit, which is said."""
-        from orchestration.paper.figures.overlay import missing_columns, overlay_figure
+        from orchestration.paper.figures.overlay import missing_columns, overlay_figure, tasks
         from orchestration.paper.figures.theme import DARK_PAGE, LIGHT_PAGE
         from orchestration.results.plotting import figure_by_unit
 
         title = ", ".join(dict.fromkeys(result.metadata.get("system", label) for label, result in results.items()))
         lacking = {label: missing_columns(result) for label, result in results.items()}
         first = next((label for label, names in lacking.items() if names), None)
-        if not self.names and first is None:
+        apart = tasks(results)
+        if not self.names and first is None and len(apart) == 1:
             return overlay_figure(results, DARK_PAGE if self.dark else LIGHT_PAGE, title)
         if not self.names and first is not None:
             columns = " and ".join(filter(None, (", ".join(lacking[first][:-1]), lacking[first][-1])))
             output.remark(f"Notice: {first} has no {columns} of the paper's loop, so each unit has a panel.")
+        elif not self.names:
+            arms = " and ".join(f"{label} has {size}" for size, label in apart.items())
+            output.remark(f"Notice: {arms} task coordinates, so each unit has a panel.")
         return figure_by_unit(results, self.names, title)
 
 

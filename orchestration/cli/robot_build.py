@@ -3,7 +3,7 @@
 import math
 import re
 import shlex
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -12,7 +12,6 @@ from adaptimp_fmu.files.parts import imported
 from orchestration.cli.commands import build_models, chosen_platforms
 from orchestration.cli.output import output, watched
 from orchestration.cli.places import require_folder, written
-from orchestration.cli.settings import setting_of
 from orchestration.errors import SystemDescriptionError
 from orchestration.system.system import System
 
@@ -70,13 +69,15 @@ class RobotRequest:
         """
         urdf_robot, urdf = imported("fmus.robots.urdf_robot"), imported("fmus.robots.urdf")
         held = {name: _number(f"--hold {name}={text}", text) for name, text in map(_HOLD, self.hold)}
-        start = None if self.start is None else [_number(f"--start {self.start}", q) for q in self.start.split(",")]
+        start = None if self.start is None else _numbers(f"--start {self.start}", self.start)
+        if not (math.isfinite(self.payload) and self.payload >= 0):
+            msg = f"--payload {self.payload:g}: the mass at the tip must be finite and at least 0 kg."
+            raise SystemDescriptionError(msg)
         try:
             if self.tip is None:
-                msg = (
-                    f"--robot {self.file} needs --tip, the link at the end of the arm; links that carry no other one:"
-                    f" {', '.join(urdf.last_links(self.file))}."
-                )
+                last = urdf.last_links(self.file)
+                found = f"links that carry no other one: {', '.join(last)}" if last else "the file has no such link"
+                msg = f"--robot {self.file} needs --tip, the link at the end of the arm; {found}."
                 raise SystemDescriptionError(msg)
             return urdf_robot.robot_of_urdf(
                 self.file,
@@ -227,22 +228,45 @@ def _in_options(sentence: str) -> str:
 def _rotors(texts: Sequence[str]) -> Mapping[str, float] | float:
     """Inertias of rotors by their joints, or one for all."""
     if len(texts) == 1 and "=" not in texts[0]:
-        return _number(f"--rotor {texts[0]}", texts[0])
-    return {name: _number(f"--rotor {name}={text}", text) for name, text in map(_ROTOR, texts)}
+        return _number(f"--rotor {texts[0]}", texts[0], _OF_ROTOR)
+    return {name: _number(f"--rotor {name}={text}", text, _OF_ROTOR) for name, text in map(_ROTOR, texts)}
+
+
+def _joint_and_number(option: str, needed: str) -> Callable[[str], tuple[str, str]]:
+    """A function that splits a text JOINT=NUMBER; the name of a joint may have blanks, as URDF allows, and ``=``."""
+
+    def split(text: str) -> tuple[str, str]:
+        name, _, number = text.rpartition("=")
+        if not name.strip():
+            msg = f"{option} {text}: {needed}."
+            raise SystemDescriptionError(msg)
+        return name, number
+
+    return split
 
 
 _OPTIONS = {"locked": "--hold", "rotor": "--rotor"}
-_ROTOR = setting_of("--rotor", "JOINT=INERTIA is needed, or one inertia for all joints, in kg m2 or kg")
-_HOLD = setting_of("--hold", "a joint and where it is held are needed: JOINT=Q, in rad or m")
+_OF_JOINT, _OF_ROTOR = "rad or m", "kg m2 or kg"
+_ROTOR = _joint_and_number("--rotor", f"JOINT=INERTIA is needed, or one inertia for all joints, in {_OF_ROTOR}")
+_HOLD = _joint_and_number("--hold", f"a joint and where it is held are needed: JOINT=Q, in {_OF_JOINT}")
 
 
-def _number(option: str, text: str) -> float:
+def _numbers(option: str, text: str) -> list[float]:
+    """Finite numbers of an option, with commas between them."""
+    if len(text.split()) > 1 and "," not in text:
+        msg = f"{option}: the numbers need commas between them: {','.join(text.split())}."
+        raise SystemDescriptionError(msg)
+    return [_number(option, part) for part in text.split(",")]
+
+
+def _number(option: str, text: str, unit: str = _OF_JOINT) -> float:
     """A finite number of an option."""
     try:
         value = float(text)
     except ValueError:
         value = math.nan
     if not math.isfinite(value):
-        msg = f"{option}: {text.strip() or 'nothing'!r} is not a finite number; give numbers in rad or m."
+        what = repr(text.strip()) if text.strip() else "an empty place"
+        msg = f"{option}: {what} is not a finite number; give numbers in {unit}."
         raise SystemDescriptionError(msg)
     return value

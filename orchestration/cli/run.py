@@ -32,7 +32,7 @@ from orchestration.master.options import Crossings
 from orchestration.master.progress import RUNNING, ProgressLine
 from orchestration.master.simulate import Options, prepare
 from orchestration.master.simulation import Simulation
-from orchestration.paper.run_numbers import IN_SPACE, columns_needed, run_numbers, sentences
+from orchestration.paper.run_numbers import columns_to_read, run_numbers, sentences
 from orchestration.results.columns import ENDED
 from orchestration.results.result import Result
 from orchestration.results.row_hash import row_hash
@@ -112,7 +112,7 @@ def _evaluate(result: Result, destination: Destination, report: RunReport, reque
     if destination.streamed is not None and (picture.path is not None or request.hash):
         result = Result.read(destination.streamed)
     elif destination.streamed is not None and report.rows <= MOST_MEASURED:
-        result = read_some_columns(destination.streamed, (*columns_needed(), *columns_needed(IN_SPACE)))
+        result = read_some_columns(destination.streamed, columns_to_read())
     if report.rows <= MOST_MEASURED:
         report.numbers = run_numbers(result)
     if request.hash or (request.json and destination.streamed is None):

@@ -36,7 +36,7 @@ def _measures_in_space() -> Iterator[tuple[str, tuple[str, str]]]:
                 formula = f"{size}({_norm(array, elements)}, where={condition})"
                 yield f"{size}_{what}_{where}", (formula, f"{begin} {text}, {place}")
     yield "peak_push", (f"max({_norm('plant.F_ext', (1, 2, 3))})", "largest force of the wall on an arm in space")
-    yield "payload_hat", (f"final({_PAYLOAD})", "estimate of the payload's mass of the PUMA 560 at the end")
+    yield "payload_hat", (f"final({_PAYLOAD})", "estimate of the payload's mass at the end, of an arm of six joints")
     yield (
         "payload_error",
         (f"final(abs({_PAYLOAD} - plant.payload_mass))", "error of this estimate at the end"),

@@ -1,6 +1,7 @@
 """The numbers of a run that are looked at first: contact, tracking error, estimate and saturation.
 
-Each of them is a measure of `orchestration.paper.ready_measures`. A number is left out if the run lacks its columns.
+Each of them is a measure of `orchestration.paper.ready_measures`. The payload's mass follows the parameters of all
+joints, so that its column depends on their number. A number is left out if the run lacks its columns.
 """
 
 import math
@@ -8,11 +9,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from orchestration.paper.ready_measures import READY
-from orchestration.paper.task_shape import SPATIAL, shape_of
+from orchestration.paper.task_shape import COMMAND, ESTIMATES, SPATIAL, payload_number, shape_of
 from orchestration.results.measures.parser import parse_formula
 from orchestration.results.result import Result
 
 SIZES = ("max", "rms")
+PAYLOAD = "payload_hat"
+MOST_JOINTS = 16  # of an arm whose estimate is looked for in a file
 CHOSEN = (
     "peak_force",
     "first_contact",
@@ -30,7 +33,7 @@ IN_SPACE = (
     "first_contact",
     "last_contact",
     *(f"{size}_{what}_{where}" for where in ("free", "contact") for what in ("position", "angle") for size in SIZES),
-    "payload_hat",
+    PAYLOAD,
     "share_saturated",
 )
 """Names of the measures of an arm in space."""
@@ -58,11 +61,18 @@ def columns_needed(names: Sequence[str] = CHOSEN) -> tuple[str, ...]:
     return tuple(dict.fromkeys(column for formula in formulas for column in formula.columns))
 
 
+def columns_to_read() -> tuple[str, ...]:
+    """Return the names of all that the numbers of any arm may be computed from; a file has some of them."""
+    estimates = (f"{ESTIMATES}[{payload_number(joints)}]" for joints in range(SPATIAL, MOST_JOINTS + 1))
+    return (*columns_needed(), *columns_needed(IN_SPACE), COMMAND, *estimates)
+
+
 def run_numbers(result: Result) -> dict[str, RunNumber]:
     """Compute the numbers of a run whose columns were recorded, by the names of `CHOSEN` or `IN_SPACE`."""
     found: dict[str, RunNumber] = {}
-    for name in IN_SPACE if shape_of(result).size == SPATIAL else CHOSEN:
-        formula = parse_formula(READY[name][0])
+    shape = shape_of(result)
+    for name in IN_SPACE if shape.size == SPATIAL else CHOSEN:
+        formula = parse_formula(f"final({shape.estimate})" if name == PAYLOAD else READY[name][0])
         if len(result.time) and all(column in result for column in formula.columns):
             value = formula.evaluate(result)
             found[name] = RunNumber(value if math.isfinite(value) else None, formula.unit(result.unit))
@@ -96,7 +106,7 @@ def _errors(numbers: Mapping[str, RunNumber]) -> list[str]:
 
 
 def _estimate(numbers: Mapping[str, RunNumber]) -> str:
-    for name, what in (("m2_hat", "m2"), ("payload_hat", "the payload's mass")):
+    for name, what in (("m2_hat", "m2"), (PAYLOAD, "the payload's mass")):
         if name in numbers:
             return f"estimate of {what} at the end: {_said(numbers[name])}"
     return ""

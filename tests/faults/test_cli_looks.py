@@ -127,6 +127,12 @@ def test_info_of_a_system(adaptimp: Command, packages: dict[str, Path], fig2: Sy
     assert found["assumptions"] == dict(fig2.assumptions)
 
 
+def test_info_says_the_value_of_each_element_that_differs(adaptimp: Command) -> None:
+    lines = [" ".join(line.split()) for line in adaptimp("info", "puma").out.splitlines()]
+    assert "plant.payload_inertia[6] kg.m2 0.002, 0, 0.002, 0, 0, 0.001 assumed" in lines
+    assert "trajectory.wall_normal[3] 0, 0, -1 assumed" in lines
+
+
 @pytest.mark.parametrize("suffix", ["csv", "parquet"])
 def test_info_of_a_result(adaptimp: Command, suffix: str) -> None:
     assert adaptimp("run", "fig2", *SHORT, *SOME, "-o", f"x.{suffix}").code == 0

@@ -67,6 +67,15 @@ def test_a_result_that_is_not_of_the_loop_is_drawn_by_unit(results: Command) -> 
     )
 
 
+def test_results_in_the_plane_and_in_space_are_drawn_by_unit(results: Command) -> None:
+    assert results("run", "puma", *SHORT, "-o", "puma.parquet").code == 0
+    outcome = results("plot", "a.parquet", "puma.parquet")
+    assert (outcome.code, outcome.err) == (
+        0,
+        "Notice: a has 2 and puma has 6 task coordinates, so each unit has a panel.\n",
+    )
+
+
 @pytest.mark.parametrize(
     ("words", "sentence"),
     [

@@ -47,7 +47,16 @@ REFUSED = {
     ),
     "negative": (
         ("--tip", "tool", "--payload", "-1"),
-        r"--robot: Body payload: the mass is -1 kg, but a mass is at least",
+        r"--payload -1: the mass at the tip must be finite and at least 0 kg\.",
+    ),
+    "payload that is no number": (("--tip", "tool", "--payload", "nan"), r"--payload nan: the mass at the tip must be"),
+    "start without commas": (
+        ("--tip", "tool", "--start", "0 0.25 1.56 0 1.33 0"),
+        r"the numbers need commas between them: 0,0\.25,1\.56,0,1\.33,0\.",
+    ),
+    "rotor that is no number": (
+        ("--tip", "tool", "--rotor", "elbow=nan"),
+        r"--rotor elbow=nan: 'nan' is not a finite number; give numbers in kg m2 or kg\.",
     ),
     "platform": (("--tip", "tool", "--platform", "amiga"), r"There is no platform amiga; "),
     "model, too": (("--tip", "tool", "Plant"), r"--robot builds the models of an arm, and Plant is another one; build"),
@@ -69,6 +78,37 @@ def test_a_request_that_cannot_be_carried_out_is_refused(adaptimp: Command, arm:
     assert outcome.code == 2
     assert re.search(sentence, outcome.sentence), outcome.sentence
     assert not (arm.parent / "built").exists()
+
+
+def test_names_of_joints_may_have_blanks(adaptimp: Command, arm: Path) -> None:
+    """URDF allows them, and so the answer is that five joints are left, not that the option cannot be read."""
+    arm.write_text(URDF.replace('joint name="elbow"', 'joint name="left elbow = 2"'), encoding="utf-8")
+    outcome = adaptimp("build", "--robot", arm.name, "--tip", "tool", "--hold", "left elbow = 2=1.5")
+    assert outcome.sentence.startswith("--robot: arm.urdf: 5 joints move between base and tool (waist, shoulder, fore")
+
+
+@pytest.mark.parametrize(
+    ("kind", "sentence"),
+    [
+        ('type="Revolute"', 'joint waist has the type "Revolute", which URDF does not know; a joint of the chain is'),
+        ("", "joint waist has no type; a joint of the chain is fixed, revolute, continuous, prismatic, in small"),
+    ],
+)
+def test_a_joint_of_an_unknown_type_is_not_said_to_be_of_several(
+    adaptimp: Command, arm: Path, kind: str, sentence: str
+) -> None:
+    arm.write_text(URDF.replace('name="waist" type="revolute"', f'name="waist" {kind}'), encoding="utf-8")
+    outcome = adaptimp("build", "--robot", arm.name, "--tip", "tool")
+    assert outcome.code == 2
+    assert sentence in outcome.sentence
+
+
+def test_a_file_without_links_has_no_tip(adaptimp: Command, arm: Path) -> None:
+    arm.write_text('<robot name="empty"/>', encoding="utf-8")
+    outcome = adaptimp("build", "--robot", arm.name)
+    assert outcome.sentence == (
+        "--robot arm.urdf needs --tip, the link at the end of the arm; the file has no such link."
+    )
 
 
 def test_options_of_a_robot_need_a_robot(adaptimp: Command) -> None:

@@ -32,6 +32,7 @@ NEEDED = (TIP, ERROR, FORCE)
 SMALLEST_SPAN = 1e-9  # kg: an estimate that moves less is constant, and the torques are drawn
 COLUMNS_OF_LEGEND = 4
 AROUND = 0.12  # of the size of the path of a tip in space, left free around it
+DIGITS, WIDE = 5, 0.32  # of a longer number beside a panel on the right, and the space that the panels then have
 TALL = 195  # points: height of a panel
 LINE, WIDER = 1.3, 0.9  # points: width of the last run, and by how much each run before it is wider
 
@@ -73,6 +74,14 @@ def missing_columns(result: Result) -> list[str]:
     return lacking
 
 
+def tasks(runs: Mapping[str, Result]) -> dict[int, str]:
+    """The first run with each number of task coordinates; panels are drawn of runs with the same number only."""
+    found: dict[int, str] = {}
+    for label, result in runs.items():
+        found.setdefault(shape_of(result).size, label)
+    return found
+
+
 def in_space(runs: Iterable[Result]) -> bool:
     """Whether all runs have a task of position and orientation in space."""
     return all(shape_of(result).size == SPATIAL for result in runs)
@@ -98,11 +107,18 @@ def overlay_figure(runs: Mapping[str, Result], theme: Theme, title: str) -> Figu
     draw_torques(axes[0, 1], drawn, "(b) ")
     draw_errors(axes[1, 0], drawn, "(c) ")
     draw_forces(axes[1, 1], drawn, "(d) Contact force")
+    if max(map(_digits, axes[:, 1])) > DIGITS:
+        figure.subplots_adjust(wspace=WIDE)
     if rows:
         handles = [Line2D([], [], color=colour, lw=2) for colour in theme.curves[: len(runs)]]
         place = {"loc": "upper left", "bbox_to_anchor": (0.005, 1 - 0.33 / figure.get_figheight())}
         figure.legend(handles, list(runs), ncols=COLUMNS_OF_LEGEND, **place)
     return figure
+
+
+def _digits(axis: Axes) -> int:
+    """Length of the longest number beside a panel."""
+    return max(map(len, axis.yaxis.get_major_formatter().format_ticks(list(axis.get_yticks()))), default=0)
 
 
 def _paths(axis: Axes, drawn: Overlay) -> None:
@@ -180,13 +196,17 @@ def draw_torques(axis: Axes, drawn: Overlay, letter: str) -> None:
     """Draw the estimate of the mass if it moves, or else the torques; the letter begins the title."""
     runs = drawn.runs.values()
     torque = next((name for name in TORQUES if all(name in result for result in runs)), None)
-    estimates = {shape.estimate: shape for shape in map(shape_of, runs)}
-    name, shape = next(iter(estimates.items()))
-    if torque is None or any(name in result and np.ptp(result[name]) > SMALLEST_SPAN for result in runs):
-        for place, result in enumerate(runs):
-            if name in result:
+    shapes = [shape_of(result) for result in runs]
+    shape = shapes[0]
+    moves = (
+        own.estimate in result and np.ptp(result[own.estimate]) > SMALLEST_SPAN
+        for own, result in zip(shapes, runs, strict=True)
+    )
+    if torque is None or any(moves):
+        for place, (own, result) in enumerate(zip(shapes, runs, strict=True)):
+            if own.estimate in result:  # its place goes with the number of joints
                 label = f"${shape.symbol}$" if drawn.alone else ""
-                _steps(axis, result, *_ticks(result, name), label=label, **drawn.looks(place, 0))
+                _steps(axis, result, *_ticks(result, own.estimate), label=label, **drawn.looks(place, 0))
         what = "Estimated $m_2$" if shape.size == PLANAR else "Estimated mass of the payload"
         _finish(axis, drawn, f"{letter}{what}", "mass (kg)")
         return

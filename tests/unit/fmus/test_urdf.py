@@ -209,7 +209,7 @@ def test_names_that_the_file_does_not_have_are_refused() -> None:
         ({"base": "bas"}, "arm.urdf: there is no base link bas; the file has base, upper, lower, tool."),
         (
             {"locked": {"elbo": 0.0}},
-            "arm.urdf: there is no locked joint elbo; the file has shoulder, elbow, flange.",
+            "arm.urdf: there is no joint elbo; the file has shoulder, elbow, flange.",
         ),
         (
             {"base": "tool", "tip": "lower"},

@@ -68,6 +68,14 @@ def test_the_estimate_takes_the_place_of_the_torques_if_it_moves(runs: dict[str,
     assert drawn({"a": moved}).axes[1].get_ylabel() == "mass (kg)"
 
 
+def test_long_numbers_push_no_name_into_the_panel_on_the_left(runs: dict[str, Result]) -> None:
+    result = runs["free"]
+    moved = replace(result, rows=result.rows.copy())
+    moved.rows[:, result.names.index("controller.p_hat[2]")] = -0.0014 * result.time / 2
+    _, estimate, error, _ = drawn({"a": moved}).axes
+    assert error.get_window_extent().x1 < estimate.yaxis.label.get_window_extent().x0
+
+
 def test_no_legend_covers_a_panel(runs: dict[str, Result]) -> None:
     for chosen in ({"free": runs["free"]}, {"limited": runs["limited"]}, runs):
         figure = drawn(chosen)

@@ -18,10 +18,11 @@ from orchestration.paper.figures.spatial import draw_in_space
 from orchestration.paper.figures.theme import LIGHT_PAGE
 from orchestration.paper.figures.view import View, wall_of
 from orchestration.paper.page.panels import paper_panels
-from orchestration.paper.run_numbers import IN_SPACE, columns_needed, run_numbers, sentences
+from orchestration.paper.run_numbers import IN_SPACE, columns_needed, columns_to_read, run_numbers, sentences
 from orchestration.paper.spatial_scenarios import SPATIAL
 from orchestration.paper.spatial_theory import kinetic_energy
 from orchestration.paper.task_shape import forces, lengths, norms, scales, shape_of
+from orchestration.results.some_columns import read_some_columns
 
 RANDOM = np.random.default_rng(18)
 L = space.LENGTH
@@ -55,6 +56,18 @@ def test_a_run_tells_its_task(result: Result) -> None:
     assert shape == PUMA_CASE.shape
     assert result.unit(shape.estimate) == "kg"
     assert result[shape.estimate][0] == space.BELIEVED_PAYLOAD
+
+
+def test_the_estimate_of_seven_joints_is_that_of_the_payload(tmp_path: Path) -> None:
+    """Parameter 79 is the payload's mass of six joints, and the mass of the last link of seven ones."""
+    p_hat, joints = [f"controller.p_hat[{k}]" for k in range(1, 102)], range(1, 8)
+    names = (*p_hat, *(f"controller.e[{i}]" for i in range(1, 7)), *(f"controller.tau_cmd[{i}]" for i in joints))
+    rows = np.zeros((3, len(names)))
+    rows[:, [names.index("controller.p_hat[79]"), names.index("controller.p_hat[92]")]] = 5.0, 0.8
+    made = Result(np.arange(3) * 1e-4, names, rows, units=dict.fromkeys(p_hat, "kg"))
+    assert sentences(run_numbers(made)) == ["estimate of the payload's mass at the end: 0.8 kg"]
+    made.write_parquet(tmp_path / "seven.parquet")
+    assert run_numbers(read_some_columns(tmp_path / "seven.parquet", columns_to_read())) == run_numbers(made)
 
 
 def test_numbers_are_those_of_the_robot_that_the_fmus_have() -> None:
