@@ -1,12 +1,11 @@
 """The FMUs that the conformance tests run over: those of the catalog, of the PUMA 560, and two with Reals only."""
 
-from functools import cache
 from pathlib import Path
 
 from adaptimp_fmu import Model
 from adaptimp_fmu.reals import as_reals
 from fmus.catalog import MODELS
-from orchestration.paper.built_fmus import built
+from tests.variant_files import file_of
 
 REALS = "reals/"
 """Begins the name of an FMU with Reals in the place of Booleans and Integers."""
@@ -25,14 +24,8 @@ def declared(unit: str) -> Model:
     return as_reals(model) if unit.startswith(REALS) else model
 
 
-@cache
-def _spatial(unit: str) -> Path:
-    """The file of an FMU of an arm in space; to find it in the cache takes a second, since it is declared for that."""
-    return built(unit)
-
-
 def file_of_unit(unit: str, fmu_folder: Path, reals_folder: Path) -> Path:
     """The file of an FMU in `UNITS` or `SPATIAL`; the latter are in the cache, or built there."""
     if unit in SPATIAL:
-        return _spatial(unit)
+        return file_of(unit)
     return (reals_folder if unit.startswith(REALS) else fmu_folder) / f"{unit.removeprefix(REALS)}.fmu"

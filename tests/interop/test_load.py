@@ -5,7 +5,6 @@ the two engines exactly what our own master shows.
 """
 
 import warnings
-from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -16,8 +15,8 @@ from fmpy.fmi2 import FMU2Slave
 from fmus.catalog import MODELS, VARIANTS
 from orchestration import Component, Result, System, UnconnectedInputWarning, simulate
 from orchestration.fmi.description import read_description
-from orchestration.paper.built_fmus import built
 from tests.interop.peers import run_ecospy, run_libcosim, unavailable
+from tests.variant_files import file_of
 
 STEP, STEP_NS = 1e-4, 100_000
 STEPS = 20
@@ -25,16 +24,10 @@ STEPS = 20
 SPATIAL = [name for name in VARIANTS if name.endswith("Puma560")]
 
 
-@cache
-def spatial(identifier: str) -> Path:
-    """The file of an FMU of the arm in space; to find it in the cache takes a second."""
-    return built(identifier)
-
-
 @pytest.fixture(params=[*MODELS, *SPATIAL])
 def fmu(request: pytest.FixtureRequest, fmu_folder: Path) -> Path:
     """The file of each FMU in turn; those of the arm in space are variants."""
-    return spatial(request.param) if request.param in SPATIAL else fmu_folder / f"{request.param}.fmu"
+    return file_of(request.param) if request.param in SPATIAL else fmu_folder / f"{request.param}.fmu"
 
 
 def alone(fmu: Path) -> System:

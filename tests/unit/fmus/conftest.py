@@ -4,9 +4,9 @@ from collections.abc import Iterator
 
 import pytest
 
-from orchestration.paper.built_fmus import built
 from tests.driver import Driver
 from tests.unit.fmus.variants import Open
+from tests.variant_files import file_of
 
 
 @pytest.fixture
@@ -15,7 +15,7 @@ def open_variant() -> Iterator[Open]:
     drivers: list[Driver] = []
 
     def open_one(name: str) -> Driver:
-        drivers.append(Driver(built(name)))
+        drivers.append(Driver(file_of(name)))
         return drivers[-1]
 
     yield open_one

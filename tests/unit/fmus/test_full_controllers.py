@@ -8,7 +8,6 @@ import pytest
 from fmus.catalog import VARIANTS
 from orchestration import scenario, simulate
 from orchestration.check import Severity
-from orchestration.paper.built_fmus import built
 from tests.driver import Value
 from tests.property.pose import Pose
 from tests.property.samples import EPS
@@ -16,6 +15,7 @@ from tests.reference import arm as closed
 from tests.unit.fmus.test_controllers import TAU, moving, require_refused
 from tests.unit.fmus.variants import TS, Open, require_finite_outputs
 from tests.unit.orchestration.checked import check
+from tests.variant_files import file_of
 
 FULL = [name for name in VARIANTS if name.endswith("Full")]
 CRAIG, SLOTINE_LI, SPONG_ORTEGA, HOGAN = (
@@ -35,7 +35,7 @@ def mirrored(values: dict[str, Value]) -> dict[str, Value]:
 
 @pytest.mark.parametrize("name", OURS)
 def test_a_variant_breaks_no_rule_and_shows_finite_outputs(open_variant: Open, name: str) -> None:
-    assert [finding for finding in check(built(name)).findings if finding.severity is not Severity.NOTE] == []
+    assert [finding for finding in check(file_of(name)).findings if finding.severity is not Severity.NOTE] == []
     require_finite_outputs(open_variant(name))
 
 
@@ -172,11 +172,11 @@ def test_without_its_coriolis_term_algorithm_2_lacks_c_x_s_and_nothing_else(open
 def test_a_swap_hands_diagonals_on_in_both_directions() -> None:
     """From the plain controller to the variant and back; only what is off the diagonal is dropped, and that is said."""
     plain = scenario("fig5").set({"controller.K": [4000.0, 500.0], "controller.Psi": [90.0, 110.0]})
-    full = plain.replace("controller", built(CRAIG))
+    full = plain.replace("controller", file_of(CRAIG))
     assert full["controller"].start["K[2,2]"] == 500.0
     assert "K[2] to K[2,2]" in full.notices[-1]
     coupled = full.set({"controller.K[1,2]": 30.0, "controller.K[2,1]": 30.0})
-    back = coupled.replace("controller", built("CraigAdaptiveImpedance"))
+    back = coupled.replace("controller", file_of("CraigAdaptiveImpedance"))
     assert back["controller"].start == plain["controller"].start
     dropped, moved = back.notices[len(coupled.notices) :]
     assert dropped == "controller: start values dropped, CraigAdaptiveImpedance has no K[1,2], K[2,1]."

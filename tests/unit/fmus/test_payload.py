@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from orchestration.fmi.codes import Status
-from orchestration.paper.built_fmus import built
 from tests.driver import Driver
+from tests.variant_files import file_of
 
 Open = Callable[..., Driver]
 H = 1e-3  # s
@@ -30,7 +30,7 @@ def rows(plant: Driver, start: dict[str, float], names: list[str]) -> np.ndarray
 
 
 def test_without_a_payload_it_is_the_plant(open_fmu: Open) -> None:
-    heavy = open_fmu(built("PlantWristPayload"))
+    heavy = open_fmu(file_of("PlantWristPayload"))
     names = [*OUTPUTS, "F_wrist[1]", "F_wrist[2]"]
     found = rows(heavy, {}, names)
     np.testing.assert_array_equal(found[:, :12], rows(open_fmu("Plant"), {}, OUTPUTS))
@@ -39,13 +39,13 @@ def test_without_a_payload_it_is_the_plant(open_fmu: Open) -> None:
 
 
 def test_a_payload_does_not_change_the_motion(open_fmu: Open) -> None:
-    found = rows(open_fmu(built("PlantWristPayload")), {"payload": PAYLOAD}, OUTPUTS)
+    found = rows(open_fmu(file_of("PlantWristPayload")), {"payload": PAYLOAD}, OUTPUTS)
     np.testing.assert_array_equal(found, rows(open_fmu("Plant"), {}, OUTPUTS))
 
 
 def test_the_wrist_carries_the_payload(open_fmu: Open) -> None:
     names = [f"{name}[{i}]" for name in VECTORS for i in (1, 2)]
-    found = rows(open_fmu(built("PlantWristPayload")), {"payload": PAYLOAD}, names)
+    found = rows(open_fmu(file_of("PlantWristPayload")), {"payload": PAYLOAD}, names)
     q, dq, ddq, F_ext, F_wrist = (found[:, 2 * k : 2 * k + 2] for k in range(len(VECTORS)))
     angle, rate, turn = q.cumsum(axis=1), dq.cumsum(axis=1), ddq.cumsum(axis=1)  # of links of 1 m
     along = np.stack([np.cos(angle), np.sin(angle)], axis=2)
@@ -60,7 +60,7 @@ def test_the_wrist_carries_the_payload(open_fmu: Open) -> None:
 
 @pytest.mark.parametrize(("payload", "accepted"), [(1.0, True), (1.0 + 1e-9, False)])
 def test_a_payload_is_part_of_the_last_mass(open_fmu: Open, payload: float, accepted: bool) -> None:
-    plant = open_fmu(built("PlantWristPayload"))
+    plant = open_fmu(file_of("PlantWristPayload"))
     plant.set({"payload": payload})
     plant.enter()
     status = plant.instance.status("fmi2ExitInitializationMode")

@@ -15,7 +15,6 @@ from fmus.robots.planar_robot import PlanarRobot
 from fmus.slotine_li_adaptive_impedance import slotine_li_adaptive_impedance
 from fmus.spong_ortega_adaptive_impedance import spong_ortega_adaptive_impedance
 from orchestration.check import Severity
-from orchestration.paper.built_fmus import built
 from orchestration.paper.closed_loop import paper_loop
 from tests.driver import Driver
 from tests.property.samples import EPS
@@ -23,6 +22,7 @@ from tests.unit.fmus.test_controllers import require_refused
 from tests.unit.fmus.test_start import PRINTED, starts
 from tests.unit.fmus.variants import SIGNALS, TS, Open, require_finite_outputs, require_one_start, vector
 from tests.unit.orchestration.checked import check
+from tests.variant_files import file_of
 
 POSE = [name for name in VARIANTS if name.endswith("Pose")]
 ADAPTIVE = [name for name in POSE if "Adaptive" in name]
@@ -33,7 +33,7 @@ REDUNDANT = PlanarRobot(3)
 @pytest.mark.parametrize("name", POSE)
 def test_a_variant_breaks_no_rule_and_shows_finite_outputs(open_variant: Open, name: str) -> None:
     """The loop is tried with one controller of each law's kind, since a ride takes its time."""
-    report = check(built(name), loop=paper_loop if "Craig" in name else None)
+    report = check(file_of(name), loop=paper_loop if "Craig" in name else None)
     assert [finding for finding in report.findings if finding.severity is not Severity.NOTE] == []
     assert report.role is not None
     assert any(fact.startswith("Closed loop") for fact in report.facts) == ("Craig" in name)

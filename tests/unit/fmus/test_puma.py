@@ -4,11 +4,11 @@ import pytest
 
 from fmus.catalog import VARIANTS
 from orchestration.check import Severity
-from orchestration.paper.built_fmus import built
 from orchestration.paper.closed_loop import paper_loop
 from tests.unit.fmus.test_start import PRINTED
 from tests.unit.fmus.variants import SIGNALS, Open, require_finite_outputs, require_one_start
 from tests.unit.orchestration.checked import check
+from tests.variant_files import file_of
 
 PUMA = [name for name in VARIANTS if name.endswith("Puma560")]
 TRIED = "SlotineLiAdaptiveImpedancePuma560"
@@ -17,7 +17,7 @@ TRIED = "SlotineLiAdaptiveImpedancePuma560"
 
 @pytest.mark.parametrize("name", PUMA)
 def test_a_variant_breaks_no_rule_and_shows_finite_outputs(open_variant: Open, name: str) -> None:
-    report = check(built(name), loop=paper_loop if name == TRIED else None)
+    report = check(file_of(name), loop=paper_loop if name == TRIED else None)
     assert [finding for finding in report.findings if finding.severity is not Severity.NOTE] == []
     assert report.role is not None
     assert any(fact.startswith("Closed loop") for fact in report.facts) == (name == TRIED)

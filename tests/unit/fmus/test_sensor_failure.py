@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from fmus.sensor_failure import DROPOUT, NONE, SPIKE, STUCK
-from orchestration.paper.built_fmus import built
 from tests.driver import Driver, RefusedError
+from tests.variant_files import file_of
 
 Open = Callable[..., Driver]
 TS = 1e-3  # s
@@ -42,7 +42,7 @@ def healthy(open_fmu: Open) -> np.ndarray:
 
 def failing(open_fmu: Open, start: dict[str, float]) -> np.ndarray:
     """What FailingForceSensor reads."""
-    return readings(open_fmu(built("FailingForceSensor")), start)
+    return readings(open_fmu(file_of("FailingForceSensor")), start)
 
 
 @pytest.mark.parametrize(
@@ -84,7 +84,7 @@ def test_a_spike_adds_its_force_within_the_range(open_fmu: Open, healthy: np.nda
 
 
 def test_it_tells_that_it_fails(open_fmu: Open) -> None:
-    sensor = open_fmu(built("FailingForceSensor"))
+    sensor = open_fmu(file_of("FailingForceSensor"))
     sensor.initialize(NOISY | FAILURE | {"failure": DROPOUT})
     told = []
     for k in range(STEPS):
@@ -94,7 +94,7 @@ def test_it_tells_that_it_fails(open_fmu: Open) -> None:
 
 
 def test_a_rolled_back_sensor_keeps_the_reading_that_it_holds(open_fmu: Open) -> None:
-    sensor = open_fmu(built("FailingForceSensor"))
+    sensor = open_fmu(file_of("FailingForceSensor"))
     sensor.initialize(NOISY | FAILURE | {"failure": STUCK, "F_ext[1]": 50.0})
     for k in range(FIRST + 1):
         sensor.step(k * TS, TS)
@@ -108,6 +108,6 @@ def test_a_rolled_back_sensor_keeps_the_reading_that_it_holds(open_fmu: Open) ->
 
 @pytest.mark.parametrize("kind", [NONE - 1, SPIKE + 1])
 def test_an_unknown_kind_is_refused(open_fmu: Open, kind: int) -> None:
-    sensor = open_fmu(built("FailingForceSensor"))
+    sensor = open_fmu(file_of("FailingForceSensor"))
     with pytest.raises(RefusedError, match=r"failure = .* must be from 0 to 3"):
         sensor.initialize(NOISY | {"failure": kind})

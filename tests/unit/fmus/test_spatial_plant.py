@@ -11,11 +11,11 @@ from fmus.environment.joint_stops import FASTEST, SLOWEST, TRAVEL
 from fmus.mechanics.joints import NONE
 from fmus.plant import plant as declare_plant
 from fmus.robots.puma560 import PUMA
-from orchestration.paper.built_fmus import built
 from tests.convergence.spatial_truth import AXES, GRAVITY, pin
 from tests.driver import Driver, RefusedError
 from tests.property.samples import EPS
 from tests.reference.spatial.arm import hold, puma, symmetric, ten_of_body
+from tests.variant_files import file_of
 
 N = 6
 H = 1e-4  # s
@@ -26,7 +26,7 @@ LOWEST, HIGHEST = PUMA.joints.ranges
 
 @pytest.fixture(scope="module")
 def opened() -> Iterator[Driver]:
-    plant = Driver(built("PlantPuma560"))
+    plant = Driver(file_of("PlantPuma560"))
     yield plant
     plant.close()
 

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from orchestration.paper.built_fmus import built
 from tests.driver import Driver
 from tests.property.samples import EPS
+from tests.variant_files import file_of
 
 H, TICKS = 4e-3, 500  # s; one turn of 2 s
 ROUNDING = 30 * EPS * 15  # of angles up to 2 pi, times the largest acceleration, as in the plane
@@ -20,7 +20,7 @@ ORIENTATION, TILT = np.array([0.1, 0.2, -0.3]), np.array([0.4, -0.5, 0.6])
 
 @pytest.fixture
 def trajectory() -> Iterator[Driver]:
-    driver = Driver(built("VirtualTrajectoryPuma560"))
+    driver = Driver(file_of("VirtualTrajectoryPuma560"))
     yield driver
     driver.close()
 

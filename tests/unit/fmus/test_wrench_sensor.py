@@ -11,9 +11,10 @@ from scipy.spatial.transform import Rotation
 from fmus.robots.puma560 import PUMA
 from orchestration import System, simulate
 from orchestration.fmi.codes import Status
-from orchestration.paper.built_fmus import built, fmus
+from orchestration.paper.built_fmus import fmus
 from tests.driver import Driver
 from tests.property.samples import EPS
+from tests.variant_files import file_of
 
 TS = 1e-3  # s
 GRAVITY = np.array([0.0, 0.0, -9.81])
@@ -26,7 +27,7 @@ LENGTH = 0.15  # m
 
 @pytest.fixture(scope="module")
 def opened() -> Iterator[Driver]:
-    sensor = Driver(built("ForceSensorPuma560"))
+    sensor = Driver(file_of("ForceSensorPuma560"))
     yield sensor
     sensor.close()
 
