@@ -65,6 +65,7 @@ def adaptimp(core: Path, tmp_path: Path) -> Adaptimp:
     def run(*arguments: str | Path, fails: Sequence[str] = ()) -> subprocess.CompletedProcess[str]:
         command = [program(core, "adaptimp"), *arguments]
         environment = {name: value for name, value in os.environ.items() if not name.startswith(("PYTHON", "VIRTUAL"))}
+        environment["COLUMNS"] = "400"  # no line of a list is folded
         done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False)
         assert (done.returncode == 2) if fails else (done.returncode == 0), done.stderr
         for words in fails:
