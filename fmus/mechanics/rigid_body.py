@@ -55,7 +55,7 @@ class Placement:
         return cls(tuple(tuple(map(float, row)) for row in R), tuple(map(float, p)))
 
     @classmethod
-    def from_rpy(cls, xyz: Sequence[float], rpy: Sequence[float]) -> "Placement":
+    def from_rpy(cls, xyz: Sequence[float] | np.ndarray, rpy: Sequence[float] | np.ndarray) -> "Placement":
         """The placement at xyz, m, that is turned by roll, pitch and yaw, rad, about the axes of the parent."""
         (cr, cp, cy), (sr, sp, sy) = np.cos(rpy), np.sin(rpy)
         R = [
