@@ -200,10 +200,7 @@ class Model:
         """
         ranges = limits if isinstance(limits, Sequence) else [limits]
         if not all(isinstance(one, Limits) for one in ranges):
-            msg = (
-                f"{self.name}.{name}: limits {limits!r} are not a range; give one, as Limits(0.0, 1.0), or one for each"
-                " element."
-            )
+            msg = f"{self.name}.{name}: limits {limits!r} are not a range; give one, as Limits(0.0, 1.0), or one each."
             raise DefinitionError(msg)
         role = Role.TUNABLE_PARAMETER if tunable else Role.FIXED_PARAMETER
         if type is Type.INTEGER:

@@ -178,7 +178,7 @@ def test_elements_of_an_array_may_have_ranges_of_their_own() -> None:
     ("limits", "sentence"),
     [
         ([NOT_NEGATIVE], r"p\[1\]: 2 elements but 1 limits; give one for all, or one for each\."),
-        ((0.0, 1.0), r"p: limits \(0\.0, 1\.0\) are not a range; give one, as Limits\(0\.0, 1\.0\), or one for each"),
+        ((0.0, 1.0), r"p: limits \(0\.0, 1\.0\) are not a range; give one, as Limits\(0\.0, 1\.0\), or one each\."),
     ],
 )
 def test_limits_that_are_not_those_of_the_elements_are_refused(limits: Any, sentence: str) -> None:
