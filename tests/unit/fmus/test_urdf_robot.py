@@ -183,7 +183,8 @@ def test_an_arm_that_cannot_move_fast_enough_has_no_posture(arm6: Path, monkeypa
     monkeypatch.setattr(posture, "TRIED", 20)  # 1000 take half a minute, and say the same
     text = arm6.read_text(encoding="utf-8")
     slow = arm6.with_name("too_slow.urdf")
-    slow.write_text(re.sub(r'velocity="[34]"', 'velocity="0.001"', text), encoding="utf-8")
+    wide = re.sub(r'lower="-[\d.]+" upper="[\d.]+"', 'lower="-6.2" upper="6.2"', text)  # rates alone are in the way
+    slow.write_text(re.sub(r'velocity="[34]"', 'velocity="0.001"', wide), encoding="utf-8")
     with pytest.raises(
         NoPathError, match=r"in none of 20 postures .* fits; the most promising one: .* of its 0\.001 rad/s"
     ):
